@@ -65,12 +65,12 @@ def print_plate(design: Design) -> dict[str, bytes]:
 
 def joint(design: Design) -> dict[str, bytes]:
     """Return a zip file with the joint for a robot model: the files of ``cycloid-mj reduce`` without its page."""
-    from cycloid_mj.robot.files import joint_files, scenes
+    from cycloid_mj.robot.files import choose_scenes, joint_files
     from cycloid_mj.robot.identification import reduce
 
     reduced = reduce(design)
     figures = json.dumps(plain(reduced.as_json()), indent=1)
-    files = joint_files(reduced, *scenes(reduced)) | {"reducer.json": figures.encode()}
+    files = joint_files(reduced, *choose_scenes(reduced)) | {"reducer.json": figures.encode()}
     return _zip(f"{design.name}-joint", files)
 
 

@@ -14,9 +14,9 @@ from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.robot import ReducedJoint
-    from cycloid_mj.robot.comparison import Against
+    from cycloid_mj.robot.comparison import ModelComparison
     from cycloid_mj.robot.population import Population
-    from cycloid_mj.robot.stability import Tried
+    from cycloid_mj.robot.stability import StepTrial
 
 OUT = "runs/reduce"
 LevelFlag = Annotated[
@@ -115,11 +115,11 @@ def reduce(
     of joint.py makes a joint of a row.
     """
     from cycloid_mj.cli.progress import counted
-    from cycloid_mj.robot.comparison import against
-    from cycloid_mj.robot.files import BESIDE, FILES, scenes, without_slip
+    from cycloid_mj.robot.comparison import compare_with_full_model
+    from cycloid_mj.robot.files import BASE_FILES, SPRING_FILES, choose_scenes, without_slip
     from cycloid_mj.robot.identification import reduce as measured
-    from cycloid_mj.robot.population import population
-    from cycloid_mj.robot.stability import study
+    from cycloid_mj.robot.population import draw_population
+    from cycloid_mj.robot.stability import study_time_steps
 
     if timestep_ms is not None and not 0.01 <= timestep_ms <= 10.0:
         raise UsageError(f"--timestep-ms {timestep_ms:g} is out of range: it must be from 0.01 to 10")
@@ -135,13 +135,13 @@ def reduce(
     if seed < 0:
         raise UsageError(f"--seed {seed} is out of range: it must be 0 or more")
     design = chosen.sound()
-    place = claimed(delivery, STEM, (*FILES, *BESIDE, *([SAMPLES] if spread else [])), OUT, paged=True)
+    place = claimed(delivery, STEM, (*BASE_FILES, *SPRING_FILES, *([SAMPLES] if spread else [])), OUT, paged=True)
     reduced = measured(design, level, counted("reduce", delivery.quiet))
-    drives = population(Reducer(design), samples, seed, counted("spread", delivery.quiet)) if spread else None
+    drives = draw_population(Reducer(design), samples, seed, counted("spread", delivery.quiet)) if spread else None
     free = without_slip(reduced)
-    comparison, steps = against(Reducer(design), free), study(free)
+    comparison, steps = compare_with_full_model(Reducer(design), free), study_time_steps(free)
     step = None if timestep_ms is None else 1e-3 * timestep_ms
-    asked, lossy = scenes(reduced, load_inertia_kgm2, step, integrator)
+    asked, lossy = choose_scenes(reduced, load_inertia_kgm2, step, integrator)
     warn(
         design.name,
         [
@@ -154,10 +154,10 @@ def reduce(
 
 def _outcome(
     reduced: "ReducedJoint",
-    comparison: "Against",
-    steps: "tuple[Tried, ...]",
-    asked: "Tried",
-    lossy: "Tried | None",
+    comparison: "ModelComparison",
+    steps: "tuple[StepTrial, ...]",
+    asked: "StepTrial",
+    lossy: "StepTrial | None",
     drives: "Population | None",
 ) -> Outcome:
     from cycloid_mj.base.result import plain, quantity_frame, quantity_table
@@ -165,7 +165,7 @@ def _outcome(
     from cycloid_mj.robot.bam import bam
     from cycloid_mj.robot.files import joint_files
     from cycloid_mj.robot.lossy import lossy_efficiencies, lossy_table
-    from cycloid_mj.robot.stability import recommended, recommended_table, table
+    from cycloid_mj.robot.stability import recommend_time_steps, recommended_table, trials_table
 
     quantities = reduced.quantities
     efficiencies = lossy_efficiencies(reduced) if lossy else []
@@ -183,7 +183,7 @@ def _outcome(
             comparison.table(),
             *([lossy_table(efficiencies)] if efficiencies else []),
             recommended_table(steps),
-            table(steps),
+            trials_table(steps),
             *(drives.tables() if drives else ()),
         ],
         notes=[
@@ -200,7 +200,7 @@ def _outcome(
                 "comparison": comparison.as_json(),
                 "stock_efficiency": [one._asdict() for one in efficiencies],
                 "te_holds_to_rpm": comparison.highest_speed_rpm,
-                "recommended": recommended(steps),
+                "recommended": recommend_time_steps(steps),
                 "steps": [one.as_json() for one in steps],
                 **({"spread": drives.as_json()} if drives else {}),
             }
@@ -208,7 +208,7 @@ def _outcome(
     )
 
 
-def inaccurate(asked: "Tried", timestep_ms: float | None, integrator: str | None) -> list[str]:
+def inaccurate(asked: "StepTrial", timestep_ms: float | None, integrator: str | None) -> list[str]:
     """Say how far a scene is off, and what to do: of what was given, what to leave out."""
     if asked.accurate:
         return []

@@ -13,11 +13,10 @@ from cycloid_mj.base.units import RPM
 from cycloid_mj.report.encode import encode_array
 from cycloid_mj.report.page import environment
 from cycloid_mj.report.tables import TextTable
-from cycloid_mj.robot.comparison import Against
+from cycloid_mj.robot.comparison import ModelComparison
 from cycloid_mj.robot.population import Population
 from cycloid_mj.robot.reducer import ReducedJoint
-from cycloid_mj.robot.stability import Tried, recommended_table
-from cycloid_mj.robot.stability import table as study_table
+from cycloid_mj.robot.stability import StepTrial, recommended_table, trials_table
 
 SCRIPTS = ("scale.js", "chart.js", "joint.js")
 
@@ -30,9 +29,9 @@ FRICTION_LOADS = (0.0, 0.5, 1.0)
 
 def joint_page(
     reduced: ReducedJoint,
-    against: Against,
-    steps: Sequence[Tried],
-    requested: Tried,
+    against: ModelComparison,
+    steps: Sequence[StepTrial],
+    requested: StepTrial,
     bam: Mapping[str, Any],
     drives: Population | None = None,
 ) -> str:
@@ -51,7 +50,7 @@ def joint_page(
             comparison=_texts(against.table()),
             missed=against.missed,
             figures=figures,
-            steps=_texts(study_table(tuple(steps))),
+            steps=_texts(trials_table(tuple(steps))),
             longest=_texts(recommended_table(tuple(steps))),
             asked=requested,
             dynamics=_dynamics(reduced),

@@ -1,4 +1,4 @@
-"""The reducer on a joint of any model: its crank beside it, springs between both, the joint's motors on the crank."""
+"""Attach a reducer to a joint of any model: crank, springs between crank and joint, and motors on the crank."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ import numpy as np
 
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.robot.mjcf import (
-    NEXT_TO_NOTHING,
+    NEGLIGIBLE_MASS,
     ROTOR_SIZE,
     STICKING_IMPEDANCE,
     STICKING_TIME,
@@ -20,11 +20,11 @@ from cycloid_mj.robot.reducer import ReducedJoint
 
 
 def attach_reducer(spec: Any, joint: str, reduced: ReducedJoint) -> None:
-    """Put a reducer on a hinge of an editable model, at the reducer's level.
+    """Attach a reducer to a hinge of an editable model, at the reducer's level.
 
-    The joint's own armature, friction loss and damping stand for the drive that it had: those of the reducer take their
-    place. Its actuators move to the crank, geared so that their controls mean what they did: a torque of the joint, or
-    its angle as the motor sees it. Keyframes get the crank's angle. At the level `rigid` nothing moves.
+    Armature, friction loss and damping of the joint are replaced by those of the reducer. Its actuators act on the
+    crank, with a gear that keeps the meaning of their controls: a torque of the joint, or its angle as seen by the
+    motor. Keyframes get the angle of the crank. At the level `rigid` there is no crank.
 
     Parameters
     ----------
@@ -33,43 +33,43 @@ def attach_reducer(spec: Any, joint: str, reduced: ReducedJoint) -> None:
     joint
         Name of a hinge.
     reduced
-        What `reduce` found, or `ReducedJoint.read` read.
+        Result of `reduce`, or of `ReducedJoint.read`.
 
     Raises
     ------
     UsageError
-        There is no such hinge, it has a reducer, or the model does not compile.
+        The hinge does not exist, it has a reducer, or the model does not compile.
     """
     model = _compiled(spec)
     hinge = spec.joint(joint)
     if hinge is None:
         names = ", ".join(each.name for each in spec.joints if each.name) or "none has a name"
-        raise UsageError(f"the model has no joint {joint!r}; its joints: {names}")
+        raise UsageError(f"the model has no joint {joint!r}. Its joints: {names}")
     if model.joint(joint).type[0] != mujoco.mjtJoint.mjJNT_HINGE:
-        raise UsageError(f"the joint {joint!r} is no hinge: a reducer turns one")
+        raise UsageError(f"the joint {joint!r} is not a hinge; a reducer can be attached to hinges only")
     if any(each.name == reducer_name(joint) for each in spec.tuples):
-        raise UsageError(f"the joint {joint!r} has a reducer already: attach one to each joint")
+        raise UsageError(f"the joint {joint!r} already has a reducer; attach at most one to each joint")
     before = [(list(key.qpos), list(key.qvel)) for key in spec.keys]
     if reduced.level == "rigid":
         hinge.armature, hinge.frictionloss = reduced.reflected_inertia, reduced.no_load_torque_at_output
         hinge.solref_friction, hinge.solimp_friction = [STICKING_TIME, 1.0], STICKING_IMPEDANCE
-        hinge.damping = first(0.0)
-        _hold_together(spec, reduced, joint, [])
+        hinge.damping = constant_polynomial(0.0)
+        _add_tuple(spec, reduced, joint, [])
         return
     hinge.armature, hinge.frictionloss = reduced.output_inertia, 0.0
-    hinge.damping = first(0.0)
+    hinge.damping = constant_polynomial(0.0)
     _add_rotor(hinge, model, reduced)
     tendons = [_add_spring(spec, reduced, joint, number) for number in range(len(reduced.springs))]
     for number in range(len(reduced.slips)):
         _add_slip(spec, hinge, model, reduced, number)
-    _hold_together(spec, reduced, joint, tendons)
+    _add_tuple(spec, reduced, joint, tendons)
     _move_actuators(spec, reduced, joint)
     if before:
         _write_keys(spec, before, model, reduced, joint)
 
 
-def first(coefficient: float) -> list[float]:
-    """Compute the coefficients of a stiffness or damping that is a constant: MuJoCo's polynomials have more."""
+def constant_polynomial(coefficient: float) -> list[float]:
+    """Return the polynomial coefficients of a constant stiffness or damping."""
     return [coefficient, *[0.0] * mujoco.mjNPOLY]
 
 
@@ -81,12 +81,12 @@ def _compiled(spec: Any) -> Any:
 
 
 def _add_rotor(joint: Any, model: Any, reduced: ReducedJoint) -> None:
-    """Add the crank's body where that of the joint is, with the joint's axis."""
+    """Add the body of the crank at that of the joint, with the joint's axis."""
     hinge, name = model.joint(joint.name), rotor_name(joint.name)
     carried = model.body(int(hinge.bodyid[0]))
     body = joint.parent.parent.add_body(name=name, pos=carried.pos, quat=carried.quat)
     body.explicitinertial = True
-    body.mass, body.inertia = NEXT_TO_NOTHING, [1e-12] * 3
+    body.mass, body.inertia = NEGLIGIBLE_MASS, [1e-12] * 3
     rotor_joint = body.add_joint(
         name=name,
         type=mujoco.mjtJoint.mjJNT_HINGE,
@@ -98,14 +98,14 @@ def _add_rotor(joint: Any, model: Any, reduced: ReducedJoint) -> None:
         solimp_friction=STICKING_IMPEDANCE,
         limited=mujoco.mjtLimited.mjLIMITED_FALSE,
     )
-    rotor_joint.damping = rotor_joint.stiffness = first(0.0)
+    rotor_joint.damping = rotor_joint.stiffness = constant_polynomial(0.0)
     body.add_geom(
         name=name,
         type=mujoco.mjtGeom.mjGEOM_CYLINDER,
         size=[*ROTOR_SIZE, 0.0],
         contype=0,
         conaffinity=0,
-        mass=NEXT_TO_NOTHING,
+        mass=NEGLIGIBLE_MASS,
         rgba=[0.93, 0.65, 0.49, 1.0],
     )
 
@@ -116,19 +116,22 @@ def _add_spring(spec: Any, reduced: ReducedJoint, joint: str, number: int) -> st
     tendon.wrap_joint(rotor_name(joint), reduced.coefficient)
     tendon.wrap_joint(joint, 1.0)
     tendon.springlength = [reduced.stops[0] - spring.start, reduced.stops[1] + spring.start]
-    tendon.stiffness, tendon.damping = first(spring.stiffness), first(0.0 if number else reduced.damping)
+    tendon.stiffness, tendon.damping = (
+        constant_polynomial(spring.stiffness),
+        constant_polynomial(0.0 if number else reduced.damping),
+    )
     tendon.frictionloss = tendon.armature = 0.0
     return name
 
 
 def _add_slip(spec: Any, joint: Any, model: Any, reduced: ReducedJoint, number: int) -> None:
-    """Add what slips, a body where that of the joint is, and the spring between it and the wind-up."""
+    """Add the body of a slip element at that of the joint, and the spring between it and the wind-up."""
     slip, name = reduced.slips[number], slip_name(joint.name, number)
     armature, damping = slip_inertias(reduced)[number]
     carried = model.body(int(model.joint(joint.name).bodyid[0]))
     body = joint.parent.parent.add_body(name=name, pos=carried.pos, quat=carried.quat)
     body.explicitinertial = True
-    body.mass, body.inertia = NEXT_TO_NOTHING, [1e-12] * 3
+    body.mass, body.inertia = NEGLIGIBLE_MASS, [1e-12] * 3
     slipping = body.add_joint(
         name=name,
         type=mujoco.mjtJoint.mjJNT_HINGE,
@@ -139,17 +142,17 @@ def _add_slip(spec: Any, joint: Any, model: Any, reduced: ReducedJoint, number: 
         solimp_friction=STICKING_IMPEDANCE,
         limited=mujoco.mjtLimited.mjLIMITED_FALSE,
     )
-    slipping.damping = slipping.stiffness = first(0.0)
+    slipping.damping = slipping.stiffness = constant_polynomial(0.0)
     tendon = spec.add_tendon(name=name, limited=mujoco.mjtLimited.mjLIMITED_FALSE)
     for wrapped, share in ((rotor_name(joint.name), reduced.coefficient), (joint.name, 1.0), (name, -1.0)):
         tendon.wrap_joint(wrapped, share)
     tendon.springlength = [0.0, 0.0]
-    tendon.stiffness, tendon.damping = first(slip.stiffness), first(damping)
+    tendon.stiffness, tendon.damping = constant_polynomial(slip.stiffness), constant_polynomial(damping)
     tendon.frictionloss = tendon.armature = 0.0
 
 
-def _hold_together(spec: Any, reduced: ReducedJoint, joint: str, tendons: list[str]) -> None:
-    """Note what belongs to the reducer, with its number, for `ReducedJoint.places`."""
+def _add_tuple(spec: Any, reduced: ReducedJoint, joint: str, tendons: list[str]) -> None:
+    """Add the tuple of the reducer's joints and tendons, with its fingerprint, for `ReducedJoint.places`."""
     joints = [joint, rotor_name(joint)] if tendons else [joint]
     kinds = [int(mujoco.mjtObj.mjOBJ_JOINT)] * len(joints) + [int(mujoco.mjtObj.mjOBJ_TENDON)] * len(tendons)
     numbers = [float(reduced.fingerprint)] + [0.0] * (len(kinds) - 1)
@@ -157,7 +160,7 @@ def _hold_together(spec: Any, reduced: ReducedJoint, joint: str, tendons: list[s
 
 
 def _move_actuators(spec: Any, reduced: ReducedJoint, joint: str) -> None:
-    """Let the joint's motors turn its crank: 1/coefficient of the joint's turn, the other way."""
+    """Move the joint's motors to its crank, with a gear of -coefficient."""
     kinds = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
     for actuator in spec.actuators:
         if actuator.trntype in kinds and actuator.target == joint:
@@ -169,9 +172,9 @@ def _move_actuators(spec: Any, reduced: ReducedJoint, joint: str) -> None:
 def _write_keys(
     spec: Any, before: list[tuple[list[float], list[float]]], model: Any, reduced: ReducedJoint, joint: str
 ) -> None:
-    """Set the crank's angle and speed in every keyframe of the model: in the middle of the play, turning along.
+    """Set angle and speed of the crank in all keyframes: in the middle of the play, with the speed of the joint.
 
-    An empty list is a keyframe's default.
+    An empty list is the default of a keyframe.
     """
     after = _compiled(spec)
     crank, output = after.joint(rotor_name(joint)), model.joint(joint)

@@ -21,8 +21,8 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.robot.friction import FrictionMap
 from cycloid_mj.robot.reducer import ReducedJoint
 
-FITTED = 0.25
-"""Share of the rated torque from which friction is fitted, up to the rated one."""
+MIN_FIT_SHARE = 0.25
+"""Share of the rated torque from which friction is fitted, up to the rated torque."""
 
 WITHOUT_STRIBECK = {
     "friction_stribeck": 0.0,
@@ -31,13 +31,13 @@ WITHOUT_STRIBECK = {
     "dtheta_stribeck": 0.2,
     "alpha": 1.35,
 }
-"""No Stribeck effect; the last two are where BAM starts its fits from, and have no effect."""
+"""Parameters without a Stribeck effect; the last two are BAM's start values, and have no effect."""
 
 
 def bam(reduced: ReducedJoint) -> dict[str, Any]:
-    """Collect the parameters of M3 and M5 at the joint [N m, N m s/rad, 1], and how far each is off.
+    """Return the parameters of M3 and M5 at the joint [N m, N m s/rad, 1], and their largest errors.
 
-    By least squares over the reducer's loads from `FITTED` of the rated torque on, both ways, at its rated speed.
+    Least squares over the loads from `MIN_FIT_SHARE` of the rated torque on, driving and driven, at the rated speed.
     """
     base, viscous = reduced.no_load_torque_at_output, _viscous(reduced)
     external, motor, lost = _loads(reduced)
@@ -59,27 +59,27 @@ def bam(reduced: ReducedJoint) -> dict[str, Any]:
             "m3": float(np.abs(m3[0] * (external + motor) - lost).max()),
             "m5": float(np.abs(m5[0] * external + m5[1] * motor - lost).max()),
         },
-        "fitted_nm": [FITTED * reduced.rated_torque, reduced.rated_torque],
+        "fitted_nm": [MIN_FIT_SHARE * reduced.rated_torque, reduced.rated_torque],
     }
 
 
 def _loads(reduced: ReducedJoint) -> tuple[Array, Array, Array]:
-    """Compute sizes of external torque and motor torque at the joint, and friction beyond the base, shape (n,) [N m].
+    """Compute external torque, motor torque, and friction beyond that of no load at the joint [N m], shape (n,) each.
 
-    The motor's is what the crank gives or takes, times the ratio; negative where it must help a reducer that locks.
+    The motor torque is that on the crank times the ratio; negative where it must assist a self-locking reducer.
     """
     friction: FrictionMap = reduced.friction
-    torques = np.array([at for at in friction.torques if FITTED <= at / reduced.rated_torque <= 1.0 + 1e-9])
+    torques = np.array([one for one in friction.torques if MIN_FIT_SHARE <= one / reduced.rated_torque <= 1.0 + 1e-9])
     rows = []
     for driving, sign in ((True, 1.0), (False, -1.0)):
-        whole = np.array([reduced.ratio * friction.torque(at, reduced.rated_speed, driving) for at in torques])
-        rows.append(np.stack([torques, torques + sign * whole, whole - reduced.no_load_torque_at_output]))
-    external, motor, lost = np.concatenate(rows, axis=1)
-    return external, motor, lost
+        lost = np.array([reduced.ratio * friction.torque(one, reduced.rated_speed, driving) for one in torques])
+        rows.append(np.stack([torques, torques + sign * lost, lost - reduced.no_load_torque_at_output]))
+    external, motor, beyond = np.concatenate(rows, axis=1)
+    return external, motor, beyond
 
 
 def _viscous(reduced: ReducedJoint) -> float:
-    """Compute the friction without a load that grows with the joint's speed [N m s/rad]: centrifugal force."""
+    """Compute the no-load friction in proportion to the joint's speed [N m s/rad], by centrifugal force."""
     first, last = reduced.friction.speeds[0], reduced.friction.speeds[-1]
     low, high = (reduced.friction.torque(0.0, speed, driving=True) for speed in (first, last))
     return max(0.0, reduced.ratio**2 * (high - low) / (last - first))

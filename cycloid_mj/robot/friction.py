@@ -1,4 +1,4 @@
-"""The torque of friction on the crank, over the torque on the output, the crank's speed, and which shaft drives."""
+"""Friction torque on the crank as a function of output torque, crank speed and the driving shaft."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,16 +13,16 @@ Rows = tuple[tuple[float, ...], ...]
 
 @dataclass(frozen=True)
 class FrictionMap:
-    """A map of friction; between its points straight lines, beyond its largest torque the last of them goes on.
+    """Map of friction: linear interpolation; beyond the largest torque the last line continues.
 
     Attributes
     ----------
     torques
-        On the output [N m], shape (n,), rising from 0.
+        Torques on the output [N m], rising from 0, shape (n,).
     speeds
-        Of the crank [rad/s], shape (m,), rising; slower is as the first, faster as the last.
+        Speeds of the crank [rad/s], rising, shape (m,); outside, the nearest is used.
     driving, driven
-        Torque of friction on the crank [N m] where the crank drives, and where the output does, shape (m, n).
+        Friction torque on the crank [N m] where the crank drives, and where the output drives, shape (m, n).
     """
 
     torques: tuple[float, ...]
@@ -32,11 +32,11 @@ class FrictionMap:
 
     def torque(self, torque: float, speed: float, driving: bool) -> float:
         """Compute the torque of friction [N m] under a torque on the output [N m] at a speed of the crank [rad/s]."""
-        lost = [_line(abs(torque), self.torques, row) for row in (self.driving if driving else self.driven)]
+        lost = [_interpolate(abs(torque), self.torques, row) for row in (self.driving if driving else self.driven)]
         return float(np.interp(abs(speed), self.speeds, lost))
 
     def efficiency(self, torque: float, speed: float, ratio: float, driving: bool) -> float:
-        """Compute the share of the power supplied given out; 0 where friction holds the output (self-locking)."""
+        """Compute the efficiency; 0 where friction locks the output (self-locking)."""
         return joint_powers(abs(torque) / ratio, self.torque(torque, speed, driving), driving).efficiency
 
     @classmethod
@@ -47,12 +47,12 @@ class FrictionMap:
 
 
 def joint_powers(useful: float, lost: float, driving: bool) -> Powers:
-    """Collect the powers of a joint for a crank at 1 rad/s, from the load's torque and that of friction on it [N m]."""
+    """Return the powers of a joint at a crank speed of 1 rad/s, from load and friction torque on the crank [N m]."""
     return Powers(lost + useful if driving else lost - useful, -useful if driving else useful, {"joint": lost})
 
 
-def _line(at: float, x: tuple[float, ...], y: tuple[float, ...]) -> float:
-    """Compute the value of straight lines through points; beyond the last point the last line goes on."""
-    if at <= x[-1]:
-        return float(np.interp(at, x, y))
-    return y[-1] + (y[-1] - y[-2]) / (x[-1] - x[-2]) * (at - x[-1])
+def _interpolate(argument: float, x: tuple[float, ...], y: tuple[float, ...]) -> float:
+    """Interpolate linearly between points; beyond the last point the last line continues."""
+    if argument <= x[-1]:
+        return float(np.interp(argument, x, y))
+    return y[-1] + (y[-1] - y[-2]) / (x[-1] - x[-2]) * (argument - x[-1])

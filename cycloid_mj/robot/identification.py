@@ -1,7 +1,7 @@
-"""What a joint is made of, measured on the full model by statics: every tooth, pin, cam and output pin in balance.
+"""Identification of a joint's parameters from the full model by statics: play, stiffness, damping, friction, error.
 
-Play, springs and damping are means over the crank's angle at a locked crank, without friction and weight; friction is
-that of a crank that turns; the transmission error is solved over a whole turn of the output.
+Play, springs and damping are means over the crank angle with a locked crank, without friction and weight. Friction is
+that of a turning crank. The transmission error is solved over a full turn of the output.
 """
 
 import math
@@ -26,7 +26,7 @@ from cycloid_mj.parts.parts import body_solids
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.robot.friction import FrictionMap
 from cycloid_mj.robot.reducer import Level, ReducedJoint, Slip, Spring
-from cycloid_mj.robot.transmission import ripple, works
+from cycloid_mj.robot.transmission import count_turns, solve_ripple
 from cycloid_mj.statics.balance import loads, powers
 from cycloid_mj.statics.locked import slip_elements
 from cycloid_mj.statics.sheet import back_driving, self_locking
@@ -34,64 +34,62 @@ from cycloid_mj.statics.springs import POSES, springs_of, turn_evenly
 from cycloid_mj.statics.structure import wind_up
 from cycloid_mj.statics.windup import STRAIGHT, windups
 
-SMALL = 1e-4
-"""Torque that presses the parts to a stop, as a share of the rated one; a line through twice that leads to zero."""
+SMALL_SHARE = 1e-4
+"""Torque that presses the parts to a stop, over the rated one; it and twice that are extrapolated to zero."""
 
-KNOTS = (0.03, 0.15, 0.5, 1.0)
-"""Shares of the rated torque at which the springs give the wind-up of the full model; the last slope goes on."""
+SPRING_SHARES = (0.03, 0.15, 0.5, 1.0)
+"""Shares of the rated torque at which the springs have the wind-up of the full model; the last slope continues."""
 
-POLYNOMIAL = (0.03, 0.06, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 1.0)
+POLYNOMIAL_SHARES = (0.03, 0.06, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 1.0)
 """Shares of the rated torque to which the polynomial of the stiffness is fitted."""
 
-TORQUES = (0.05, 0.075, 0.1, 0.125, 0.15, 0.2, 0.25, 0.35, 0.5, 0.75, 1.0, 1.5, 2.0)
-SPEEDS = (0.25, 0.5, 1.0, 1.5)
-"""Points of the map of friction beside no load, as shares of the rated torque and of the design's speed: close where
-teeth that have play come to bear one after the other, and losses bend."""
+TORQUE_SHARES = (0.05, 0.075, 0.1, 0.125, 0.15, 0.2, 0.25, 0.35, 0.5, 0.75, 1.0, 1.5, 2.0)
+SPEED_SHARES = (0.25, 0.5, 1.0, 1.5)
+"""Points of the friction map besides no load, as shares of the rated torque and of the design's speed: dense where
+teeth with play begin to carry one after the other, and losses are not linear."""
 
-NEXT_TO_NONE = (SMALL, 1e-3, 1e-2, 2e-2)
-"""Shares of the rated torque that stand for no load: the first under which friction does not jam the parts."""
+NO_LOAD_SHARES = (SMALL_SHARE, 1e-3, 1e-2, 2e-2)
+"""Shares of the rated torque that represent no load: the first under which friction does not jam the parts is used."""
 
-FINER = 4
-"""Times as many crank angles of the means; what they change of those of `statics` is the numerical error."""
+ANGLES_FACTOR = 4
+"""Number of crank angles of the means, over that of `statics`; the change between both is the numerical error."""
 
 Progress = Callable[[int, int], None]
 
 
 def reduce(design: Named, level: Level = "full", progress: Progress | None = None) -> ReducedJoint:
-    """Measure a design as a joint of a robot.
+    """Identify a design as a joint of a robot.
 
     Parameters
     ----------
     design
-        A design, or the name of a preset or a file: a sound design; its own load does not matter, contacts have
-        the stiffness of the rated torque.
+        A design that passes its checks, or the name of a preset or a file. Its own load is not used; contacts have the
+        stiffness of the rated torque.
     level
-        How much of it a model gets; all is measured at any level.
+        Level of detail in a model. All parameters are identified at any level.
     progress
-        Called after each piece of work with how many are done, and how many there are.
+        Called after each piece of work with the numbers of finished and of all pieces.
 
     Raises
     ------
     DesignError
-        The design fails a check, or its crank stands still.
+        The design fails a check, or its speed is 0.
     ContactError
-        The rated torque flattens a pin beyond a line contact.
+        The contact pressure of the rated torque is beyond Hertz's line contact.
     RunError
-        No static balance was found, as where friction jams the reducer.
+        No static balance exists, as where friction jams the reducer.
     """
     design = resolve(design)
     reducer = Reducer(design)
     require_sound(reducer)
     if reducer.design.drive.speed == 0.0:
-        raise DesignError(
-            "drive.speed_rpm is 0, but friction needs a crank that turns: give another speed, such as 1640"
-        )
+        raise DesignError("drive.speed_rpm is 0, but friction needs a turning crank: set drive.speed_rpm, such as 1640")
     reducer = reducer.but(load={"torque": reducer.design.rated_torque}).working_at(reducer.design.rated_torque)
-    counted = _Counted(progress, 2 + (1 + 2 * len(TORQUES)) * len(SPEEDS) + works(reducer))
-    fine, coarse = play_of(reducer, FINER * POSES), play_of(reducer, POSES)
-    counted.one_more()
-    friction = _friction(reducer, counted.one_more)
-    rotor, output = inertias(reducer)
+    counted = _Counted(progress, 2 + (1 + 2 * len(TORQUE_SHARES)) * len(SPEED_SHARES) + count_turns(reducer))
+    fine, coarse = solve_play(reducer, ANGLES_FACTOR * POSES), solve_play(reducer, POSES)
+    counted.count_one()
+    friction = _friction(reducer, counted.count_one)
+    rotor, output = crank_and_output_inertia(reducer)
     joint = ReducedJoint(
         name=reducer.design.name,
         level=level,
@@ -107,25 +105,25 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
         rotor_inertia=rotor,
         output_inertia=output,
         friction=friction,
-        ripple=ripple(reducer, counted.one_more),
+        ripple=solve_ripple(reducer, counted.count_one),
         slips=tuple(Slip(*one) for one in np.stack(slip_elements(reducer), axis=1).tolist()),
     )
-    counted.one_more()
+    counted.count_one()
     return replace(joint.at(level), quantities=keyed(_quantities(reducer, joint, fine, coarse)))
 
 
 @dataclass(frozen=True)
 class Play:
-    """Play and wind-up at a locked crank, without friction and weight; means over crank angles.
+    """Play and wind-up with a locked crank, without friction and weight; means over crank angles.
 
     Attributes
     ----------
     rated
-        [N m].
+        Rated torque [N m].
     stops
-        Where the output meets them [rad], clockwise first: the line through two small torques, drawn on to zero.
+        Angles of the stops [rad], clockwise first, extrapolated to zero from two small torques.
     wind_up
-        Share of the rated torque -> turn beyond the stop [rad], mean of both sides.
+        Turn beyond the stop [rad] by the share of the rated torque, mean of both sides.
     """
 
     rated: float
@@ -134,19 +132,19 @@ class Play:
 
     @property
     def backlash(self) -> float:
-        """From stop to stop [rad]."""
+        """Angle between the stops [rad]."""
         return self.stops[1] - self.stops[0]
 
     @property
     def springs(self) -> tuple[Spring, ...]:
-        """Springs that start one after the other and meet the wind-up at `KNOTS`.
+        """Springs that start one after the other and have the wind-up at `SPRING_SHARES` (isotonic regression).
 
-        Each adds to those before it: where the full model softens under a growing load, one slope stands for both.
+        Each adds to those before it. Where the full model softens with the load, one slope replaces two.
         """
         from scipy.optimize import isotonic_regression
 
-        turn = np.array([0.0, *(self.wind_up[share] for share in KNOTS)])
-        torque = self.rated * np.array([0.0, *KNOTS])
+        turn = np.array([0.0, *(self.wind_up[share] for share in SPRING_SHARES)])
+        torque = self.rated * np.array([0.0, *SPRING_SHARES])
         widths = np.maximum(np.diff(turn), np.finfo(float).tiny)
         slopes = isotonic_regression(np.diff(torque) / widths, weights=widths).x
         added = np.diff(slopes, prepend=0.0)
@@ -154,31 +152,34 @@ class Play:
 
     @property
     def stiffness(self) -> float:
-        """Slope over the straight part [N m/rad]."""
+        """Slope of the straight part [N m/rad]."""
         low, high = STRAIGHT
         return (high - low) * self.rated / (self.wind_up[high] - self.wind_up[low])
 
     @property
     def polynomial(self) -> Array:
-        """a, b, c of the torque a x + b x^2 + c x^3 beyond the stop [N m/rad, /rad^2, /rad^3], up to the rated one.
+        """Factors a, b, c of the torque a x + b x^2 + c x^3 beyond the stop [N m/rad, /rad^2, /rad^3].
 
-        By least squares of the relative error at `POLYNOMIAL`.
+        Least squares of the relative error at `POLYNOMIAL_SHARES`, up to the rated torque.
         """
-        turn, torque = np.array([self.wind_up[share] for share in POLYNOMIAL]), self.rated * np.array(POLYNOMIAL)
+        turn, torque = (
+            np.array([self.wind_up[share] for share in POLYNOMIAL_SHARES]),
+            self.rated * np.array(POLYNOMIAL_SHARES),
+        )
         scaled = turn / turn[-1]
         powers = np.stack([scaled, scaled**2, scaled**3], axis=1) / torque[:, np.newaxis]
         coefficients = np.linalg.lstsq(powers, np.ones(len(turn)))[0]
         return np.asarray(coefficients / turn[-1] ** np.arange(1, 4))
 
     def polynomial_error(self) -> float:
-        """Largest relative error of the polynomial's torque at `POLYNOMIAL`."""
+        """Largest relative error of the polynomial's torque at `POLYNOMIAL_SHARES`."""
         a, b, c = self.polynomial.tolist()
-        pairs = [(self.wind_up[share], share * self.rated) for share in POLYNOMIAL]
+        pairs = [(self.wind_up[share], share * self.rated) for share in POLYNOMIAL_SHARES]
         return max(abs((a * x + b * x**2 + c * x**3) / torque - 1.0) for x, torque in pairs)
 
 
-def play_of(reducer: Reducer, poses: int) -> Play:
-    """Solve play and wind-up of a design at evenly spread crank angles; errors as `loads`."""
+def solve_play(reducer: Reducer, poses: int) -> Play:
+    """Solve play and wind-up of a design at evenly spaced crank angles; raises as `loads`."""
     rated = reducer.design.rated_torque
     still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
     springs = springs_of(still, turn_evenly(reducer, poses), friction=False)
@@ -186,19 +187,19 @@ def play_of(reducer: Reducer, poses: int) -> Play:
     def turn(share: float) -> float:
         return float(loads(still, springs, share * rated).output_turn.mean())
 
-    low, high = (2.0 * turn(way * SMALL) - turn(2.0 * way * SMALL) for way in (-1.0, 1.0))
-    # halves that press the gear leave no play: there both lines end in one place, but for their curvature
+    low, high = (2.0 * turn(side * SMALL_SHARE) - turn(2.0 * side * SMALL_SHARE) for side in (-1.0, 1.0))
+    # preloaded halves leave no play: both lines end in the same angle, except for their curvature
     low, high = (low, high) if low <= high else (0.5 * (low + high),) * 2
-    shares = sorted({*KNOTS, *POLYNOMIAL, *STRAIGHT})
+    shares = sorted({*SPRING_SHARES, *POLYNOMIAL_SHARES, *STRAIGHT})
     wind_up = {share: 0.5 * (turn(share) - high + low - turn(-share)) for share in shares}
     return Play(rated, (low, high) if reducer.member.sense > 0 else (-high, -low), wind_up)
 
 
-def inertias(reducer: Reducer) -> tuple[float, float]:
-    """Compute the inertia that turns with the crank, the discs' orbit in it, and that with the output [kg m2].
+def crank_and_output_inertia(reducer: Reducer) -> tuple[float, float]:
+    """Compute the inertias on crank and output [kg m2]; that of the crank includes the orbit of the discs.
 
-    But for their orbit the discs turn with the carrier of the output pins: not at all where the ring is the output,
-    which takes its pins along.
+    Except for their orbit, the discs turn with the carrier of the output pins. Where the ring is the output, they do
+    not turn, and the ring's pins turn with it.
     """
     design = reducer.design
     masses = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}
@@ -208,38 +209,41 @@ def inertias(reducer: Reducer) -> tuple[float, float]:
 
 
 def _friction(reducer: Reducer, on_step: Callable[[], None]) -> FrictionMap:
+    """Compute the map of friction; `on_step` is called after each of its points."""
     speed, rated = reducer.design.drive.speed, reducer.design.rated_torque
     maps: dict[float, list[tuple[float, ...]]] = {1.0: [], -1.0: []}
-    for share in SPEEDS:
+    for share in SPEED_SHARES:
         turning = reducer.but(drive={"speed": share * speed})
-        idle = _idle(turning)
+        idle = _no_load_torque(turning)
         on_step()
-        for way, rows in maps.items():
-            rows.append((idle, *(_lost(turning, way * torque * rated, on_step) for torque in TORQUES)))
-    torques = (0.0, *(torque * rated for torque in TORQUES))
-    speeds = tuple(share * abs(speed) for share in SPEEDS)
+        for sign, rows in maps.items():
+            rows.append((idle, *(_friction_torque(turning, sign * one * rated, on_step) for one in TORQUE_SHARES)))
+    torques = (0.0, *(torque * rated for torque in TORQUE_SHARES))
+    speeds = tuple(share * abs(speed) for share in SPEED_SHARES)
     return FrictionMap(torques, speeds, tuple(maps[1.0]), tuple(maps[-1.0]))
 
 
-def _idle(reducer: Reducer) -> float:
-    """Compute the torque of friction on a crank that turns without a load [N m]."""
+def _no_load_torque(reducer: Reducer) -> float:
+    """Compute the friction torque on the crank without a load [N m], extrapolated where friction jams small loads."""
     rated = reducer.design.rated_torque
-    for torque in NEXT_TO_NONE:
+    for torque in NO_LOAD_SHARES:
         with suppress(RunError):
-            low = _lost(reducer, torque * rated)
-            if torque == SMALL:
+            low = _friction_torque(reducer, torque * rated)
+            if torque == SMALL_SHARE:
                 return low
-            return max(0.0, _to_zero((torque, low), (TORQUES[0], _lost(reducer, TORQUES[0] * rated))))
+            return max(
+                0.0, _to_zero((torque, low), (TORQUE_SHARES[0], _friction_torque(reducer, TORQUE_SHARES[0] * rated)))
+            )
     return 0.0
 
 
 def _to_zero(near: tuple[float, float], far: tuple[float, float]) -> float:
-    """Compute the value at 0 of the line through two points."""
+    """Extrapolate the line through two points to 0."""
     return near[1] - (far[1] - near[1]) * near[0] / (far[0] - near[0])
 
 
-def _lost(reducer: Reducer, torque: float, on_step: Callable[[], None] = lambda: None) -> float:
-    """Compute the torque of friction on a turning crank [N m]; where the output jams, as of a crank that drives."""
+def _friction_torque(reducer: Reducer, torque: float, on_step: Callable[[], None] = lambda: None) -> float:
+    """Compute the torque of friction on a turning crank [N m]; as of a driving crank where the output is locked."""
     try:
         mean_powers = powers(reducer, torque)
     except RunError:
@@ -251,11 +255,11 @@ def _lost(reducer: Reducer, torque: float, on_step: Callable[[], None] = lambda:
 
 
 def _damping(reducer: Reducer) -> float:
-    """Compute the damping of the wind-up [N m s/rad], which goes from carrier to ring as a stiffness does.
+    """Compute the damping of the wind-up [N m s/rad] between carrier and ring.
 
-    Springs s with dampers in series, slowly: c = k^2 sum (C/K) s, C/K being the time constant of a contact: what a
-    damper takes is that times what its spring does, so each s is told by work (`Windup.gives`). Of pin and seat in
-    series, each has the share of its compliance; bent pins, and what twists, are in series with the output's contacts.
+    For slow motion, springs with parallel dampers in series have c = k^2 sum (C/K) s, with the time constant C/K of a
+    contact and its compliance s at the output, from its work. Pin and seat in series have shares by compliance.
+    Bending of pins and twist are in series with the contacts of the output.
     """
     laws, rated = contact_laws(reducer), reducer.design.rated_torque
     gives = [windup.gives(reducer) for windup in windups(reducer, turn_evenly(reducer), rated)]
@@ -269,14 +273,15 @@ def _damping(reducer: Reducer) -> float:
 
 
 def _quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: Play) -> Iterator[Quantity]:
+    """Yield the figures of a joint for people and programs, with their numerical errors."""
     at = f"at {joint.rated_torque:.4g} N m, {joint.rated_speed / RPM:.0f} rpm"
     friction, rated, speed = joint.friction, joint.rated_torque, joint.rated_speed
 
     def both(read: Callable[[Play], float]) -> tuple[float, float]:
         return read(fine), abs(read(fine) - read(coarse))
 
-    against = "the output turns against the crank" if joint.way < 0 else "the output turns as the crank does"
-    yield Quantity("ratio", "ratio, turns of the crank for one of the output", joint.ratio, "1", 0.0, note=against)
+    direction = "the output turns against the crank" if joint.way < 0 else "the output turns as the crank does"
+    yield Quantity("ratio", "ratio, turns of the crank for one of the output", joint.ratio, "1", 0.0, note=direction)
     yield Quantity(
         "backlash_arcmin",
         "backlash of the output, mean over the crank angle",
@@ -300,7 +305,7 @@ def _quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: Play)
         *_in(both(lambda one: one.stiffness), 1.0 / ARCMINUTE, "N m/arcmin"),
     )
     efficiency = 100.0 * friction.efficiency(rated, speed, joint.ratio, driving=True)
-    error, moved = 100.0 * _angles_leave_out(reducer, 1.0), _by_assumed_inputs(reducer)
+    error, moved = 100.0 * _angle_error(reducer, 1.0), _efficiency_spread(reducer)
     yield Quantity("efficiency", f"efficiency {at}", efficiency, "%", error, note=moved)
     back, backward = back_driving(reducer, rated)
     locked = math.isnan(backward)
@@ -309,7 +314,7 @@ def _quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: Play)
         f"efficiency of back-driving against {rated / joint.ratio:.4g} N m on the crank",
         0.0 if locked else 100.0 * back.efficiency,
         "%",
-        0.0 if locked else 100.0 * _angles_leave_out(reducer, -backward / rated),
+        0.0 if locked else 100.0 * _angle_error(reducer, -backward / rated),
         note=self_locking(reducer, rated) if locked else "",
     )
     near, far = ((torque, friction.torque(torque, speed, driving=True)) for torque in friction.torques[1:3])
@@ -330,8 +335,8 @@ def _quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: Play)
     yield Quantity("damping_nm_s_per_rad", "damping of the wind-up", joint.damping, "N m s/rad", None)
 
 
-def _by_assumed_inputs(reducer: Reducer) -> str:
-    """Compute how far assumed inputs move the efficiency, as `measure efficiency` does by runs."""
+def _efficiency_spread(reducer: Reducer) -> str:
+    """Return the spread of the efficiency by assumed inputs, in words, as `measure efficiency` does by runs."""
 
     def rate(varied: Reducer) -> float:
         try:
@@ -345,11 +350,12 @@ def _by_assumed_inputs(reducer: Reducer) -> str:
     )
 
 
-def _angles_leave_out(reducer: Reducer, share: float) -> float:
-    """Compute the change of the efficiency at a share of the rated torque with more crank angles; negative drives."""
+def _angle_error(reducer: Reducer, share: float) -> float:
+    """Compute the change of the efficiency with more crank angles, at a share of the rated torque; negative: driven."""
     torque = share * reducer.design.rated_torque
     return abs(
-        powers(reducer, torque).efficiency - powers(reducer, torque, turn_evenly(reducer, FINER * POSES)).efficiency
+        powers(reducer, torque).efficiency
+        - powers(reducer, torque, turn_evenly(reducer, ANGLES_FACTOR * POSES)).efficiency
     )
 
 
@@ -360,12 +366,12 @@ def _in(values: Sequence[float], unit: float, name: str) -> tuple[float, str, fl
 
 
 class _Counted:
-    """Counts pieces of work for a progress."""
+    """Counter of finished pieces of work, for a progress."""
 
     def __init__(self, progress: Progress | None, whole: int) -> None:
         self._progress, self._whole, self._done = progress, whole, 0
 
-    def one_more(self) -> None:
+    def count_one(self) -> None:
         self._done += 1
         if self._progress:
             self._progress(self._done, self._whole)

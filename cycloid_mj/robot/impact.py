@@ -1,7 +1,7 @@
-"""An impact: a load that swings to and fro carries the output across the play onto the other stop, the crank held.
+"""Impact of the output: an alternating load carries it across the play onto the other stop, with the crank locked.
 
-What it winds up to there is what a step has to get right: across the play nothing resists, and a step too long is deep
-in the stop before the springs act, or takes energy out of every bounce.
+The peak wind-up there is the accuracy criterion of a time step. Nothing resists across the play: with a time step that
+is too long, the output is deep in the stop before the springs act, or each bounce loses energy.
 """
 
 import math
@@ -16,38 +16,38 @@ from cycloid_mj.base.errors import RunError
 from cycloid_mj.robot.reducer import ReducedJoint
 from cycloid_mj.robot.trial import TrialScene
 
-FREQUENCY = 3.0
-"""Of the load [Hz]; halved until the output has crossed the play when the load is at its largest."""
+START_FREQUENCY = 3.0
+"""First frequency of the load [Hz]; it is halved until the output crosses the play before the load is largest."""
 
-HALVINGS = 12
-"""At most."""
+MAX_HALVINGS = 12
+"""Largest number of halvings."""
 
-TOLERANCE = 1e-8
-"""Of the reference in a step, relative, and absolute over the wind-up under the rated torque."""
+REFERENCE_TOL = 1e-8
+"""Tolerance of the reference solution: relative, and absolute over the wind-up under the rated torque."""
 
-LOOKS = 100
-"""Places of the reference in a cycle of the load, and of the vibration: a peak between two is 5e-4 higher at most."""
+SAMPLES_PER_CYCLE = 100
+"""Samples of the reference in a cycle of load and vibration: a peak between two is at most 5e-4 higher."""
 
-MOST_STEPS = 1_000_000
-"""Of the reference between two of its places."""
+MAX_STEPS = 1_000_000
+"""Largest number of steps of the reference between two samples."""
 
-EDGE = 1e-9
-"""Width over which the tabulated torque may jump, where errors outrun the wind-up: a share of where it bends."""
+JUMP_WIDTH = 1e-9
+"""Width of a jump of the tabulated torque, over the range of its bends; the error may fall faster than the wind-up."""
 
-LENGTH = 0.75
-"""Cycles of the load that are run: from its largest one way through its largest the other way to zero."""
+RUN_CYCLES = 0.75
+"""Cycles of the load: from its maximum in one direction through that in the other to zero."""
 
 
 @dataclass(frozen=True)
 class ImpactLoad:
-    """The load rated cos(2 pi f t) on the output, from rest on the upper stop.
+    """Rated load cos(2 pi f t) on the output, from rest on the upper stop.
 
     Attributes
     ----------
     frequency
-        f [Hz].
+        Frequency f [Hz].
     peak
-        Largest wind-up beyond the mean lower stop [rad], by an integrator of variable order and step.
+        Largest wind-up beyond the mean lower stop [rad], by an integrator of variable order and step size.
     """
 
     frequency: float
@@ -55,48 +55,51 @@ class ImpactLoad:
 
     @property
     def duration(self) -> float:
-        """Time that is run [s]."""
-        return LENGTH / self.frequency
+        """Duration [s]."""
+        return RUN_CYCLES / self.frequency
 
 
 @lru_cache(maxsize=64)
-def impact(reduced: ReducedJoint, inertia: float) -> ImpactLoad:
-    """Solve the impact of a joint with an inertia on its output [kg m2] at its level, by LSODA instead of MuJoCo.
+def solve_impact(reduced: ReducedJoint, inertia: float) -> ImpactLoad:
+    """Solve the impact of a joint with an inertia on its output [kg m2] by LSODA, as a reference for MuJoCo.
 
-    J x'' = T cos(2 pi f t) - spring(x) - c x', J being all that turns with the output and c the damping: at the level
-    `full` beyond the stops alone, as `ReducedJoint.step` has it, at `backlash` within the play too, as MJCF does.
+    J x'' = T cos(2 pi f t) - spring(x) - c x', with J of all that turns with the output, and damping c: at the level
+    `full` beyond the stops only, as in `ReducedJoint.step`, at `backlash` within the play as well, as in MJCF.
 
     Raises
     ------
     RunError
-        The load carries the output across the play at none of the frequencies.
+        The load does not carry the output across the play at any of the frequencies.
     """
-    for halving in range(HALVINGS):
-        frequency = FREQUENCY / 2.0**halving
+    for halving in range(MAX_HALVINGS):
+        frequency = START_FREQUENCY / 2.0**halving
         crossed, peak = _swing(reduced, inertia, frequency)
         if crossed <= 0.5 / frequency:
             return ImpactLoad(frequency, peak)
-    raise RunError(f"{reduced.name}: the rated load does not carry {inertia:.4g} kg m2 across the play in a minute")
+    raise RunError(
+        f"{reduced.name}: under its rated load, an inertia of {inertia:.4g} kg m2 does not cross the play within a "
+        "minute. Use a smaller inertia (--load-inertia-kgm2)"
+    )
 
 
-def peak_of(on: TrialScene, struck: ImpactLoad) -> float | None:
-    """Compute the largest wind-up [rad] of an impact by MuJoCo, `ImpactLoad.peak`; None where the joint runs away."""
-    reduced, pulse = on.reduced, 2.0 * np.pi * struck.frequency
+def run_impact(on: TrialScene, load: ImpactLoad) -> float | None:
+    """Run an impact in MuJoCo; return the largest wind-up [rad], as `ImpactLoad.peak`, or None where it runs away."""
+    reduced, pulse = on.reduced, 2.0 * np.pi * load.frequency
     on.hold()
     on.press(reduced.rated_torque)
-    steps = math.ceil(struck.duration / float(on.model.opt.timestep))
+    steps = math.ceil(load.duration / float(on.model.opt.timestep))
     lengths = on.lengths(lambda time: reduced.rated_torque * math.cos(pulse * time), steps)
     return None if lengths is None else reduced.stops[0] - float(lengths.min())
 
 
 def _swing(reduced: ReducedJoint, inertia: float, frequency: float) -> tuple[float, float]:
-    """Compute when the output reaches the lower stop [s], infinity for never, and its largest wind-up there [rad]."""
+    """Compute the time at which the output reaches the lower stop [s], or infinity, and its largest wind-up [rad]."""
     from scipy.integrate import odeint
 
     rated, moving, pulse = reduced.rated_torque, inertia + reduced.output_inertia, 2.0 * math.pi * frequency
     full = reduced.level == "full"
     start = reduced.stops[1] + reduced.wind_up(rated) + (reduced.ripple.errors(0.0, 1.0)[1] if full else 0.0)
-    pull, damping = _pull(reduced), reduced.damping
+    pull, damping = _tabulated_torque(reduced), reduced.damping
 
     def motion(state: np.ndarray, time: float) -> tuple[float, float]:
         length, speed = state.tolist()
@@ -104,35 +107,36 @@ def _swing(reduced: ReducedJoint, inertia: float, frequency: float) -> tuple[flo
         resisted = damping * speed if torque or not full else 0.0
         return speed, (rated * math.cos(pulse * time) + torque - resisted) / moving
 
-    duration = LENGTH / frequency
+    duration = RUN_CYCLES / frequency
     vibration = math.sqrt(reduced.stiffness(rated) / moving) / (2.0 * math.pi)
-    times = np.linspace(0.0, duration, math.ceil(LOOKS * LENGTH * max(1.0, vibration / frequency)))
+    times = np.linspace(0.0, duration, math.ceil(SAMPLES_PER_CYCLE * RUN_CYCLES * max(1.0, vibration / frequency)))
     states = odeint(
         motion,
         [start, 0.0],
         times,
-        rtol=TOLERANCE,
-        atol=TOLERANCE * reduced.wind_up(rated),
-        hmax=1.0 / (LOOKS * frequency),
-        mxstep=MOST_STEPS,
+        rtol=REFERENCE_TOL,
+        atol=REFERENCE_TOL * reduced.wind_up(rated),
+        hmax=1.0 / (SAMPLES_PER_CYCLE * frequency),
+        mxstep=MAX_STEPS,
     )
     beyond = np.flatnonzero(states[:, 0] <= reduced.stops[0])
     crossed = float(times[beyond[0]]) if beyond.size else math.inf
     return crossed, reduced.stops[0] - float(states[:, 0].min())
 
 
-def _pull(reduced: ReducedJoint) -> Callable[[float], float]:
-    """Tabulate the springs' torque [N m] over L [rad] at the crank angle 0, which is asked for a million times."""
+def _tabulated_torque(reduced: ReducedJoint) -> Callable[[float], float]:
+    """Return the springs' torque [N m] as a tabulated function of L [rad] at the crank angle 0, for speed."""
     bends = reduced.bends(0.0)
-    apart = float(np.ptp(bends))
-    places = [bends[0] - apart, *(bend + side * EDGE * apart for bend in bends for side in (-1, 1)), bends[-1] + apart]
+    span = float(np.ptp(bends))
+    inner = (bend + side * JUMP_WIDTH * span for bend in bends for side in (-1, 1))
+    lengths = [bends[0] - span, *inner, bends[-1] + span]
     stops_at = reduced.moving_stops(0.0)
-    torques = [reduced.torque(at, stops_at(at) if reduced.level == "full" else reduced.stops) for at in places]
-    last = len(places) - 1
+    torques = [reduced.torque(one, stops_at(one) if reduced.level == "full" else reduced.stops) for one in lengths]
+    last = len(lengths) - 1
 
     def pull(length: float) -> float:
-        i = min(max(bisect(places, length), 1), last)
-        share = (length - places[i - 1]) / (places[i] - places[i - 1])
+        i = min(max(bisect(lengths, length), 1), last)
+        share = (length - lengths[i - 1]) / (lengths[i] - lengths[i - 1])
         return torques[i - 1] + share * (torques[i] - torques[i - 1])
 
     return pull

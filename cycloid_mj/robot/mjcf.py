@@ -1,4 +1,4 @@
-"""The joint as MJCF that needs nothing but ``mujoco``: `joint.xml` to include, `scene.xml` to open."""
+"""The joint as stock MJCF: `joint.xml` to include, `scene.xml` to open in MuJoCo."""
 
 import math
 
@@ -7,50 +7,49 @@ from cycloid_mj.base.units import RPM
 from cycloid_mj.robot.reducer import ReducedJoint
 
 OUTPUT = "output"
-"""Name of the joint that the output turns; what belongs to it is named after it, as by `attach_reducer`."""
+"""Name of the output's joint; its parts are named after it, as by `attach_reducer`."""
 
-NEXT_TO_NOTHING = 1e-9
+NEGLIGIBLE_MASS = 1e-9
 """Mass of the rotor's body [kg]: its inertia is the joint's armature, its weight belongs to the robot's link."""
 
 ROTOR_SIZE = (0.02, 0.01)
-"""Radius and half length of the rotor that is drawn [m]."""
+"""Radius and half length of the drawn rotor [m]."""
 
 STICKING_TIME, STICKING_IMPEDANCE = 0.004, (0.9999, 0.9999, 0.001, 0.5, 2.0)
-"""Parameters of friction, `solreffriction` and `solimpfriction`: by MuJoCo's own, a crank that sticks would creep at
-some rad/s, and a reducer that locks itself would let its load down."""
+"""Parameters of friction, `solreffriction` and `solimpfriction`: with MuJoCo's defaults, a sticking crank would creep
+at some rad/s, and a self-locking reducer would lower its load."""
 
 SLIP_TIME = 2e-3
-"""Least time of a swing of what slips, over 2 pi [s]: long enough for steps of 2 ms. It is damped by half of critical.
-"""
+"""Smallest period of a slip element over 2 pi [s]: resolved by time steps of 2 ms. It has half the critical damping."""
 
 NOSLIP = 5
-"""Iterations of MuJoCo's noslip solver in the scene of a joint with what slips: without, friction that sticks creeps,
-and a slow loop is narrower than a fast one."""
+"""Iterations of MuJoCo's noslip solver in the scene of a joint with slip elements: without it, sticking friction
+creeps, and a slow loop is narrower than a fast one."""
 
-PEAK = 3.0
-"""Largest torque of the motor in the scene, in rated input torques."""
+MOTOR_PEAK = 3.0
+"""Largest torque of the motor in the scene, over the rated input torque."""
 
 
 def rotor_name(joint: str) -> str:
-    """Name the crank of a joint's reducer: its body, joint and geom."""
+    """Return the name of a joint's crank: body, joint and geom."""
     return f"{joint}_rotor"
 
 
 def reducer_name(joint: str, number: int = 0) -> str:
-    """Name the springs of a joint's reducer, and what holds them together; the first has no number."""
+    """Return the name of a joint's spring, and of the tuple of all parts; the first spring has no number."""
     return f"{joint}_reducer_{number + 1}" if number else f"{joint}_reducer"
 
 
 def slip_name(joint: str, number: int) -> str:
-    """Name a spring of a joint's reducer that slips, with the body that slips."""
+    """Return the name of a joint's slip element: its spring and body."""
     return f"{joint}_slip_{number + 1}"
 
 
 def slip_inertias(reduced: ReducedJoint) -> list[tuple[float, float]]:
-    """Compute armature [kg m2] and damping [N m s/rad] of each that slips: as little as its steps bear, and in all.
+    """Compute armature [kg m2] and damping [N m s/rad] of each slip element.
 
-    Without the noslip solver friction of f creeps by f over the armature: in all they have what springs as stiff bear,
-    shared as the limits are, so that none of them creeps faster than another.
+    The armature is the smallest that is stable at the time step (`SLIP_TIME`), raised so that all creep equally fast:
+    without the noslip solver a friction of f creeps by f over the armature.
     """
     least = [slip.stiffness * SLIP_TIME**2 for slip in reduced.slips]
     limit = sum(slip.limit for slip in reduced.slips)
@@ -59,7 +58,7 @@ def slip_inertias(reduced: ReducedJoint) -> list[tuple[float, float]]:
 
 
 def joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:
-    """Write the MJCF that a robot's model includes: crank, springs to the joint of this name, and motor."""
+    """Return the MJCF that a robot's model includes: crank, springs to the joint of this name, and motor."""
     body = _rigid(reduced, joint) if reduced.level == "rigid" else _with_springs(reduced, joint)
     return f"""<mujoco model="reducer">
   <!-- The reducer {_comment(reduced.name)} as one joint, level {reduced.level}, by cycloid-mj reduce.
@@ -70,9 +69,9 @@ def joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:
 
 
 def scene_xml(reduced: ReducedJoint, load_inertia: float, timestep: float, integrator: str = "discrete") -> str:
-    """Write a scene with the joint, a motor on its crank and an inertia [kg m2] on its output; `timestep` in seconds.
+    """Return the MJCF of a scene: the joint, a motor on its crank, and an inertia [kg m2] on its output.
 
-    The motor's control is its torque on the crank [N m].
+    The control of the motor is its torque on the crank [N m]; `timestep` is in seconds.
     """
     inertia = _number(load_inertia)
     turned = "against" if reduced.way < 0 else "with"
@@ -100,6 +99,7 @@ def scene_xml(reduced: ReducedJoint, load_inertia: float, timestep: float, integ
 
 
 def _with_springs(reduced: ReducedJoint, joint: str) -> str:
+    """Return the MJCF elements of a joint with springs: crank, slip elements, tendons, motor and tuple."""
     rotor = rotor_name(joint)
     tendons, elements = [], []
     for number, spring in enumerate(reduced.springs):
@@ -115,7 +115,7 @@ def _with_springs(reduced: ReducedJoint, joint: str) -> str:
     for number, (slip, (armature, damping)) in enumerate(zip(reduced.slips, slip_inertias(reduced), strict=True)):
         name = slip_name(joint, number)
         slipping.append(
-            f'    <body name="{name}">\n      <inertial pos="0 0 0" mass="{NEXT_TO_NOTHING}" '
+            f'    <body name="{name}">\n      <inertial pos="0 0 0" mass="{NEGLIGIBLE_MASS}" '
             f'diaginertia="1e-12 1e-12 1e-12"/>\n      <joint name="{name}" axis="0 0 1" '
             f'armature="{_number(armature)}" frictionloss="{_number(slip.limit)}" {_sticking()} '
             'damping="0" limited="false"/>\n    </body>\n'
@@ -135,11 +135,11 @@ def _with_springs(reduced: ReducedJoint, joint: str) -> str:
   <worldbody>
     <!-- Under the link that holds the motor, if that moves; the axis is that of the joint. -->
     <body name="{rotor}">
-      <inertial pos="0 0 0" mass="{NEXT_TO_NOTHING}" diaginertia="1e-12 1e-12 1e-12"/>
+      <inertial pos="0 0 0" mass="{NEGLIGIBLE_MASS}" diaginertia="1e-12 1e-12 1e-12"/>
       <joint name="{rotor}" axis="0 0 1" armature="{_number(reduced.rotor_inertia)}" \
 frictionloss="{_number(reduced.no_load_torque)}" {_sticking()} damping="0" limited="false"/>
       <geom name="{rotor}" type="cylinder" size="{radius} {length}" contype="0" conaffinity="0" \
-mass="{NEXT_TO_NOTHING}" rgba="0.93 0.65 0.49 1"/>
+mass="{NEGLIGIBLE_MASS}" rgba="0.93 0.65 0.49 1"/>
     </body>
 {"".join(slipping)}  </worldbody>
   <tendon>
@@ -155,6 +155,7 @@ mass="{NEXT_TO_NOTHING}" rgba="0.93 0.65 0.49 1"/>
 
 
 def _rigid(reduced: ReducedJoint, joint: str) -> str:
+    """Return the MJCF elements of a joint without springs."""
     friction = _number(reduced.no_load_torque_at_output)
     return f"""  <default>
     <default class="{reducer_name(joint)}">
@@ -176,12 +177,12 @@ def _sticking() -> str:
 
 
 def _comment(text: str) -> str:
-    """Escape text so that it does not end the comment it stands in."""
+    """Escape text so that it does not end an XML comment."""
     return text.replace("--", "- -")
 
 
 def _range(reduced: ReducedJoint) -> str:
-    most = _number(PEAK * reduced.rated_torque / reduced.ratio)
+    most = _number(MOTOR_PEAK * reduced.rated_torque / reduced.ratio)
     return f"-{most} {most}"
 
 

@@ -1,7 +1,7 @@
-"""What a joint's parameters are over many drives of one design: distributions for training robots on all of them.
+"""Distributions of a joint's parameters over many drives of one design, for the training of robots.
 
-A drive departs from its drawing by the design's tolerances, and its friction and the stiffness of its cam are somewhere
-in the ranges that `measure efficiency` states for them. Both are drawn, and the full model tells what comes of it.
+A drive deviates from its drawing by the design's tolerances, and its friction and cam stiffness are within the ranges
+that `measure efficiency` states. Both are drawn at random, and the parameters follow from the full model.
 """
 
 import math
@@ -40,39 +40,39 @@ the crank under the rated torque beyond that of no load, as a share of the rated
 """
 
 VARIED = ("friction", "stiffness")
-"""Tables of the design whose values are drawn from the ranges stated for them."""
+"""Tables of the design whose values are drawn from their stated ranges."""
 
 QUANTILES = (5.0, 25.0, 50.0, 75.0, 95.0)
-"""Percentiles that are told."""
+"""Percentiles that are reported."""
 
-STREAM = 10_000
-"""First of the streams of random numbers of ranges: those of tolerances come before."""
+RANGE_STREAM = 10_000
+"""Random stream of the ranges; tolerances use lower ones."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Population(Tabular):
-    """Drives of one design, those whose parts go together.
+    """Drives of one design that can be assembled.
 
     Attributes
     ----------
     design
-        Its name.
-    asked, seed
-        How many drives were drawn, and from which seed.
+        Name of the design.
+    requested, seed
+        Number of drives that were drawn, and the seed.
     nominal
-        Parameters of the design as drawn on paper, by the keys of `PARAMETERS`.
+        Parameters of the nominal design, by the keys of `PARAMETERS`.
     values
-        Of the drives, shape (samples,) each.
+        Parameters of the drives, shape (samples,) each.
     departures
-        What was drawn for them by name, shape (samples,) each: tolerances [um], friction [1], stiffness [N/m].
+        Values that were drawn for them, by name, shape (samples,): tolerances [um], friction [1], stiffness [N/m].
     ranges
         Inputs that were drawn from their stated ranges.
     has_tolerances
-        Whether the design states any.
+        Whether the design states tolerances.
     """
 
     design: str
-    asked: int
+    requested: int
     seed: int
     nominal: Mapping[str, float]
     values: Mapping[str, Array]
@@ -82,31 +82,31 @@ class Population(Tabular):
 
     @property
     def samples(self) -> int:
-        """How many drives go together."""
+        """Number of drives that can be assembled."""
         return len(self.values[PLAY])
 
     @property
     def frame(self) -> Frame:
-        """The drives, a row each."""
+        """Drives, one row each."""
         number = np.arange(1, self.samples + 1)
         return Frame({"sample": number, **self.values, **self.departures}, dict(PARAMETERS))
 
     @property
     def correlation(self) -> Array:
-        """Pearson's correlation of the parameters, shape (parameters, parameters); NaN of one that does not vary."""
+        """Pearson correlation of the parameters, shape (p, p); NaN for a parameter that does not vary."""
         with np.errstate(invalid="ignore", divide="ignore"):
             return np.corrcoef([self.values[key] for key in PARAMETERS])
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What the distributions stand on, a sentence each."""
+        """Assumptions of the distributions, a sentence each."""
         ranges = "; ".join(f"{one.name} {one.low:.4g} to {one.high:.4g} {one.unit}" for one in self.ranges)
-        lost = self.asked - self.samples
+        lost = self.requested - self.samples
         return (
-            f"drawn evenly over the logarithm: {ranges}",
-            *([] if self.has_tolerances else ["the design states no tolerances, so that its play does not vary"]),
+            f"drawn with a log-uniform distribution: {ranges}",
+            *([] if self.has_tolerances else ["the design states no tolerances, so its play does not vary"]),
             *(
-                [f"{lost} of {self.asked} drives are left out: parts that press each other, or a clearance below 0"]
+                [f"{lost} of {self.requested} drives are left out: they cannot be assembled (interference of parts)"]
                 if lost
                 else []
             ),
@@ -119,18 +119,18 @@ class Population(Tabular):
             (key, unit, *(f"{one:.5g}" for one in (self.nominal[key], *self._summary(key).values())))
             for key, unit in PARAMETERS.items()
         )
-        header = ("parameter", "unit", "as drawn", "mean", "std", *(f"{one:g} %" for one in QUANTILES))
+        header = ("parameter", "unit", "nominal", "mean", "std", *(f"{one:g} %" for one in QUANTILES))
         matrix = tuple(
             (key, *("-" if np.isnan(one) else f"{one:+.2f}" for one in row))
             for key, row in zip(PARAMETERS, self.correlation.tolist(), strict=True)
         )
-        return Table(title, header, rows), Table("their correlation", ("", *PARAMETERS), matrix)
+        return Table(title, header, rows), Table("correlation of the parameters", ("", *PARAMETERS), matrix)
 
     def as_json(self) -> dict[str, Any]:
         """Convert the distributions and their correlation to JSON values."""
         return {
             "samples": self.samples,
-            "asked": self.asked,
+            "asked": self.requested,
             "seed": self.seed,
             "parameters": {
                 key: {"unit": unit, "nominal": self.nominal[key], **self._summary(key)}
@@ -150,44 +150,44 @@ class Population(Tabular):
         }
 
 
-def population(
+def draw_population(
     reducer: Reducer, samples: int, seed: int = 0, progress: Progress = silent, engine: Engine | None = None
 ) -> Population:
-    """Draw drives of a design and find the parameters of their joints; the same seed gives the same drives.
+    """Draw drives of a design, and compute the parameters of their joints; reproducible by the seed.
 
     Parameters
     ----------
     reducer
-        Made as drawn; its tolerances are those of its design.
+        Nominal reducer, whose design has the tolerances.
     samples, seed
-        How many are drawn, and from which seed.
+        Number of drives, and seed.
     progress
-        Called with how many are done, and how many there are.
+        Called with the numbers of finished and of all drives.
     engine
-        Where the work is done; by default in threads here.
+        Workers; by default threads.
 
     Raises
     ------
     DesignError
-        A tolerance is not of a known form.
+        A tolerance has an unknown form.
     RunError
-        Fewer than two drives go together, or the design itself does not balance.
+        Fewer than two drives can be assembled, or the design has no static balance.
     """
-    ranges = tuple(_about(reducer, one) for one in inputs(reducer) if one.table in VARIED)
-    work = partial(_drive, reducer, ranges, seed)
+    ranges = tuple(_centred_range(reducer, one) for one in inputs(reducer) if one.table in VARIED)
+    work = partial(_draw_drive, reducer, ranges, seed)
     drives = (engine or Engine(kind="threads")).each(work, range(samples), progress)
     good = [one for one in drives if one is not None]
     if len(good) < 2:
         raise RunError(
-            f"{samples - len(good)} of {samples} drives of {reducer.design.name!r} do not go together: "
-            "tighten the table [tolerance], or enlarge clearances"
+            f"{samples - len(good)} of {samples} drives of {reducer.design.name!r} cannot be assembled. Reduce the "
+            "tolerances in [tolerance], or increase the clearances"
         )
     values, drawn_values = (
         {key: np.array([one[part][key] for one in good]) for key in good[0][part]} for part in (0, 1)
     )
     return Population(
         design=reducer.design.name,
-        asked=samples,
+        requested=samples,
         seed=seed,
         nominal=parameters(reducer),
         values=values,
@@ -197,10 +197,10 @@ def population(
     )
 
 
-def _about(reducer: Reducer, one: Input) -> Input:
-    """Shift a range in which the design's own value does not lie until that is its middle; ends keep their ratio.
+def _centred_range(reducer: Reducer, one: Input) -> Input:
+    """Centre a range on the design's own value if that lies outside; its ends keep their ratio.
 
-    Ranges are of lubricated steel; a value that is further off was chosen for something else.
+    The ranges are those of lubricated steel. A value outside was chosen for other conditions.
     """
     table = getattr(reducer.design, one.table)
     shifts = {}
@@ -220,35 +220,35 @@ def _about(reducer: Reducer, one: Input) -> Input:
 
 
 def parameters(reducer: Reducer) -> dict[str, float]:
-    """Compute the parameters of one drive's joint, by the keys of `PARAMETERS`; errors as `statics.loads`."""
+    """Compute the parameters of one drive's joint, by the keys of `PARAMETERS`; raises as `statics.loads`."""
     rated = reducer.design.rated_torque
     loaded = reducer.but(load={"torque": rated}).working_at(rated)
     values = {key: figure(key).value(loaded) for key in PARAMETERS if key != LOSS}
     share = reducer.design.reduction / rated
-    # of the crank's torque; friction without a load is a parameter of its own
+    # as a share of the crank's torque; no-load friction is a separate parameter
     lost = 100.0 / figure("efficiency").value(loaded) - 1.0 - share * values[FRICTION]
     return {key: 100.0 * lost if key == LOSS else values[key] for key in PARAMETERS}
 
 
-def _drive(
+def _draw_drive(
     reducer: Reducer, ranges: tuple[Input, ...], seed: int, number: int
 ) -> tuple[dict[str, float], dict[str, float]] | None:
-    """Draw a drive by its number; return its parameters and what was drawn, or None where it does not go together."""
+    """Draw a drive by its number; return its parameters and drawn values, or None if it cannot be assembled."""
     zones, (block, row) = tolerance_zones(reducer), divmod(number, BLOCK_SAMPLES)
-    place = Batch(block, 1, row)
-    shares = np.random.default_rng([seed, STREAM, number]).random(len(ranges)).tolist()
+    batch = Batch(block, 1, row)
+    shares = np.random.default_rng([seed, RANGE_STREAM, number]).random(len(ranges)).tolist()
     changes: dict[str, dict[str, float]] = {}
     for one, share in zip(ranges, shares, strict=True):
         changes.setdefault(one.table, {}).update(one.between(share))
     try:
-        made = Reducer(
-            design_of_sample(reducer, draw_samples(reducer, zones, seed, place), 0, reducer.design.name)
+        built = Reducer(
+            design_of_sample(reducer, draw_samples(reducer, zones, seed, batch), 0, reducer.design.name)
         ).but(**changes)
-        values = parameters(made)
+        values = parameters(built)
     except CycloidError:
         return None
     of_parts = {
-        key: float(values[0]) for key, values in departure_columns(draw_departures(reducer, zones, seed, place)).items()
+        key: float(values[0]) for key, values in departure_columns(draw_departures(reducer, zones, seed, batch)).items()
     }
     of_ranges = {f"drawn_{table}_{key}": value for table, of in changes.items() for key, value in of.items()}
     return values, {**of_ranges, **of_parts}

@@ -1,7 +1,7 @@
-"""The reduced joint as one value: its springs, friction and ripple, and what MJCF cannot say as code for each step.
+"""The reduced joint: its springs, friction and transmission error, and the time step of effects that MJCF lacks.
 
-L is the output's turn less the ideal one at the crank's angle: the length of a fixed tendon over both. Between its
-stops the joint is free; beyond them it winds up. All torques of friction are on the crank.
+L is the output's angle less the ideal one at the crank's angle: the length of a fixed tendon over both. Between its
+stops the joint is free; beyond them it winds up. All friction torques are on the crank.
 """
 
 import json
@@ -26,16 +26,16 @@ from cycloid_mj.robot.ripple import Ripple
 from cycloid_mj.robot.standalone import varied
 
 Level = Literal["rigid", "backlash", "full"]
-"""How much of the reducer the joint has: ratio, inertia and constant friction; play and springs too; load-dependent
-friction and transmission error as well, by `ReducedJoint.step`."""
+"""Level of detail: ratio, inertia and constant friction; additionally play and springs; additionally load-dependent
+friction and transmission error, by `ReducedJoint.step`."""
 
 LEVELS: tuple[Level, ...] = get_args(Level)
 
 AT_REST = 1e-3
-"""Speed of the crank [rad/s] below which what pulls on it tells which way it is about to turn."""
+"""Speed of the crank [rad/s] below which the direction of friction follows from the torque on it."""
 
 NUMBERS = ("ratio", "rated_torque", "rated_speed", "damping", "rotor_inertia", "output_inertia")
-"""Values of a reducer that are numbers above 0."""
+"""Values of a joint that are numbers above 0."""
 
 JOINT = "joint"
 """Key of the joint's own values in its JSON file."""
@@ -43,7 +43,7 @@ JOINT = "joint"
 
 @dataclass(frozen=True)
 class Spring:
-    """A spring that acts beyond a dead band: how far beyond the stops it starts [rad], its stiffness [N m/rad]."""
+    """Spring that acts beyond a dead band: its start beyond the stops [rad], and stiffness [N m/rad]."""
 
     start: float
     stiffness: float
@@ -51,14 +51,14 @@ class Spring:
 
 @dataclass(frozen=True)
 class Slip:
-    """A spring on L that slips at a limit [N m]: its stiffness [N m/rad]. What it holds back is hysteresis."""
+    """Slip element on L: a spring [N m/rad] that slips at a limit [N m], which causes hysteresis."""
 
     limit: float
     stiffness: float
 
 
 class JointAddresses(NamedTuple):
-    """Where a model has one joint with this reducer: addresses of crank and output, and the tendons between them."""
+    """Addresses of a joint in a model: crank, output, and the tendons between them."""
 
     output_angle: int
     output_speed: int
@@ -74,30 +74,30 @@ class ReducedJoint(Presented):
     Attributes
     ----------
     name
-        Of the design.
+        Name of the design.
     level
-        How much of it a model gets.
+        Level of detail in a model.
     ratio, way
-        Turns of the crank for one of the output, and -1 where the output turns against the crank.
+        Turns of the crank per turn of the output, and -1 where the output turns against the crank.
     rated_torque, rated_speed
-        On the output [N m], of the crank [rad/s].
+        Rated torque on the output [N m], and speed of the crank [rad/s].
     stops
         L at both ends of the play [rad].
     springs
-        Their sum is the torque beyond a stop, alike on both sides; the first starts at the stop.
+        Springs whose sum is the torque beyond a stop, the same on both sides; the first starts at the stop.
     polynomial, polynomial_error
-        a, b, c of that torque as a x + b x^2 + c x^3 up to the rated one [N m/rad, N m/rad^2, N m/rad^3], and their
-        numerical errors.
+        Factors a, b, c of that torque as a x + b x^2 + c x^3 up to the rated one [N m/rad, N m/rad^2, N m/rad^3], and
+        their numerical errors.
     damping
-        Of L while it presses [N m s/rad].
+        Damping of L while a spring is loaded [N m s/rad].
     rotor_inertia, output_inertia
-        What turns with the crank and with the output, each about its own axis [kg m2].
+        Inertia of the parts that turn with the crank and with the output, about their own axes [kg m2].
     friction, ripple
-        Torque of friction on the crank; transmission error about its mean.
+        Map of the friction torque on the crank; transmission error about its mean.
     slips
-        Beside the springs, at every L: friction that holds the wind-up, whichever shaft turns.
+        Slip elements in parallel with the springs, at every L: friction of the wind-up.
     quantities
-        What was measured, by key, for people and programs.
+        Identified figures by key, for people and programs.
     """
 
     name: str
@@ -120,22 +120,22 @@ class ReducedJoint(Presented):
 
     @property
     def frame(self) -> Frame:
-        """The figures that its parameters were taken from, a row each."""
+        """Identified figures, one row each."""
         return quantity_frame(self.quantities)
 
     @property
     def line(self) -> str:
-        """What it is."""
+        """Name, level, ratio and rated torque."""
         return f"{self.name}, {self.level}, {abs(self.ratio):g}:1, {self.rated_torque:.4g} N m"
 
     @property
     def coefficient(self) -> float:
-        """Of the crank's angle in L [1]; that of the output's is 1."""
+        """Coefficient of the crank's angle in L [1]; that of the output's angle is 1."""
         return -self.way / self.ratio
 
     @property
     def reflected_inertia(self) -> float:
-        """Inertia of the whole reducer at its output [kg m2]."""
+        """Total inertia of the reducer at its output [kg m2]."""
         return self.output_inertia + self.ratio**2 * self.rotor_inertia
 
     @property
@@ -145,7 +145,7 @@ class ReducedJoint(Presented):
 
     @property
     def backlash(self) -> float:
-        """From stop to stop [rad]."""
+        """Angle between the stops [rad]."""
         return self.stops[1] - self.stops[0]
 
     @property
@@ -155,22 +155,22 @@ class ReducedJoint(Presented):
 
     @property
     def no_load_torque_at_output(self) -> float:
-        """The same at the output: what a joint without a crank of its own has [N m]."""
+        """That friction at the output [N m], for a joint without a crank."""
         return self.ratio * self.no_load_torque
 
     @cached_property
     def fingerprint(self) -> int:
-        """A number by which a model's joints with this reducer are found, at any level; MJCF keeps all its digits."""
+        """Number that identifies the joints of a model with this reducer, at any level; MJCF keeps all its digits."""
         values = {key: value for key, value in self._values().items() if key not in ("level", "slips")}
         return 1 + zlib.crc32(json.dumps(values, sort_keys=True).encode()) % 999_999
 
     def stiffness(self, torque: float) -> float:
-        """Compute the slope of the torque over L where it has this size [N m/rad]."""
+        """Compute the slope of the torque over L at a torque of this size [N m/rad]."""
         beyond = self.wind_up(torque)
         return sum(spring.stiffness for spring in self.springs if spring.start <= beyond)
 
     def wind_up(self, torque: float) -> float:
-        """Compute how far beyond its stop the joint carries a torque of this size [rad]."""
+        """Compute L beyond the stop under a torque of this size [rad]."""
         low, reached, slope = 0.0, 0.0, 0.0
         for spring in self.springs:
             if reached + slope * (spring.start - low) > abs(torque):
@@ -180,22 +180,22 @@ class ReducedJoint(Presented):
         return low + (abs(torque) - reached) / slope
 
     def torque(self, length: float, stops: tuple[float, float] | None = None) -> float:
-        """Compute the torque with which the springs pull L = `length` [rad] back to its stops [N m]."""
+        """Compute the torque of the springs at L = `length` [rad], towards the stops [N m]."""
         low, high = stops or self.stops
         beyond = max(length - high, low - length)
         size = sum(spring.stiffness * max(beyond - spring.start, 0.0) for spring in self.springs)
         return -size if length > high else size
 
     def stops_at(self, angle: float, length: float) -> tuple[float, float]:
-        """Compute the stops at a crank angle with their errors under the torque that L = `length` takes [rad]."""
+        """Compute the stops at a crank angle [rad], with the error under the torque at L = `length` [rad]."""
         return self.moving_stops(angle)(length)
 
     def moving_stops(self, angle: float) -> Callable[[float], tuple[float, float]]:
-        """Sum the errors at a crank angle [rad]: a function from L [rad] to the stops [rad], as `stops_at`.
+        """Return the function from L [rad] to the stops [rad] at a crank angle [rad], as `stops_at`.
 
-        L over the torque is straight lines between the loads of the errors and the starts of the springs, so the torque
-        that L takes is read off them, however much the error moves with it. Where the error falls faster with the load
-        than the springs wind up, the larger of the torques that fit is taken.
+        L is piecewise linear in the torque between the loads of the errors and the starts of the springs, and is
+        inverted. Where the error falls faster with the load than the springs wind up, several torques have the same L,
+        and the largest is used.
         """
         shares, _ = self._wound
         (low, lower), (high, upper) = self._bends(angle)
@@ -210,7 +210,7 @@ class ReducedJoint(Presented):
         return stops
 
     def bends(self, angle: float) -> Array:
-        """List L [rad] at which the springs' torque bends, at a crank angle [rad]; between, it is straight."""
+        """Return the L [rad] between which the torque is linear, at a crank angle [rad]."""
         if self.level == "full":
             (_, lower), (_, upper) = self._bends(angle)
             return np.unique([*-lower, *upper])
@@ -220,16 +220,17 @@ class ReducedJoint(Presented):
         )
 
     def _bends(self, angle: float) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-        """Compute the errors at the shares of `_wound` and how far L stands out there, lower then upper stop [rad]."""
+        """Compute errors and L beyond zero at the shares of `_wound` [rad], of the lower and the upper stop."""
         shares, wound = self._wound
         low, high = (np.interp(shares, self.ripple.loads, error) for error in self.ripple.errors_at(angle))
         return (low, _rising(wound - low - self.stops[0])), (high, _rising(wound + high + self.stops[1]))
 
     @cached_property
     def _wound(self) -> tuple[Array, Array]:
-        """Shares of the rated torque at which the errors or the springs bend, and the wind-up there [rad]."""
+        """Shares of the rated torque between which errors and springs are linear, and the wind-up there [rad]."""
         starts = [
-            sum(spring.stiffness * max(at.start - spring.start, 0.0) for spring in self.springs) for at in self.springs
+            sum(spring.stiffness * max(one.start - spring.start, 0.0) for spring in self.springs)
+            for one in self.springs
         ]
         shares = np.unique([0.0, *self.ripple.loads, *(torque / self.rated_torque for torque in starts)])
         return shares, np.array([self.wind_up(share * self.rated_torque) for share in shares.tolist()])
@@ -237,29 +238,29 @@ class ReducedJoint(Presented):
     def at(self, level: Level) -> Self:
         """Return the reducer at another level of detail."""
         if level not in LEVELS:
-            raise UsageError(f"there is no level {level!r}: choose {', '.join(LEVELS)}")
+            raise UsageError(f"unknown level {level!r}. Available: {', '.join(LEVELS)}")
         return replace(self, level=level)
 
     def varied(self, factors: Mapping[str, float]) -> Self:
-        """Return the joint with its parameters times factors, by the keys of `robot.standalone.PARAMETERS`."""
+        """Return the joint with its parameters scaled by factors, by the keys of `robot.standalone.PARAMETERS`."""
         return self.from_json({JOINT: varied(self._values(), factors)})
 
     def step(self, model: Any, data: Any) -> None:
-        """Write friction under the load and the transmission error into a model: call it before each ``mj_step``.
+        """Write load-dependent friction and transmission error into a model; call it before each ``mj_step``.
 
-        Every joint that carries this reducer is served, at the level that it was attached at.
+        All joints with this reducer are updated, each at the level at which it was attached.
 
         Parameters
         ----------
         model
             ``MjModel``; friction losses, spring lengths and damping of the reducer's joints are changed.
         data
-            ``MjData`` as the last step left it.
+            ``MjData`` after the last time step.
 
         Raises
         ------
         UsageError
-            No joint of the model carries it.
+            No joint of the model has this reducer.
         """
         for place in self.places(model):
             if place.tendons:
@@ -268,9 +269,9 @@ class ReducedJoint(Presented):
                 self._step_rigid(model, data, place)
 
     def settle(self, model: Any, data: Any) -> None:
-        """Turn the crank of every joint that carries this reducer to the middle of its play, as fast as the output.
+        """Set the cranks of all joints with this reducer to the middle of the play, with the speed of the output.
 
-        Call it after joints were set by hand, or the reducer starts wound up.
+        Call it after joint angles were set; otherwise the reducer starts wound up.
         """
         for place in self.places(model):
             if place.tendons:
@@ -278,7 +279,7 @@ class ReducedJoint(Presented):
                 data.qvel[place.crank_speed] = -data.qvel[place.output_speed] / self.coefficient
 
     def places(self, model: Any) -> Iterator[JointAddresses]:
-        """Find the joints of a model that carry this reducer.
+        """Yield the addresses of a model's joints with this reducer.
 
         Raises
         ------
@@ -291,7 +292,7 @@ class ReducedJoint(Presented):
             if size and model.tuple_objprm[start] == self.fingerprint
         ]
         if not starts:
-            raise UsageError(f"no joint of the model carries the reducer {self.name!r}: attach it with attach_reducer")
+            raise UsageError(f"no joint of the model has the reducer {self.name!r}; attach it with attach_reducer")
         for start, size in starts:
             output, *others = model.tuple_objid[start : start + size].tolist()
             crank, *tendons = others or [output]
@@ -304,7 +305,7 @@ class ReducedJoint(Presented):
             )
 
     def _step_between(self, model: Any, data: Any, place: JointAddresses) -> None:
-        """Serve a joint with springs: its tendons follow the error, its crank has the friction of their torque."""
+        """Update a joint with springs: its tendons follow the error, its crank has the friction of their torque."""
         angle, dof = float(data.qpos[place.crank_angle]), place.crank_speed
         length = float(data.qpos[place.output_angle]) + self.coefficient * angle
         low, high = self.stops_at(angle, length)
@@ -318,7 +319,7 @@ class ReducedJoint(Presented):
         model.dof_frictionloss[dof] = self.friction.torque(torque, speed, driving=pulled * turning < 0.0)
 
     def _step_rigid(self, model: Any, data: Any, place: JointAddresses) -> None:
-        """Serve a joint without springs: what the crank's balance of the last step says that it passes on."""
+        """Update a joint without springs by the torque that it transmitted in the last time step."""
         import mujoco
 
         dof = place.output_speed
@@ -332,7 +333,7 @@ class ReducedJoint(Presented):
         model.dof_frictionloss[dof] = self.ratio * lost
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the quantities and, as `joint`, all values in SI to JSON values."""
+        """Convert the quantities, and all values in SI as `joint`, to JSON values."""
         quantities = {key: quantity.as_json() for key, quantity in self.quantities.items()}
         for key, driving in (("efficiency", True), ("back_driving_efficiency", False)):
             quantities.setdefault(key, {})["map"] = self._efficiency_map(driving)
@@ -352,12 +353,12 @@ class ReducedJoint(Presented):
 
     @classmethod
     def from_json(cls, content: Mapping[str, Any]) -> Self:
-        """Read the reducer from what `as_json` wrote, without the quantities.
+        """Read a joint from the output of `as_json`, without the quantities.
 
         Raises
         ------
         UsageError
-            It is no such object.
+            The content is no joint.
         """
         try:
             values = dict(content[JOINT])
@@ -373,10 +374,15 @@ class ReducedJoint(Presented):
             joint = cls(**values)
         except (KeyError, TypeError, ValueError) as problem:
             reason = f"{type(problem).__name__}: {problem}"
-            raise UsageError(f"no reducer ({reason}): give what `cycloid-mj reduce` writes as reducer.json") from None
+            raise UsageError(
+                f"this is no reduced joint ({reason}); use a reducer.json that `cycloid-mj reduce` has written"
+            ) from None
         sound = all(math.isfinite(values[key]) and values[key] > 0.0 for key in NUMBERS)
         if joint.level not in LEVELS or joint.way not in (-1, 1) or not sound or not joint.springs:
-            raise UsageError("no reducer: level, way, springs or a number are not as `cycloid-mj reduce` writes them")
+            raise UsageError(
+                "this is no reduced joint: level, way, springs or a number are invalid; use a reducer.json that "
+                "`cycloid-mj reduce` has written"
+            )
         return joint
 
     @classmethod
@@ -388,17 +394,18 @@ class ReducedJoint(Presented):
         CycloidError
             The file cannot be read, or is no JSON.
         UsageError
-            It holds no reducer.
+            It contains no joint.
         """
         try:
             content = json.loads(Path(path).read_text(encoding="utf-8"))
         except (OSError, ValueError) as problem:
             raise CycloidError(
-                f"cannot read {path}: {reason(problem)}; give the reducer.json of `cycloid-mj reduce`"
+                f"cannot read {path}: {reason(problem)}; use the reducer.json of `cycloid-mj reduce`"
             ) from None
         return cls.from_json(content if isinstance(content, dict) else {})
 
     def _efficiency_map(self, driving: bool) -> dict[str, Any]:
+        """Return the map of the efficiency [%] over torque and speed as JSON values."""
         torques = self.friction.torques[1:]
         return {
             "torques_nm": list(torques),
@@ -410,7 +417,7 @@ class ReducedJoint(Presented):
         }
 
     def _values(self) -> dict[str, Any]:
-        """Collect every value in SI but the quantities."""
+        """Return all values in SI except the quantities."""
         values = asdict(replace(self, quantities={}))
         del values["quantities"]
         return values

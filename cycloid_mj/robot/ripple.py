@@ -1,7 +1,7 @@
-"""The transmission error about its mean, as harmonics of the crank's angle, and how it grows with the load.
+"""Transmission error about its mean as harmonics of the crank angle, at several loads.
 
-A load that pushes the output counter-clockwise presses it to its upper stop, one that pushes it clockwise to its lower
-one: each stop has an error of its own.
+A counter-clockwise load presses the output to its upper stop, a clockwise load to its lower stop. Each stop has its own
+error.
 """
 
 from collections.abc import Iterator, Mapping
@@ -19,16 +19,16 @@ Rows = tuple[tuple[float, ...], ...]
 
 @dataclass(frozen=True)
 class Ripple:
-    """The harmonics at some loads; at the order n, the error is a cos(n theta) + b sin(n theta).
+    """Harmonics at several loads; at the order n, the error is a cos(n theta) + b sin(n theta).
 
     Attributes
     ----------
     orders
         Cycles in a turn of the crank, shape (k,).
     loads
-        Shares of the rated torque, shape (l,), rising; between them errors follow straight lines.
+        Shares of the rated torque, rising, shape (l,); errors are interpolated linearly.
     low_cos, low_sin, high_cos, high_sin
-        a and b at the lower and at the upper stop [rad], shape (l, k).
+        Factors a and b at the lower and at the upper stop [rad], shape (l, k).
     low_error, high_error
         Numerical errors of the amplitudes [rad], shape (l, k).
     """
@@ -55,12 +55,12 @@ class Ripple:
         turned = orders * angle
         return np.asarray(waves @ np.concatenate([np.cos(turned), np.sin(turned)]))
 
-    def harmonics(self, way: int, rated: float) -> Iterator[dict[str, Any]]:
-        """Turn every harmonic into JSON: its amplitude [arcsec] under each load, with the crank turning each way.
+    def harmonics(self, sense: int, rated: float) -> Iterator[dict[str, Any]]:
+        """Yield each harmonic as JSON: its amplitude [arcsec] by load and direction of the crank.
 
-        `way` is that of the output against the crank, `rated` the torque on the output [N m].
+        `sense` is 1 where the output turns as the crank does, else -1; `rated` the torque on the output [N m].
         """
-        for turning, high in (("forward", way < 0), ("reverse", way > 0)):
+        for turning, high in (("forward", sense < 0), ("reverse", sense > 0)):
             stop = "high" if high else "low"
             a, b, errors = (np.array(getattr(self, f"{stop}_{part}")) for part in ("cos", "sin", "error"))
             for i, load in enumerate(self.loads):
@@ -79,7 +79,7 @@ class Ripple:
     def from_json(cls, content: Mapping[str, Any]) -> Self:
         """Read the ripple from a JSON object."""
         orders, loads = (tuple(map(float, content[key])) for key in ("orders", "loads"))
-        rows = {of.name: tuple(tuple(map(float, row)) for row in content[of.name]) for of in fields(cls)[2:]}
+        rows = {one.name: tuple(tuple(map(float, row)) for row in content[one.name]) for one in fields(cls)[2:]}
         return cls(orders, loads, **rows)
 
     @cached_property

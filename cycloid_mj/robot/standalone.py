@@ -1,17 +1,17 @@
-"""The joint of `reducer.json` by numpy alone: friction under the load and transmission error, before each MuJoCo step.
+"""The joint of `reducer.json` with NumPy only: load-dependent friction and transmission error for each MuJoCo step.
 
-`cycloid-mj reduce` writes this file as joint.py beside joint.xml; it needs no package but numpy:
+`cycloid-mj reduce` writes this file as joint.py next to joint.xml. It needs no package except NumPy:
 
     model = mujoco.MjModel.from_xml_path("joint/scene.xml")
     joint = joint.Joint("joint/reducer.json")
     joint.step(model, data)  # before each mujoco.mj_step(model, data)
 
-With `--spread`, a row of samples.csv makes another drive of the same design of it:
+With `--spread`, a row of samples.csv changes it to another drive of the same design:
 
     other = joint.varied(rows[7])
     other.write(model)  # play, stiffness and friction without a load, as MJCF has them
 
-For MJX, `terms` is a pure function of arrays: give it ``xp=jax.numpy``, and put what it returns into the model.
+For MJX, `terms` is a pure function of arrays: call it with ``xp=jax.numpy``, and write its result into the model.
 """
 
 import copy
@@ -23,15 +23,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 AT_REST = 1e-3
-"""Speed of the crank [rad/s] below which what pulls on it tells which way it is about to turn."""
+"""Speed of the crank [rad/s] below which the direction of friction follows from the torque on it."""
 
 
-BESIDE = Path(__file__).with_name("reducer.json")
-"""Where the values are unless another file is named."""
+VALUES_FILE = Path(__file__).with_name("reducer.json")
+"""Default file of the values."""
 
 
 class Terms(NamedTuple):
-    """What a model gets: dead bands of the springs [rad], shape (springs, 2), damping [N m s/rad], friction [N m]."""
+    """Values for a model: dead bands of the springs [rad], shape (springs, 2), damping [N m s/rad], friction [N m]."""
 
     springlength: Any
     damping: Any
@@ -49,10 +49,10 @@ PARAMETERS = (
 
 
 def varied(values: Mapping[str, Any], factors: Mapping[str, float]) -> dict[str, Any]:
-    """Return the values of a joint whose parameters, by the keys of `PARAMETERS`, are these factors of its own.
+    """Return the values of a joint with its parameters scaled by factors, by the keys of `PARAMETERS`.
 
-    The middle of the play stays, every spring takes up the torque that it took, and friction under a load grows beyond
-    that of no load by the factor of the loss.
+    The middle of the play and the torques of the springs stay. Load-dependent friction is scaled by the factor of the
+    loss.
     """
     play, stiffness, friction, loss, te = (float(factors[key]) for key in PARAMETERS)
     other = copy.deepcopy(dict(values))
@@ -64,9 +64,9 @@ def varied(values: Mapping[str, Any], factors: Mapping[str, float]) -> dict[str,
         spring["stiffness"] *= stiffness
     other["polynomial"] = [one * stiffness ** (n + 1) for n, one in enumerate(values["polynomial"])]
     other["damping"] = values["damping"] * stiffness
-    for way in ("driving", "driven"):
-        other["friction"][way] = [
-            [friction * row[0] + loss * (lost - row[0]) for lost in row] for row in values["friction"][way]
+    for side in ("driving", "driven"):
+        other["friction"][side] = [
+            [friction * row[0] + loss * (lost - row[0]) for lost in row] for row in values["friction"][side]
         ]
     for key in [key for key in values["ripple"] if key.endswith(("_cos", "_sin", "_error"))]:
         other["ripple"][key] = [[te * one for one in row] for row in values["ripple"][key]]
@@ -79,14 +79,14 @@ class Joint:
     Attributes
     ----------
     values
-        Those of `joint` in reducer.json, in SI.
+        Values of `joint` in reducer.json, in SI.
     timestep, integrator
-        The scene's: the longest step at which the peak of an impact across the play is right within 5 % [s].
+        Longest time step at which the peak of an impact is accurate within 5 % [s], and its integrator.
     nominal
-        With ``--spread``, the parameters of the design as drawn, by the keys of `PARAMETERS`.
+        With ``--spread``, the parameters of the nominal design, by the keys of `PARAMETERS`.
     """
 
-    def __init__(self, path: str | Path = BESIDE) -> None:
+    def __init__(self, path: str | Path = VALUES_FILE) -> None:
         content = json.loads(Path(path).read_text(encoding="utf-8"))
         self.values = content["joint"]
         self.timestep = content["scene"]["timestep_s"]
@@ -96,23 +96,23 @@ class Joint:
 
     @property
     def coefficient(self) -> float:
-        """Of the crank's angle in L, the output's turn less the ideal one; that of the output's is 1."""
+        """Coefficient of the crank's angle in L, the output's angle less the ideal one; that of the output is 1."""
         return -self.values["way"] / self.values["ratio"]
 
     def varied(self, sample: Mapping[str, Any]) -> "Joint":
         """Return the joint of one drive: a row of samples.csv, whose columns have the names of `PARAMETERS`.
 
-        A parameter of which the design as drawn has none, such as the error of ideal parts, stays as it is.
+        A parameter that is 0 in the nominal design, such as the error of ideal parts, is not changed.
         """
         if not self.nominal:
-            raise ValueError("reducer.json has no distributions: write it by `cycloid-mj reduce --spread`")
+            raise ValueError("reducer.json has no distributions; create it with `cycloid-mj reduce --spread`")
         other = copy.copy(self)
         factors = {key: float(sample[key]) / own if own else 1.0 for key, own in self.nominal.items()}
         other.values = varied(self.values, factors)
         return other
 
     def write(self, model: Any, joint: str = "output") -> None:
-        """Write play, stiffness, damping and friction without a load into a model for its joint of this name."""
+        """Write play, stiffness, damping and no-load friction into a model, for its joint of this name."""
         values, dof = self.values, int(model.joint(f"{joint}_rotor").dofadr[0])
         low, high = values["stops"]
         for number, spring in enumerate(values["springs"]):
@@ -123,7 +123,7 @@ class Joint:
         model.dof_frictionloss[dof] = self._friction("driving", 0.0, values["rated_speed"], np)
 
     def step(self, model: Any, data: Any, joint: str = "output") -> None:
-        """Write friction and error into a model (``MjModel``, ``MjData``) for its joint of this name."""
+        """Write friction and transmission error into a model (``MjModel``, ``MjData``), for its joint of this name."""
         output, crank = model.joint(joint), model.joint(f"{joint}_rotor")
         springs = [f"{joint}_reducer" + (f"_{n + 1}" if n else "") for n in range(len(self.values["springs"]))]
         tendons, dof = [model.tendon(name).id for name in springs], int(crank.dofadr[0])
@@ -138,19 +138,19 @@ class Joint:
         model.dof_frictionloss[dof] = terms.frictionloss
 
     def terms(self, output: Any, crank: Any, speed: Any, driven_by: Any, xp: Any = np) -> Terms:
-        """Compute the terms at angles of output and crank [rad], its speed [rad/s] and other torque on it [N m].
+        """Compute the terms at angles of output and crank [rad], speed of the crank [rad/s] and torque on it [N m].
 
-        No branch depends on an argument: with ``xp=jax.numpy`` it can be compiled and mapped.
+        No branch depends on an argument: with ``xp=jax.numpy`` it can be compiled and vectorised.
         """
         values, ripple = self.values, self.values["ripple"]
         length = output + self.coefficient * crank
         starts = xp.array([spring["start"] for spring in values["springs"]])
         stiffness = xp.array([spring["stiffness"] for spring in values["springs"]])
         rated = values["rated_torque"]
-        # shares of the rated torque at which errors or springs bend, and the wind-up there
+        # shares of the rated torque between which errors and springs are linear, and the wind-up there
         torques = (stiffness * xp.maximum(starts[:, None] - starts, 0.0)).sum(axis=1)
         bends = xp.sort(xp.concatenate([xp.array([0.0]), xp.array(ripple["loads"]), torques / rated]))
-        # beyond the last start the last slope goes on
+        # beyond the last start the last slope continues
         far = starts[-1] + xp.maximum(bends * rated - torques[-1], 0.0) / stiffness.sum()
         wound = xp.where(bends * rated > torques[-1], far, xp.interp(bends * rated, torques, starts))
         turned = xp.array(ripple["orders"]) * crank
@@ -160,7 +160,7 @@ class Joint:
             cos, sin = (xp.array(ripple[f"{side}_{part}"]) for part in ("cos", "sin"))
             error = xp.interp(bends, xp.array(ripple["loads"]), cos @ xp.cos(turned) + sin @ xp.sin(turned))
             reached = wound + sign * (error + stop)
-            # where the error falls faster than the springs wind up, the larger of the torques that fit
+            # where the error falls faster than the springs wind up, the largest torque with that L
             later = xp.arange(len(reached))[:, None] <= xp.arange(len(reached))
             rising = xp.where(later, reached, xp.inf).min(axis=1)
             share = xp.interp(sign * length, rising, bends)
@@ -179,10 +179,10 @@ class Joint:
         )
 
     def _friction(self, key: str, torque: Any, speed: Any, xp: Any) -> Any:
-        """Compute the torque of friction on the crank [N m] by the map: straight lines, the last of which goes on."""
+        """Interpolate the friction torque on the crank [N m]; beyond the largest torque the last line continues."""
         friction = self.values["friction"]
         torques, rows = xp.array(friction["torques"]), xp.array(friction[key])
-        place = xp.clip(xp.searchsorted(torques, torque) - 1, 0, len(friction["torques"]) - 2)
-        share = (torque - torques[place]) / (torques[place + 1] - torques[place])
-        lost = rows[:, place] + share * (rows[:, place + 1] - rows[:, place])
+        index = xp.clip(xp.searchsorted(torques, torque) - 1, 0, len(friction["torques"]) - 2)
+        share = (torque - torques[index]) / (torques[index + 1] - torques[index])
+        lost = rows[:, index] + share * (rows[:, index + 1] - rows[:, index])
         return xp.interp(xp.abs(speed), xp.array(friction["speeds"]), lost)

@@ -1,6 +1,7 @@
-"""The transmission error of the full model over a whole turn of the output, in its harmonics.
+"""Harmonics of the full model's transmission error over a full turn of the output.
 
-After one everything is where it was: there every order is a whole number of cycles, and the Fourier sum has no leakage.
+After a full turn all parts are in their first pose: each order is an integer number of cycles, and the Fourier sum has
+no leakage.
 """
 
 from collections.abc import Callable
@@ -18,81 +19,101 @@ from cycloid_mj.statics.springs import springs_of
 Waves = npt.NDArray[np.complex128]
 
 LOADS = (0.3, 1.0)
-"""Shares of the rated torque, both ways, beside next to no load."""
+"""Shares of the rated torque, in both directions, in addition to nearly no load."""
 
 UNLOADED = (0.01, 0.03, 0.1)
-"""Shares that stand for no load, as in `measure te`: the first under which friction does not jam the parts."""
+"""Shares that represent no load, as in `measure te`: the first under which friction does not jam the parts is used."""
 
-PER_MESH_PERIOD = 8
-"""Crank angles in a mesh period; half as many are the check."""
+POSES_PER_MESH_PERIOD = 8
+"""Crank angles in a mesh period; half as many give the numerical error."""
 
-LEFT = 0.02
-"""What is left out of an error, as a share of its rms value: the harmonics that are kept explain the rest."""
+MAX_REMAINDER = 0.02
+"""Remainder of an error without its kept harmonics, as a share of its rms value."""
 
-MOST = 32
-"""Harmonics that are kept at most."""
+MAX_HARMONICS = 32
+"""Largest number of harmonics that are kept."""
 
 
 def turns(reducer: Reducer) -> int:
-    """Count the crank turns after which the error repeats."""
+    """Return the number of crank turns after which the error repeats."""
     return reducer.design.reduction
 
 
-def ripple(reducer: Reducer, on_step: Callable[[], None]) -> Ripple:
-    """Solve the error without a load and at `LOADS`, both ways, keep what matters of it; `on_step` counts the turns."""
+def solve_ripple(reducer: Reducer, on_turn: Callable[[], None]) -> Ripple:
+    """Compute the significant harmonics of the error without a load and at `LOADS`, in both directions.
+
+    `on_turn` is called after each turn of the crank that is solved.
+    """
     lightest = next((load for load in UNLOADED if _balances(reducer, load)), UNLOADED[-1])
     shares = (lightest, *LOADS)
-    spectra = {(load, way): waves(error(reducer, load, way, on_step)) for way in (1, -1) for load in shares}
+    spectra = {(load, sign): waves(solve_error(reducer, load, sign, on_turn)) for sign in (1, -1) for load in shares}
     kept = _kept([fine for fine, _ in spectra.values()])
-    # forward, the load pushes the output of a carrier counter-clockwise, to its upper stop
+    # with a forward crank, the load pushes a carrier output counter-clockwise, to its upper stop
     stops = {}
-    for name, way in (("low", -reducer.member.sense), ("high", reducer.member.sense)):
-        each = [spectra[load, way] for load in shares]
+    for name, sign in (("low", -reducer.member.sense), ("high", reducer.member.sense)):
+        each = [spectra[load, sign] for load in shares]
         stops[f"{name}_cos"] = _rows([fine[kept].real for fine, _ in each])
         stops[f"{name}_sin"] = _rows([-fine[kept].imag for fine, _ in each])
         stops[f"{name}_error"] = _rows([np.abs(fine[kept] - coarse[kept]) for fine, coarse in each])
     return Ripple(tuple((kept / turns(reducer)).tolist()), shares, **stops)
 
 
-def works(reducer: Reducer) -> int:
-    """Count the turns of the crank that `ripple` solves."""
+def count_turns(reducer: Reducer) -> int:
+    """Return the number of crank turns that `solve_ripple` solves."""
     return 2 * (1 + len(LOADS)) * turns(reducer)
 
 
 def _balances(reducer: Reducer, load: float) -> bool:
-    """Tell whether a turn of the crank each way has a balance under a share of the rated torque."""
+    """Return whether a turn of the crank in either direction has a balance under a share of the rated torque."""
     try:
-        for way in (1, -1):
-            _turn(reducer, load, way, 0)
+        for direction in (1, -1):
+            _solve_turn(reducer, load, direction, 0)
     except RunError:
         return False
     return True
 
 
-def error(reducer: Reducer, load: float, way: int, on_step: Callable[[], None] = lambda: None) -> Array:
-    """Compute the error of the output [rad] under a share of the rated torque, all over its turn; counter-clockwise.
+def solve_error(reducer: Reducer, load: float, direction: int, on_turn: Callable[[], None] = lambda: None) -> Array:
+    """Compute the error of the output [rad], counter-clockwise, over its full turn.
 
-    `way` is that of the crank; the angles rise evenly from 0, `PER_MESH_PERIOD` in each mesh period.
+    Parameters
+    ----------
+    reducer
+        The reducer.
+    load
+        Share of the rated torque.
+    direction
+        Direction of the crank, 1 or -1.
+    on_turn
+        Called after each turn of the crank.
+
+    Returns
+    -------
+    Array
+        Errors at even crank angles from 0, `POSES_PER_MESH_PERIOD` in each mesh period, shape (n,).
     """
     errors = []
     for turn in range(turns(reducer)):
-        errors.append(_turn(reducer, load, way, turn))
-        on_step()
+        errors.append(_solve_turn(reducer, load, direction, turn))
+        on_turn()
     return np.concatenate(errors)
 
 
-def _turn(reducer: Reducer, load: float, way: int, turn: int) -> Array:
+def _solve_turn(reducer: Reducer, load: float, direction: int, turn: int) -> Array:
+    """Compute the error over one turn of the crank, by the number of the turn."""
     design = reducer.design
-    turning = reducer.but(drive={"speed": way * abs(design.drive.speed)})
-    count = reducer.mesh_periods * PER_MESH_PERIOD
+    turning = reducer.but(drive={"speed": direction * abs(design.drive.speed)})
+    count = reducer.mesh_periods * POSES_PER_MESH_PERIOD
     springs = springs_of(turning, 2.0 * np.pi * (np.arange(count) / count + turn))
-    return reducer.member.sense * loads(turning, springs, way * load * design.rated_torque, follow=True).output_turn
+    return (
+        reducer.member.sense * loads(turning, springs, direction * load * design.rated_torque, follow=True).output_turn
+    )
 
 
 def waves(values: Array) -> tuple[Waves, Waves]:
-    """Return the complex amplitudes of a periodic error by whole cycles of all of it, and by every second sample.
+    """Return the complex amplitudes of a periodic error, from all its samples and from every second one.
 
-    The real part of A exp(i order theta) is the harmonic; both have the same shape, the mean left out.
+    The harmonic is the real part of A exp(i order theta). Both have the same shape, and no mean.
     """
 
     def amplitudes(one: Array) -> Waves:
@@ -105,16 +126,16 @@ def waves(values: Array) -> tuple[Waves, Waves]:
 
 
 def _kept(each: list[Waves]) -> npt.NDArray[np.int64]:
-    """Compute the places of the fewest strongest harmonics that leave `LEFT` of every error, `MOST` at the most."""
+    """Return the indices of the fewest strongest harmonics with a remainder below `MAX_REMAINDER` of each error."""
     each_share = [np.abs(one) / max(float(np.linalg.norm(one)), np.finfo(float).tiny) for one in each]
     shares: Array = np.stack(each_share).max(axis=0)
     order = np.argsort(-shares, kind="stable")
-    for count in range(1, MOST):
+    for count in range(1, MAX_HARMONICS):
         chosen = order[:count]
-        rest = [np.linalg.norm(np.delete(one, chosen)) <= LEFT * np.linalg.norm(one) for one in each]
+        rest = [np.linalg.norm(np.delete(one, chosen)) <= MAX_REMAINDER * np.linalg.norm(one) for one in each]
         if all(rest):
             return np.sort(chosen)
-    return np.sort(order[:MOST])
+    return np.sort(order[:MAX_HARMONICS])
 
 
 def _rows(arrays: list[Array]) -> tuple[tuple[float, ...], ...]:

@@ -1,4 +1,4 @@
-"""The reduced joint on its own bench in MuJoCo: crank held or turned, a torque on the output, L read off."""
+"""Trial scene of a reduced joint in MuJoCo: locked or turning crank, torque on the output, measured L."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,24 +16,24 @@ Integrator = Literal["implicitfast", "discrete"]
 INTEGRATORS: tuple[Integrator, ...] = get_args(Integrator)
 
 FLYWHEEL = 1e9
-"""Inertia that holds a crank, or its speed, over the crank's own [1]."""
+"""Inertia that fixes the crank, or its speed, over the crank's own [1]."""
 
 RUNAWAY = 100.0
-"""A joint that leaves its stops by this many rated wind-ups is unstable; MuJoCo's own warnings come much later."""
+"""Distance from the stops, in rated wind-ups and play, at which a joint is unstable; MuJoCo warns much later."""
 
 
 @dataclass(frozen=True)
 class TrialScene:
-    """A scene that is ready to step.
+    """Scene that is ready to step.
 
     Attributes
     ----------
-    reducer
-        What is on it, at its level.
+    reduced
+        The joint, at its level.
     model, data
-        MuJoCo's own.
+        ``MjModel`` and ``MjData``.
     place
-        Where the reducer is in them.
+        Addresses of the joint in them.
     """
 
     reduced: ReducedJoint
@@ -48,18 +48,18 @@ class TrialScene:
         return float(angles[self.place.output_angle] + self.reduced.coefficient * angles[self.place.crank_angle])
 
     def hold(self, speed: float = 0.0) -> None:
-        """Let the crank turn at a speed [rad/s] whatever the torque on it, the output along with it."""
+        """Set the speed of the crank [rad/s] independent of the torque on it, with the output at the same ratio."""
         self.model.dof_armature[self.place.crank_speed] = FLYWHEEL * self.reduced.rotor_inertia
         mujoco.mj_setConst(self.model, self.data)
         self.data.qvel[self.place.crank_speed] = speed
         self.data.qvel[self.place.output_speed] = -self.reduced.coefficient * speed
 
     def push(self, torque: float) -> None:
-        """Put a torque on the output [N m], counter-clockwise."""
+        """Apply a torque to the output [N m], counter-clockwise."""
         self.data.qfrc_applied[self.place.output_speed] = torque
 
     def press(self, torque: float) -> None:
-        """Put a torque on the output [N m] that is wound up by it already."""
+        """Apply a torque to the output [N m], and set the wind-up that it causes."""
         reduced, angle = self.reduced, float(self.data.qpos[self.place.crank_angle])
         side, size = int(torque > 0.0), abs(torque)
         length = reduced.stops[side] + reduced.wind_up(size) * (1.0 if side else -1.0)
@@ -69,16 +69,16 @@ class TrialScene:
         self.push(torque)
 
     def step(self) -> None:
-        """Take one step, at the level `full` with what MJCF cannot say."""
+        """Take one time step, at the level `full` with `ReducedJoint.step`."""
         if self.reduced.level == "full":
             self.reduced.step(self.model, self.data)
         mujoco.mj_step(self.model, self.data)
 
     def rest(self, torque: float) -> float:
-        """Find L [rad] at which MuJoCo lets the output rest under a torque on it [N m], the crank held.
+        """Compute L [rad] at which the output rests in MuJoCo under a torque on it [N m], with a locked crank.
 
-        There its acceleration is zero: the springs alone say where, and neither the way across the play nor damping or
-        a time of waiting has a part in it. The torque must not be 0: within the play the output rests anywhere.
+        It is the root of the acceleration: the springs alone determine it, without damping or time to settle. The
+        torque must not be 0, because the output rests anywhere within the play.
         """
         from scipy.optimize import brentq
 
@@ -96,7 +96,7 @@ class TrialScene:
         return float(brentq(pull, reduced.stops[0] - reach, reduced.stops[1] + reach, xtol=1e-15, rtol=1e-14))
 
     def lengths(self, torque: Callable[[float], float], steps: int) -> Array | None:
-        """Compute L after each step under a torque on the output by time; None where it runs away."""
+        """Compute L after each time step under a torque on the output as a function of time; None if it runs away."""
         reduced, lengths = self.reduced, np.empty(steps)
         most = RUNAWAY * (reduced.backlash + reduced.wind_up(reduced.rated_torque))
         for i in range(steps):
@@ -108,19 +108,19 @@ class TrialScene:
         return lengths
 
     def friction_torque(self) -> float:
-        """Compute the torque of friction on the crank in the step just taken [N m], against its way."""
+        """Compute the friction torque on the crank in the last time step [N m], against its motion."""
         efc = (self.data.efc_type == int(mujoco.mjtConstraint.mjCNSTR_FRICTION_DOF)) & (
             self.data.efc_id == self.place.crank_speed
         )
         return float(-self.data.efc_force[efc].sum() * np.sign(self.data.qvel[self.place.crank_speed]))
 
 
-def bench(
+def trial_scene(
     reduced: ReducedJoint, load_inertia: float, timestep: float, integrator: Integrator = "discrete"
 ) -> TrialScene:
-    """Build the scene of a reducer at its level with an inertia [kg m2] on the output; `timestep` in seconds."""
+    """Create the scene of a joint at its level with an inertia on the output [kg m2] and a time step [s]."""
     scene = scene_xml(reduced, load_inertia, timestep, integrator)
     model = mujoco.MjModel.from_xml_string(scene, {"joint.xml": joint_xml(reduced).encode()})
-    # what runs away is told by its values, not by a file of warnings in the user's folder
+    # instability is detected by its values, not by a log of warnings in the user's folder
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
     return TrialScene(reduced, model, mujoco.MjData(model), next(reduced.places(model)))

@@ -50,7 +50,7 @@ from cycloid_mj.design import Design, load, resolve
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.limits import stops
 from cycloid_mj.robot import ReducedJoint, reduce
-from cycloid_mj.robot.trial import bench as bench_scene
+from cycloid_mj.robot.trial import trial_scene as bench_scene
 from cycloid_mj.statics import loads, springs_of
 from cycloid_mj.statics.friction_path import Held, Losses, course_along
 from cycloid_mj.statics.locked import locked_course, locked_curve, slip_elements

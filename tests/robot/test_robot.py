@@ -27,14 +27,22 @@ from cycloid_mj.measure.efficiency_map import backward, forward
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.robot import LEVELS, ReducedJoint, identification, standalone
 from cycloid_mj.robot.bam import bam
-from cycloid_mj.robot.comparison import BOUNDS, POINTS, against
-from cycloid_mj.robot.impact import impact, peak_of
+from cycloid_mj.robot.comparison import BOUNDS, MAX_EFFICIENCY_DIFFERENCE, compare_with_full_model
+from cycloid_mj.robot.impact import run_impact, solve_impact
 from cycloid_mj.robot.lossy import lossy_efficiencies, lossy_joint_xml, lossy_scene_xml
 from cycloid_mj.robot.mjcf import joint_xml, scene_xml
-from cycloid_mj.robot.population import Population, parameters, population
+from cycloid_mj.robot.population import Population, draw_population, parameters
 from cycloid_mj.robot.reducer import Slip
-from cycloid_mj.robot.stability import ACCURATE, STEPS, longest, scene, study, tried, vibration
-from cycloid_mj.robot.trial import bench
+from cycloid_mj.robot.stability import (
+    IMPACT_RTOL,
+    TIME_STEPS,
+    choose_time_step,
+    longest_accurate,
+    measure_vibration,
+    study_time_steps,
+    try_time_step,
+)
+from cycloid_mj.robot.trial import trial_scene
 from cycloid_mj.statics.locked import LockedCurve, SlipElements, locked_course
 from cycloid_mj.statics.sheet import sheet
 
@@ -91,7 +99,7 @@ def test_joint_matches_the_full_model(told: dict) -> None:
         "resonance_hz": 0.02,
         "te_harmonic": 0.05,
     }
-    assert POINTS == 0.3
+    assert MAX_EFFICIENCY_DIFFERENCE == 0.3
     rows = {row["key"]: row for row in told["comparison"]}
     assert set(BOUNDS) - {"te_harmonic"} < set(rows)
     assert sum(row["unit"] == "%" for row in rows.values()) == 10
@@ -165,8 +173,8 @@ def test_a_dynamic_loop_and_run_find_the_same() -> None:
 def test_steps_are_recommended_by_an_impact(told: dict) -> None:
     """`discrete` is stable at 5 ms and far off there; what is recommended is right, with its error beside it."""
     reduced = ReducedJoint.from_json(told)
-    steps = study(reduced)
-    assert {one.timestep for one in steps} >= set(STEPS)
+    steps = study_time_steps(reduced)
+    assert {one.timestep for one in steps} >= set(TIME_STEPS)
     assert [one["stable"] for one in told["steps"]] == [one.stable for one in steps]
     for one in steps:
         if one.level == "rigid":
@@ -181,11 +189,11 @@ def test_steps_are_recommended_by_an_impact(told: dict) -> None:
     rows = {(one["level"], one["integrator"]): one for one in told["recommended"]}
     for (level, integrator), row in rows.items():
         for load, step in row["by_load"].items():
-            found = longest(steps, level, integrator, load)
+            found = longest_accurate(steps, level, integrator, load)
             assert step == (found.timestep if found else 0.0)
             if level != "rigid" and found:
                 assert row["impact_error"][load] == found.impact_error
-                assert abs(found.impact_error) <= ACCURATE
+                assert abs(found.impact_error) <= IMPACT_RTOL
     assert 5e-4 <= rows["full", "implicitfast"]["by_load"]["matched"] <= 1e-3
     assert rows["full", "discrete"]["by_load"]["matched"] == 0.0
     [far] = [
@@ -204,7 +212,7 @@ def test_the_output_rests_where_the_springs_say_whatever_the_play(few: ReducedJo
     for arcmin in (0.1, 10.0, 150.0, 300.0):
         half = 0.5 * arcmin * ARCMINUTE
         wide = replace(few, stops=(-half, half), damping=100.0 * few.damping, level="backlash")
-        on = bench(wide, 1e-3 * wide.reflected_inertia, 5e-3)
+        on = trial_scene(wide, 1e-3 * wide.reflected_inertia, 5e-3)
         on.hold()
         for torque in (1e-4 * wide.rated_torque, wide.rated_torque):
             turn = on.rest(torque) - on.rest(-torque)
@@ -217,7 +225,7 @@ def test_a_slow_vibration_has_its_frequency(few: ReducedJoint) -> None:
     inertia = 1e6 * slow.reflected_inertia
     period = 2.0 * math.pi * math.sqrt(inertia / slow.stiffness(slow.rated_torque))
     assert period > 0.6
-    stable, error, frequency = vibration(bench(slow, inertia, period / 300.0, "implicitfast"), inertia)
+    stable, error, frequency = measure_vibration(trial_scene(slow, inertia, period / 300.0, "implicitfast"), inertia)
     assert stable
     assert abs(error) < 2e-3
     assert abs(frequency) < 1e-3
@@ -227,10 +235,10 @@ def test_an_impact_converges_to_another_integrator(few: ReducedJoint) -> None:
     """LSODA on the joint's equation against MuJoCo at a hundredth of the vibration's period; damping halves by step."""
     reduced = replace(few, level="backlash")
     inertia = reduced.reflected_inertia
-    struck = impact(reduced, inertia)
+    struck = solve_impact(reduced, inertia)
     period = 2.0 * math.pi * math.sqrt(inertia / reduced.stiffness(reduced.rated_torque))
     errors = {
-        integrator: peak_of(bench(reduced, inertia, period / 400.0, integrator), struck) / struck.peak - 1.0
+        integrator: run_impact(trial_scene(reduced, inertia, period / 400.0, integrator), struck) / struck.peak - 1.0
         for integrator in ("implicitfast", "discrete")
     }
     assert abs(errors["implicitfast"]) < 0.005
@@ -240,7 +248,7 @@ def test_an_impact_converges_to_another_integrator(few: ReducedJoint) -> None:
 
 def test_an_impact_waits_for_a_heavy_load_to_cross(few: ReducedJoint) -> None:
     wide = replace(few, stops=(-0.04, 0.04), level="backlash")
-    struck = impact(wide, 100.0 * wide.reflected_inertia)
+    struck = solve_impact(wide, 100.0 * wide.reflected_inertia)
     assert struck.frequency < 3.0
     assert struck.peak > 0.0
 
@@ -248,7 +256,7 @@ def test_an_impact_waits_for_a_heavy_load_to_cross(few: ReducedJoint) -> None:
 def test_a_pressed_joint_rests(few: ReducedJoint) -> None:
     """At `backlash` the transmission error has no part in where the joint is wound up to, at `full` it has."""
     for level in ("backlash", "full"):
-        on = bench(few.at(level), few.reflected_inertia, 1e-4)
+        on = trial_scene(few.at(level), few.reflected_inertia, 1e-4)
         on.hold()
         on.press(few.rated_torque)
         before = on.length
@@ -266,7 +274,7 @@ def test_the_joint_of_a_printed_drive_holds_whatever_its_play(um: float, tmp_pat
     assert main(["design", "new", "p15", *size]) == 0
     design = cm.load("p15.toml").but(clearance=dict.fromkeys(("pin_gear", "cam", "output"), um * 1e-6))
     reduced = cm.reduce(design)
-    found = against(Reducer(design), reduced)
+    found = compare_with_full_model(Reducer(design), reduced)
     by_gaps = rigid_backlash.over_a_turn(Reducer(design))[1].mean()
     assert reduced.backlash == pytest.approx(by_gaps, rel=0.02)
     assert found.missed == []
@@ -346,7 +354,7 @@ def test_other_designs_hold_too(name: str) -> None:
     """Wide clearances and a reducer that locks itself; few teeth, whose error is a third of the wind-up; play, by which
     the losses of light loads bend."""
     design, reduced = unlike(name), joint_of(name)
-    assert against(Reducer(design), reduced).missed == []
+    assert compare_with_full_model(Reducer(design), reduced).missed == []
     assert reduced.backlash == pytest.approx(rigid_backlash.over_a_turn(Reducer(design))[1].mean(), rel=0.005)
     if name == "printed":
         assert reduced.quantities["back_driving_efficiency"].value == 0.0
@@ -358,7 +366,7 @@ def test_a_reducer_that_locks_itself_holds_its_load() -> None:
     """With friction from the load the output cannot turn the crank; the same without `step` lets it go."""
     reduced, turned = joint_of("printed"), []
     for level in ("full", "backlash"):
-        on = bench(reduced.at(level), 0.01, 1e-3)
+        on = trial_scene(reduced.at(level), 0.01, 1e-3)
         on.press(reduced.rated_torque)
         for _ in range(500):
             on.step()
@@ -371,14 +379,14 @@ def test_a_reducer_that_locks_itself_holds_its_load() -> None:
 def test_the_error_comes_through_up_to_the_speed_stated(few: ReducedJoint) -> None:
     """At the matched inertia the strongest harmonic is within 5 % at the speed that is stated, not at thrice that."""
     design = unlike("few")
-    stated = against(Reducer(design), few).highest_speed
+    stated = compare_with_full_model(Reducer(design), few).highest_speed
     strongest = int(np.argmax(np.hypot(few.ripple.high_cos[-1], few.ripple.high_sin[-1])))
     order = few.ripple.orders[strongest]
     expected = math.hypot(few.ripple.high_cos[-1][strongest], few.ripple.high_sin[-1][strongest])
 
     def amplitude(speed: float) -> float:
         step = 2.0 * np.pi / (order * speed) / 200.0
-        on = bench(few, few.reflected_inertia, step, "implicitfast")
+        on = trial_scene(few, few.reflected_inertia, step, "implicitfast")
         on.model.dof_damping[on.place.output_speed] = 3.0 * few.damping  # for the transient to die away
         on.hold(speed)
         on.press(few.rated_torque)
@@ -552,7 +560,7 @@ def test_joint_py_is_the_step_by_numpy_alone(few: ReducedJoint, tmp_path: Path) 
     assert run.returncode == 0, run.stderr
     told = json.loads(run.stdout)
     assert told["timestep"] == 1e-3
-    on = bench(few, 0.1, 1e-3)
+    on = trial_scene(few, 0.1, 1e-3)
     for (angle, length, speed, torque), found in zip(states, told["found"], strict=True):
         on.data.qpos[on.place.crank_angle], on.data.qvel[on.place.crank_speed] = angle, speed
         on.data.qpos[on.place.output_angle] = length - few.coefficient * angle
@@ -603,12 +611,12 @@ TOLERANCES = {"cam": "uniform 4", "output": "between -2 6", "pin_position": "nor
 @pytest.fixture(scope="module")
 def drives() -> Population:
     """Some drives of a small reducer."""
-    return population(Reducer(unlike("few")).but(tolerance=TOLERANCES), 8, seed=3)
+    return draw_population(Reducer(unlike("few")).but(tolerance=TOLERANCES), 8, seed=3)
 
 
 def test_drives_are_the_same_by_the_same_seed_and_not_by_another(drives: Population) -> None:
     reducer = Reducer(unlike("few")).but(tolerance=TOLERANCES)
-    again, other = population(reducer, 4, seed=3), population(reducer, 4, seed=4)
+    again, other = draw_population(reducer, 4, seed=3), draw_population(reducer, 4, seed=4)
     first = {key: values[: again.samples].tolist() for key, values in drives.values.items()}
     assert {key: values.tolist() for key, values in again.values.items()} == first
     assert other.values["backlash_arcmin"][0] != pytest.approx(again.values["backlash_arcmin"][0], rel=1e-6)
@@ -636,7 +644,7 @@ def test_ranges_hold_what_is_drawn_and_follow_a_design_beyond_them(drives: Popul
         for key, low in one.low_values.items():
             values = drives.departures[f"drawn_{one.table}_{key}"]
             assert low <= values.min() < values.max() <= one.high_values[key]
-    rough = population(Reducer(unlike("few")).but(friction={"pin_gear": 0.3}), 2)
+    rough = draw_population(Reducer(unlike("few")).but(friction={"pin_gear": 0.3}), 2)
     teeth = next(one for one in rough.ranges if one.name == "friction of the teeth")
     # of lubricated steel 0.02 to 0.1
     assert math.sqrt(teeth.low_values["pin_gear"] * teeth.high_values["pin_gear"]) == pytest.approx(0.3)
@@ -680,10 +688,10 @@ def test_joint_py_writes_a_drive_into_a_model(few: ReducedJoint, drives: Populat
     (tmp_path / "reducer.json").write_text(json.dumps(content))
     joint = standalone.Joint(tmp_path / "reducer.json")
     row = {key: str(values[2]) for key, values in drives.values.items()}
-    model = bench(few, 0.1, 1e-3).model
+    model = trial_scene(few, 0.1, 1e-3).model
     joint.varied(row).write(model)
     factors = {key: float(row[key]) / own if own else 1.0 for key, own in drives.nominal.items()}
-    made = bench(few.varied(factors), 0.1, 1e-3).model
+    made = trial_scene(few.varied(factors), 0.1, 1e-3).model
     for name in ("tendon_lengthspring", "tendon_stiffness", "tendon_damping", "dof_frictionloss"):
         assert getattr(model, name) == pytest.approx(getattr(made, name), rel=1e-9), name
     del content["spread"]
@@ -717,7 +725,7 @@ def test_what_slips_holds_the_wind_up_in_mujoco_alone(few: ReducedJoint) -> None
     """
     reduced = replace(few.at("backlash"), slips=SLIPS)
     assert ReducedJoint.from_json(reduced.as_json()).slips == SLIPS
-    on = bench(reduced, 0.1, 1e-3, "implicitfast")
+    on = trial_scene(reduced, 0.1, 1e-3, "implicitfast")
     on.hold()
     on.model.dof_damping[on.place.output_speed] = 20.0
     most = reduced.rated_torque
@@ -770,7 +778,7 @@ def test_attached_and_included_are_one_model(few: ReducedJoint) -> None:
 def test_the_rigid_joint_loses_what_the_load_takes(few: ReducedJoint) -> None:
     """At the level rigid `step` reads the load from the motor's balance: power out over power in is the efficiency."""
     reduced = few.at("rigid")
-    on = bench(reduced, 0.1, 1e-3)
+    on = trial_scene(reduced, 0.1, 1e-3)
     torque = reduced.rated_torque
     on.data.qvel[0] = reduced.way * reduced.rated_speed / reduced.ratio
     on.push(-reduced.way * torque)
@@ -785,7 +793,7 @@ def test_the_rigid_joint_loses_what_the_load_takes(few: ReducedJoint) -> None:
 
 @pytest.mark.parametrize(
     ("joint", "message"),
-    [("knee", "no joint 'knee'; its joints: shoulder, elbow"), ("out", "no hinge"), ("elbow", "a reducer already")],
+    [("knee", "no joint 'knee'. Its joints: shoulder, elbow"), ("out", "not a hinge"), ("elbow", "already has")],
 )
 def test_a_joint_that_cannot_take_it_is_refused(few: ReducedJoint, joint: str, message: str) -> None:
     spec = arm()
@@ -821,7 +829,7 @@ def test_a_spoiled_reducer_is_refused(few: ReducedJoint, change: dict) -> None:
     given = few.as_json()
     ReducedJoint.from_json(given)
     given["joint"] = given["joint"] | change
-    with pytest.raises(UsageError, match="no reducer"):
+    with pytest.raises(UsageError, match="this is no reduced joint"):
         ReducedJoint.from_json(given)
 
 
@@ -838,7 +846,7 @@ def test_a_file_that_is_no_reducer_is_refused(tmp_path: Path, text: str) -> None
 def test_a_model_without_it_is_refused(few: ReducedJoint) -> None:
     """A step that serves no joint would be a joint without friction and ripple, and nobody told."""
     model = arm().compile()
-    with pytest.raises(UsageError, match="no joint of the model carries the reducer 'few'"):
+    with pytest.raises(UsageError, match="no joint of the model has the reducer 'few'"):
         few.step(model, mujoco.MjData(model))
 
 
@@ -859,14 +867,14 @@ def test_either_member_and_several_discs(changes: dict) -> None:
     """The ring turns as the crank does, by one in N; two discs share the load, and both turn with the output."""
     design, plain = unlike("few").but(**changes), joint_of("few")
     reduced = cm.reduce(design)
-    assert against(Reducer(design), reduced).missed == []
+    assert compare_with_full_model(Reducer(design), reduced).missed == []
     assert (reduced.ratio, reduced.way) == ((7.0, 1) if design.output.turns_ring else (6.0, -1))
     if design.output.turns_ring:
         # Willis: the same play and springs, seen from the ring, through (N - 1)/N
         assert reduced.backlash == pytest.approx(plain.backlash * 6.0 / 7.0, rel=2e-3)
         stiffness = [one.quantities["stiffness_nm_per_arcmin"].value for one in (reduced, plain)]
         assert stiffness[0] == pytest.approx(stiffness[1] * (7.0 / 6.0) ** 2, rel=0.02)
-        on = bench(reduced, 0.01, 1e-3)
+        on = trial_scene(reduced, 0.01, 1e-3)
         on.data.ctrl[0] = 0.1
         for _ in range(200):
             on.step()
@@ -877,7 +885,7 @@ def test_either_member_and_several_discs(changes: dict) -> None:
 
 
 def test_an_unknown_level_is_refused(few: ReducedJoint) -> None:
-    with pytest.raises(UsageError, match="choose rigid, backlash, full"):
+    with pytest.raises(UsageError, match="Available: rigid, backlash, full"):
         few.at("soft")
 
 
@@ -890,37 +898,37 @@ def test_a_crank_at_rest_is_refused() -> None:
 def test_a_joint_whose_error_changes_with_the_load_by_more_than_it_winds_up_has_a_step() -> None:
     """The middle of its vibration is 21 % off its rest at any step: the error falls by nine wind-ups up to the load."""
     loose = joint_of("fixed-n31-d1-carrier-250um")
-    chosen = scene(loose, loose.reflected_inertia)
+    chosen = choose_time_step(loose, loose.reflected_inertia)
     assert chosen.accurate
     assert abs(chosen.error) < 0.01
-    assert not tried(loose, "implicitfast", 1e-3, loose.reflected_inertia).good
+    assert not try_time_step(loose, "implicitfast", 1e-3, loose.reflected_inertia).good
 
 
 @pytest.mark.parametrize(
     ("given", "advice"),
     [
-        ((None, None), "; give a larger --load-inertia-kgm2"),
-        ((5.0, None), "; leave out --timestep-ms, or give a larger --load-inertia-kgm2"),
-        ((5.0, "discrete"), "; leave out --timestep-ms and --integrator, or give a larger --load-inertia-kgm2"),
+        ((None, None), "; use a larger --load-inertia-kgm2"),
+        ((5.0, None), "; leave out --timestep-ms, or use a larger --load-inertia-kgm2"),
+        ((5.0, "discrete"), "; leave out --timestep-ms and --integrator, or use a larger --load-inertia-kgm2"),
     ],
 )
 def test_advice_names_flags_that_were_given_alone(
     few: ReducedJoint, given: tuple[float | None, str | None], advice: str
 ) -> None:
-    asked = tried(few.at("backlash"), "implicitfast", 5e-3, few.reflected_inertia)
+    asked = try_time_step(few.at("backlash"), "implicitfast", 5e-3, few.reflected_inertia)
     (told,) = inaccurate(asked, *given)
     assert told.endswith(f"unstable{advice}")
 
 
 def test_an_unstable_scene_is_told(few: ReducedJoint) -> None:
-    asked = tried(few.at("backlash"), "implicitfast", 5e-3, few.reflected_inertia)
+    asked = try_time_step(few.at("backlash"), "implicitfast", 5e-3, few.reflected_inertia)
     assert not asked.stable
-    assert asked.words == "unstable"
-    damped = tried(few.at("backlash"), "discrete", 5e-3, few.reflected_inertia)
+    assert asked.summary == "unstable"
+    damped = try_time_step(few.at("backlash"), "discrete", 5e-3, few.reflected_inertia)
     assert damped.good
     assert not damped.accurate
     assert "peak of an impact at 3 Hz" in damped.sentence
-    chosen = scene(few.at("backlash"), few.reflected_inertia)
+    chosen = choose_time_step(few.at("backlash"), few.reflected_inertia)
     assert chosen.accurate
     assert chosen.timestep <= 1e-3
 
@@ -932,8 +940,8 @@ def test_an_unstable_scene_is_told(few: ReducedJoint) -> None:
         (["--load-inertia-kgm2", "-1"], "--load-inertia-kgm2", 2),
         (["--load-inertia-kgm2", "nan"], "--load-inertia-kgm2", 2),
         (["--level", "soft"], "level", 2),
-        (["--samples", "10"], "--samples is of the drives that --spread draws", 2),
-        (["--seed", "0"], "--seed is of the drives that --spread draws", 2),
+        (["--samples", "10"], "--samples applies to the samples of --spread only", 2),
+        (["--seed", "0"], "--seed applies to the samples of --spread only", 2),
         (["--set", "drive.speed_rpm=0"], "drive.speed_rpm is 0", 1),
         (["--set", "clearance.output_um=-1"], "clearance.output_um", 2),
     ],
@@ -949,4 +957,4 @@ def test_wrong_flags_are_one_line(flags: list[str], message: str, code: int, tmp
 def test_a_folder_that_cannot_be_made_is_told(tmp_path: Path, capsys) -> None:
     (tmp_path / "file").write_text("")
     assert main(["reduce", "--design", "pin", "--out", str(tmp_path / "file" / "made")]) == 1
-    assert "choose another with --out" in capsys.readouterr().err
+    assert "choose another folder with --out" in capsys.readouterr().err

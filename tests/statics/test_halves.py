@@ -18,7 +18,7 @@ from cycloid_mj.parts.export import export, read_stl
 from cycloid_mj.parts.housing import SLIT_SHARE
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import arc_gaps
-from cycloid_mj.robot.identification import play_of
+from cycloid_mj.robot.identification import solve_play
 from cycloid_mj.statics.balance import loads
 from cycloid_mj.statics.locked import locked_curve
 from cycloid_mj.statics.preload import IDLE, POSES, halves_torque, preloaded
@@ -198,5 +198,5 @@ def test_a_command_finds_the_angle_of_a_torque(capsys: pytest.CaptureFixture[str
 def test_a_reducer_without_play_has_a_joint_without() -> None:
     """Its stops do not cross: MuJoCo takes no such tendon."""
     design = override(PRESETS["printed"], ["ring.kind=nonpin", "clearance.output_um=0.001", "clearance.tooth_um=0.001"])
-    low, high = play_of(halved(design, 5.0), 61).stops
+    low, high = solve_play(halved(design, 5.0), 61).stops
     assert low == high
