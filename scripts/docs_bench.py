@@ -46,20 +46,20 @@ PARTS = {
 MOUNTS = BENCH / "mounts.toml"
 
 RUBBING = ("play", "tooth_stiffness", "friction", "drag", "drag_travel")
-"""Values of contacts that rub."""
+"""Fitted parameters with friction in the contacts."""
 
 QUARTERS = (0.0, 0.25, 0.5, 0.75)
-"""Angles of the crank at which it may have been held, as shares of the angle from pin to pin of the ring."""
+"""Possible angles of the locked crank, as shares of the angle between two ring pins."""
 
 PRELOADS = (0.0, 5.0, 10.0, 15.0, 20.0, 30.0, 40.0)
 """Angles between the halves of a ring [arcmin]."""
 
 SETTLED, TURNS = 0.06, 0.25
-"""Of a run at the speed of the preset: time in which it settles [s], and turns of the crank that are then judged."""
+"""Settling time of a run at the speed of the preset [s], and the crank turns evaluated afterwards."""
 
 
-def fitted() -> dict[str, Any]:
-    """Fit both drives, predict the nonpin one from the pin one's values, and solve what parts and preload give."""
+def fit_drives() -> dict[str, Any]:
+    """Fit both drives, predict the nonpin drive from the pin drive's values, and compute parts and preload."""
     import cycloid_mj as cm
     from cycloid_mj.reducer import Reducer
 
@@ -80,13 +80,13 @@ def fitted() -> dict[str, Any]:
             "shares_without_offset": [loop["residual_share_without_offset"] for loop in content_of["loops"]],
             "predicted": {key: one.value for key, one in predicted.modelled.in_units().items()},
             "predicted_shares": list(predicted.shares),
-            **given(kind),
+            **part_compliances(kind),
         }
-    return content | {"preload": preloaded()}
+    return content | {"preload": preload_study()}
 
 
-def given(kind: str) -> dict[str, Any]:
-    """Compute what each part gives as drawn, with the seats that the drawing tells, and within the modulus's limits."""
+def part_compliances(kind: str) -> dict[str, Any]:
+    """Compute the compliance of each part as drawn, with the seats of the drawing, for the limits of the modulus."""
     import cycloid_mj as cm
     from cycloid_mj.reducer import Reducer
     from cycloid_mj.stress.mounts import read_mounts
@@ -97,7 +97,7 @@ def given(kind: str) -> dict[str, Any]:
 
 
 def rubbing() -> dict[str, Any]:
-    """Fit contacts that rub to the pin drive's loops, by the crank's angle and by the shaft held, and other losses."""
+    """Fit friction in the contacts to the pin drive's loops, by crank angle and locked shaft, and other losses."""
     import cycloid_mj as cm
     from cycloid_mj.bench import compare_losses
     from cycloid_mj.reducer import Reducer
@@ -126,8 +126,8 @@ def rubbing() -> dict[str, Any]:
     return {"held": rows, "losses": losses}
 
 
-def preloaded() -> dict[str, dict[str, float | None]]:
-    """Compute play, friction and stiffness of the nonpin drive as drawn against the preload of its ring [arcmin]."""
+def preload_study() -> dict[str, dict[str, float | None]]:
+    """Compute play, friction and stiffness of the nonpin drive as drawn over the preload of its ring [arcmin]."""
     import cycloid_mj as cm
     from cycloid_mj.dynamics.planar.model import planar_model
     from cycloid_mj.figures import figure
@@ -150,9 +150,9 @@ def preloaded() -> dict[str, dict[str, float | None]]:
 
 
 def sections(content: Mapping[str, Any]) -> dict[str, str]:
-    """Collect the generated sections of the page by name."""
+    """Return the generated sections of the page by name."""
     return {
-        "measured": measured(content),
+        "measured": measured_table(content),
         "fit": fit_table(content),
         "models": models_table(content),
         "predicted": predicted_table(content),
@@ -163,7 +163,7 @@ def sections(content: Mapping[str, Any]) -> dict[str, str]:
     }
 
 
-def measured(content: Mapping[str, Any]) -> str:
+def measured_table(content: Mapping[str, Any]) -> str:
     """Return what the authors state beside what the points show."""
     head = ("", "Baseline, authors", "Baseline, measured", "Twin, authors", "Twin, measured")
     both = [content[kind]["measured"] for kind in LOOPS]
@@ -300,11 +300,11 @@ def _estimate(one: Mapping[str, Any]) -> str:
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Write the page; give the exit code."""
+    """Write the page and return the exit code."""
     if "--fit" in arguments:
         kept = json.loads(KEPT.read_text(encoding="utf-8"))
         again = {} if "--quick" in arguments else {"rubbing": rubbing()}
-        KEPT.write_text(json.dumps(kept | fitted() | again, indent=1) + "\n", encoding="utf-8")
+        KEPT.write_text(json.dumps(kept | fit_drives() | again, indent=1) + "\n", encoding="utf-8")
     content = json.loads(KEPT.read_text(encoding="utf-8"))
     PAGE.write_text(replace_sections(PAGE.read_text(encoding="utf-8"), sections(content), SCRIPT), encoding="utf-8")
     return 0

@@ -47,7 +47,7 @@ ROWS = (
     ("output torque at first yield below a tooth surface [N m]", ("loads/capacity",)),
     ("output torque at shakedown [N m]", ("loads/capacity_shakedown",)),
 )
-"""Label, and the keys of which a design has one."""
+"""Label of each row, and the possible keys, one for each kind of ring."""
 
 LEVELS = (
     ("gear speed [rad/s]", "gear speed error, rms", ("fluctuation", "gear_speed_rad_s")),
@@ -72,14 +72,14 @@ LEVELS = (
         ("vibration", "output_rad_s2"),
     ),
 )
-"""Label, the quantity over the idle starts, and where a loaded run has it."""
+"""Label, quantity over the starts without load, and place in the JSON of a loaded run."""
 
 CLAIMS = ("gear_speed", "q_path", "q_velocity", "gear_centre_acceleration", "output_acceleration")
-"""Of `reproduce`, on the same quantities."""
+"""Claims of `reproduce` on the same quantities."""
 
 
-def measured(folder: Path, design: str) -> dict[str, dict[str, Any]]:
-    """List what the table shows of a design, from the JSON of every measure in a folder: ``pin-te``, ``pin-loads``."""
+def read_measures(folder: Path, design: str) -> dict[str, dict[str, Any]]:
+    """Return the quantities of a design for the table, from the JSON of its measures in a folder (``pin-te``, ...)."""
     measures: dict[str, dict[str, Any]] = {}
     for measure in MEASURES:
         content = json.loads((folder / f"{design}-{measure}").read_text(encoding="utf-8"))
@@ -91,8 +91,8 @@ def measured(folder: Path, design: str) -> dict[str, dict[str, Any]]:
     return measures
 
 
-def compared(content: Mapping[str, Any]) -> dict[str, Any]:
-    """Collect what the page shows of the JSON of `compare`: by load and design, and how each run was stepped."""
+def read_comparison(content: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the part of the JSON of `compare` that the page shows, with the time step of each run."""
     runs = []
     for run in content["runs"]:
         spreads = {one["quantity"]: one for one in run["spreads"]}
@@ -109,7 +109,7 @@ def compared(content: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def comparison(data: Mapping[str, Any]) -> str:
-    """Return the table of `compare`: a column for each run, no load first, with what it holds for above."""
+    """Return the table of `compare`, a column for each run, with its conditions."""
     runs = data["runs"]
     loads = [f"{run['load_nm']:g} N m" if run["load_nm"] else "no load" for run in runs]
     names = [run["design"].replace("-", " ") for run in runs]
@@ -128,9 +128,9 @@ def comparison(data: Mapping[str, Any]) -> str:
 
 
 def orders(data: Mapping[str, Any], claims: Sequence[Mapping[str, Any]]) -> str:
-    """Tabulate which design is the rougher one in what: under load, and over the idle starts of both commands.
+    """Return the table of which design fluctuates more, under load and over the starts without load.
 
-    `claims` are those of `reproduce`, of which the fluctuations have the range of pin over nonpin over all starts.
+    `claims` are those of `reproduce`, whose fluctuations contain the range of pin over nonpin.
     """
     pin, nonpin, alike = (_idle(data, name) for name in ("pin", "nonpin", "nonpin-like-pin"))
     loaded = {run["design"]: run["figures"] for run in data["runs"] if run["load_nm"]}
@@ -154,7 +154,7 @@ def orders(data: Mapping[str, Any], claims: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _idle(data: Mapping[str, Any], design: str) -> Mapping[str, StartSpread]:
-    """Find least and largest of each quantity over the idle starts of a design, by its label."""
+    """Return the range of each quantity over the starts of a design without load, by its label."""
     (figures,) = (run["figures"] for run in data["runs"] if run["design"] == design and not run["load_nm"])
     return {label: StartSpread(tuple(figures[label][:2])) for label, *_ in LEVELS}
 
@@ -171,7 +171,7 @@ def _level(value: float | Sequence[float]) -> str:
 
 
 def table(quantities: Mapping[str, Quantities]) -> str:
-    """Return the table: value, its numerical error, and its closed form or statics in brackets."""
+    """Return the table of values with numerical errors, and closed forms or static results in brackets."""
     lines = ["| | " + " | ".join(quantities) + " |", "|---" * (len(quantities) + 1) + "|"]
     for label, keys in ROWS:
         cells = [_cell(next(quantity[key] for key in keys if key in quantity)) for quantity in quantities.values()]
@@ -205,15 +205,15 @@ def _keep(path: Path, value: Any) -> None:
 
 
 def main() -> int:
-    """Write the page; give the exit code."""
+    """Write the page and return the exit code."""
     parser = argparse.ArgumentParser(description=str(__doc__).split("\n\n")[0])
     parser.add_argument("folder", nargs="?", type=Path, help="of the measures' JSON")
     parser.add_argument("--compared", type=Path, help="JSON of `compare`")
     options = parser.parse_args()
     if options.folder:
-        _keep(KEPT, {name: measured(options.folder, name) for name in DESIGNS})
+        _keep(KEPT, {name: read_measures(options.folder, name) for name in DESIGNS})
     if options.compared:
-        _keep(COMPARED, compared(_read(options.compared)))
+        _keep(COMPARED, read_comparison(_read(options.compared)))
     PAGE.write_text(written_page(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
     return 0
 

@@ -87,7 +87,7 @@ def figure_table(claims: Sequence[Mapping[str, Any]]) -> str:
             claim["design"],
             claim["paper"]["claim"],
             claim["paper"]["text"],
-            _shortened(claim["ours"]["text"]),
+            _shorten(claim["ours"]["text"]),
             f"**{claim['verdict']}**",
         )
         for claim in claims
@@ -95,7 +95,7 @@ def figure_table(claims: Sequence[Mapping[str, Any]]) -> str:
     return markdown_table(head, rows)
 
 
-def _shortened(text: str) -> str:
+def _shorten(text: str) -> str:
     """Return a result without what it has in brackets and behind a semicolon, as far as it is too long."""
     if len(text) <= MAX_CELL:
         return text

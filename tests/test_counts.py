@@ -1,4 +1,4 @@
-"""The counts of the house count what they say, and what moved between two revisions is listed."""
+"""The counts of the code, and the list of figures that differ between two revisions."""
 
 import ast
 import re
@@ -12,11 +12,6 @@ sys.path.insert(0, str(SCRIPTS))
 
 import counts  # noqa: E402
 import moved  # noqa: E402
-import walks  # noqa: E402
-
-from cycloid_mj.design import PRESETS  # noqa: E402
-from cycloid_mj.figures.geometry import masses  # noqa: E402
-from cycloid_mj.reducer import Reducer  # noqa: E402
 
 SOURCE = """
 from functools import cache, lru_cache
@@ -81,16 +76,3 @@ def test_what_only_one_revision_prints_is_counted_and_not_listed() -> None:
     of = [moved.Move("pin", "rate", "life", 1.0, None), moved.Move("pin", "rate", "heat", 1.0, 1.5)]
     assert moved.table(of).cells == [["pin", "rate", "heat", "1", "1.5", "+50 %"]]
     assert moved.come_and_gone(of) == "Printed by one revision alone: 0 new, 1 gone."
-
-
-def test_a_walk_counts_calls_between_modules_that_hand_a_reducer_on() -> None:
-    walk, reducer = walks.Walk(), Reducer(PRESETS["nonpin"].but(gear={"face_width": 0.0123}))
-    sys.setprofile(walk.watch)
-    try:
-        masses(reducer)
-    finally:
-        sys.setprofile(None)
-    assert ("figures/geometry.py:masses", "parts/parts.py:parts") in walk.functions
-    assert ("figures/geometry.py", "parts/parts.py") in walk.modules
-    assert all(caller != callee for caller, callee in walk.modules)
-    assert not any(name.startswith("base/") for pair in walk.modules for name in pair)

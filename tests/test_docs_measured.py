@@ -38,7 +38,7 @@ def test_the_page_says_what_was_compared(script: ModuleType) -> None:
     run |= {"vibration": vibration, "findings": {"timestep_s": 3.1e-6, "efficiency": 0.8804}}
     spreads = [{"quantity": name, "least": 114.2, "largest": 157.0, "mean": 0.013} for _, name, _ in script.LEVELS]
     runs = [run | {"load_nm": 0.0, "spreads": spreads}, run | {"load_nm": 36.68, "spreads": []}]
-    told = script.comparison(script.compared({"conditions": {"drive.speed_rpm": 1640.0}, "runs": runs}))
+    told = script.comparison(script.read_comparison({"conditions": {"drive.speed_rpm": 1640.0}, "runs": runs}))
     assert "at 1640 rpm." in told
     assert "Time steps: 3.1 us." in told
     assert "| | no load, nonpin like pin | 36.68 N m, nonpin like pin |" in told
