@@ -12,7 +12,7 @@ from typing import Any
 from cycloid_mj.app import artifacts, monte_carlo, part_stress, requirement, solid, summary, turn
 from cycloid_mj.app.controls import controls, key_in_words, value_in_words
 from cycloid_mj.app.drawing import section
-from cycloid_mj.app.state import changed, design_of, differences, values_of
+from cycloid_mj.app.state import apply_changes, design_of, differences, values_of
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.design.file import loads
@@ -30,7 +30,7 @@ Content = Mapping[str, Any]
 
 def draw(content: Content) -> dict[str, Any]:
     """Apply ``changes`` to a ``design``, and return everything that is shown at once (`view`)."""
-    design = changed(design_of(content.get("design", {})), content.get("changes", {}))
+    design = apply_changes(design_of(content.get("design", {})), content.get("changes", {}))
     return view(design, content)
 
 

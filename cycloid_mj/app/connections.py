@@ -65,7 +65,7 @@ class LimitedConnection(H11Protocol):
         self._refuse(400, f"{msg}\n")
 
     def pause_writing(self) -> None:
-        """Give the client a time to read its response."""
+        """Pause the response, and watch whether the client reads on."""
         super().pause_writing()
         self._watch_progress(self.transport.get_write_buffer_size())
 

@@ -1,6 +1,6 @@
 """The cross-section of a reducer as outlines in millimetres, fast enough to be redrawn while a slider moves.
 
-The page moves them: each disc orbits and rotates with the crank at the rates given with the outlines.
+The page moves them: each disc orbits and rotates with the crank at the rates that come with the outlines.
 """
 
 from collections.abc import Mapping

@@ -56,7 +56,7 @@ def values_of(design: Design) -> dict[str, Any]:
 def differences(first: Any, second: Any) -> list[tuple[str, Any, Any]]:
     """List the keys in which two designs of the page differ, with both values in the units of the file.
 
-    Both are given by the values in which they differ from the preset ``pin``; errors as `design_of`.
+    Both are represented by the values in which they differ from the preset ``pin``; errors as `design_of`.
     """
     designs = (first, design_of(first)), (second, design_of(second))
     pairs = {
@@ -66,7 +66,7 @@ def differences(first: Any, second: Any) -> list[tuple[str, Any, Any]]:
     return [(key, a, b) for key, (a, b) in pairs.items() if a != b]
 
 
-def changed(design: Design, changes: Any) -> Design:
+def apply_changes(design: Design, changes: Any) -> Design:
     """Return a design with changes, by the keys of its file, and with the values that follow; errors as `design_of`.
 
     The page has one torque: load and nominal torque of the drive are set together.

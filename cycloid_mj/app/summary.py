@@ -140,7 +140,7 @@ def life(reducer: Reducer, required: Any = None) -> dict[str, Any]:
             rated, limit = once, "emergency stop at twice the torque"
     except CycloidError as error:
         rated, limit = 0.0, str(error)
-    covered = cased(reducer)
+    covered = covered_size(reducer)
     diameter = covered["diameter_mm"] if covered else 2e3 * design.housing.outer_radius
     verdicts = requirement_verdicts(required, {"drive_diameter_mm": diameter, "rated_torque_nm": rated})
     verdicts["life_h"] = verdict(judge(shortest / hours_required), f"≥ {hours_required:.6g} h")
@@ -170,7 +170,7 @@ def rated_items(rating: Rating) -> list[dict[str, Any]]:
     return [rated_item(item, rating.life) for item in items if item.safety is not None or item.life is not None]
 
 
-def cased(reducer: Reducer) -> dict[str, float] | None:
+def covered_size(reducer: Reducer) -> dict[str, float] | None:
     """Return diameter and mass with covers, bearings and screws; None for a drive that has none."""
     keys = {"diameter_mm": "drive_diameter_mm", "mass_kg": "drive_mass_kg"}
     try:

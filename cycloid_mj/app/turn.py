@@ -67,8 +67,8 @@ def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
     return {
         "turn": turn,
         "load_nm": abs(load),
-        "teeth": _rounded(solved.teeth, teeth, direction[:, : springs.teeth], discs),
-        "output": _rounded(solved.output, output, direction[:, springs.teeth :], discs),
+        "teeth": _contact_lists(solved.teeth, teeth, direction[:, : springs.teeth], discs),
+        "output": _contact_lists(solved.output, output, direction[:, springs.teeth :], discs),
         "cam": np.round(solved.cam, 3).tolist(),
         "discs": np.round(poses, 7).tolist(),
         "output_turn": (departures[:, -1] / radius).tolist(),
@@ -110,7 +110,7 @@ def _output_error(reducer: Reducer, crank: Array, load: float) -> Array:
     return np.asarray(angle - angle.mean())
 
 
-def _rounded(force: Array, position: Array, direction: Array, discs: int) -> dict[str, Any]:
+def _contact_lists(force: Array, position: Array, direction: Array, discs: int) -> dict[str, Any]:
     """Convert forces [N], positions [m] and directions to rounded lists, shape (angles, discs, contacts, ...)."""
     shape = (len(force), discs, -1)
     return {

@@ -45,14 +45,14 @@ def calibration_figure(calibration: Calibration) -> Figure:
     grid[1, 0].set_ylabel("residual [deg]")
     legend_above(grid[0, -1], ("measured", MEASURED), ("model", MODEL))
     state(
-        figure, f"{calibration.design.name}, {fitted.bench.held} held, crank at {fitted.bench.crank / DEGREE:.4g} deg"
+        figure, f"{calibration.design.name}, {fitted.bench.held} fixed, crank at {fitted.bench.crank / DEGREE:.4g} deg"
     )
     return figure
 
 
 @styled
 def protocol_figure(result: Protocol) -> Figure:
-    """Draw the loops from which a protocol is evaluated, measured and modelled ones both centre_on_zero."""
+    """Draw the loops from which a protocol is evaluated, measured and modelled, each about its middle."""
     figure = sheet(3.2)
     axes = figure.subplots(1, 1, squeeze=False)[0, 0]
     for loop in result.loops:
@@ -64,7 +64,7 @@ def protocol_figure(result: Protocol) -> Figure:
     axes.set(xlabel="torque at the output [N m]", ylabel="deflection [deg]")
     shown = [("model", MODEL), *([("measured", MEASURED)] if result.bench_loops else [])]
     legend_above(axes, *shown)
-    state(figure, f"{result.design}, crank held; lines at 3 % of {result.rated:.4g} N m")
+    state(figure, f"{result.design}, crank fixed; lines at 3 % of {result.rated:.4g} N m")
     return figure
 
 

@@ -165,11 +165,11 @@ def _spans_a_plane(sweep: Sweep, inputs: Sequence[str]) -> bool:
     """Return whether the points of two inputs span a plane: a map needs three points that are not collinear."""
     if len(inputs) != 2:
         return False
-    points = np.column_stack([_scaled(sweep.frame.numbers[key]) for key in inputs])
+    points = np.column_stack([_scale(sweep.frame.numbers[key]) for key in inputs])
     return len(points) > 2 and np.linalg.matrix_rank(points - points[0], tol=1e-6) == 2
 
 
-def _scaled(values: Array) -> Array:
+def _scale(values: Array) -> Array:
     """Scale values to the range 0 to 1."""
     low, high = values.min(), values.max()
     return (values - low) / (high - low) if high > low else np.zeros_like(values)
@@ -183,7 +183,7 @@ def _map(axes: Axes, sweep: Sweep, name: str) -> None:
     good = np.isfinite(z)
     axes.set(xlabel=_title(sweep, first), ylabel=_title(sweep, second))
     axes.grid(False)
-    plane = np.column_stack([_scaled(x[good]), _scaled(y[good])]) if good.any() else np.empty((0, 2))
+    plane = np.column_stack([_scale(x[good]), _scale(y[good])]) if good.any() else np.empty((0, 2))
     if len(plane) > 2 and np.linalg.matrix_rank(plane - plane[0], tol=1e-6) == 2 and np.ptp(z[good]) > 0.0:
         # triangulated in scaled inputs, so that both have the same weight
         triangles = Triangulation(*plane.T).triangles

@@ -48,7 +48,7 @@ def calibration_page(calibration: "Calibration", figure: str, remarks: Sequence[
             title=f"cycloid_mj: {calibration.design.name}",
             calibration=calibration,
             remarks=remarks,
-            bench=f"{calibration.fitted.bench.held} held",
+            bench=f"{calibration.fitted.bench.held} fixed",
             tables=calibration.tables(),
             unexplained=UNEXPLAINED,
             figure=Markup(drawing),

@@ -37,7 +37,7 @@ def frames(motion: Series) -> Integers:
 
 
 def review(runs: Mapping[str, Run], q: npt.ArrayLike | None = None, settle: float | None = None) -> list[Reviewed]:
-    """Evaluate runs, given by the names of their logs; `q`, `settle` and errors as in `analysis.series`."""
+    """Evaluate runs, by the names of their logs; `q`, `settle` and errors as in `analysis.series`."""
     motions = [series(run, q, settle) for run in runs.values()]
     names = _names(list(runs), [motion.design.name for motion in motions])
     shown = [motion.run.select(np.isin(np.arange(len(motion.run)), frames(motion))) for motion in motions]

@@ -28,7 +28,7 @@ from cycloid_mj.app.api import compare, draw, forces, job_of, life, statics, wit
 from cycloid_mj.app.controls import controls
 from cycloid_mj.app.drawing import PLACES, section
 from cycloid_mj.app.jobs import MAX_FINISHED, MAX_QUEUED, Download, Jobs
-from cycloid_mj.app.state import changed, design_of, values_of
+from cycloid_mj.app.state import apply_changes, design_of, values_of
 from cycloid_mj.app.verdicts import REQUIREMENTS, SMALLEST_BAR, rated_item, requirement_verdicts
 from cycloid_mj.app.workers import NICENESS, Worker, WorkerDied
 from cycloid_mj.base.errors import CycloidError, UsageError
@@ -73,7 +73,7 @@ def test_sliders_start_where_the_design_is_and_say_what_they_are(design: Design)
             assert control.low <= control.value <= control.high
             assert control.low < control.low + control.step < control.high
     sliders = {control.key: control.value for control in controls(with_load(design)) if not control.options}
-    again = changed(with_load(design), sliders)
+    again = apply_changes(with_load(design), sliders)
     assert again.but(output={"hole_radius": design.output.hole_radius}) == with_load(design)
 
 
@@ -130,7 +130,7 @@ def test_what_cannot_be_built_is_drawn_anew_with_its_place_and_buttons_that_mend
     (wrong, *_) = [one for one in errors if one["place"] == place]
     mended = []
     for change in wrong["changes"]:
-        names = [one["name"] for one in summary.errors(Reducer(changed(design, change["changes"])))]
+        names = [one["name"] for one in summary.errors(Reducer(apply_changes(design, change["changes"])))]
         mended.append(wrong["name"] not in names)
         assert "_" not in change["words"]
     assert mended
@@ -152,17 +152,17 @@ def test_the_header_and_the_checks_tell_one_life_at_one_torque() -> None:
     for name, ways in summary.remedies(reducer).items():
         assert [*ways[0]["changes"]] == ["load.torque_nm"]
         for way in ways:
-            left = summary.checks(Reducer(changed(reducer.design, way["changes"])))["failed"]
+            left = summary.checks(Reducer(apply_changes(reducer.design, way["changes"])))["failed"]
             assert name not in {one["name"] for one in left}
 
 
 def test_the_page_has_one_torque() -> None:
     design = with_load(PRESETS["pin"])
-    less = changed(design, {"load.torque_nm": 12.34})
+    less = apply_changes(design, {"load.torque_nm": 12.34})
     assert less.rated_torque == pytest.approx(12.34)
     assert less.drive.power / less.drive.torque == pytest.approx(design.drive.power / design.drive.torque)
-    assert changed(less, {"drive.torque_nm": 0.5}).load.torque == pytest.approx(17.5)
-    fewer = changed(less, {"ring.teeth": 30})
+    assert apply_changes(less, {"drive.torque_nm": 0.5}).load.torque == pytest.approx(17.5)
+    fewer = apply_changes(less, {"ring.teeth": 30})
     assert (fewer.load.torque, fewer.rated_torque) == pytest.approx((12.34, 12.34))
     assert not [one for one in check(fewer) if one.name in ("load", "power") and not one.passed]
 
@@ -190,7 +190,7 @@ def test_a_button_gives_all_that_mends_a_check_and_speaks_in_words(changes: list
     broken = summary.errors(reducer)
     failed = {one["name"]: one for one in broken or summary.checks(reducer)["failed"]}
     (button,) = failed[name]["changes"]
-    mended = Reducer(changed(reducer.design, button["changes"]))
+    mended = Reducer(apply_changes(reducer.design, button["changes"]))
     assert name not in {one["name"] for one in summary.errors(mended) + summary.checks(mended)["failed"]}
     for text in (button["words"], failed[name]["what"], failed[name]["remedy"]):
         assert not re.search(r"[a-z]_[a-z]|[a-z]\.[a-z]", text), text
@@ -297,7 +297,7 @@ def test_warnings_are_counted_as_warnings() -> None:
 def test_covers_count_for_the_diameter() -> None:
     reducer = rated_for(10.0)
     bare = summary.geometry(reducer)["diameter_mm"]
-    covered = summary.cased(reducer)
+    covered = summary.covered_size(reducer)
     assert covered is not None
     assert covered["diameter_mm"] > bare + 5.0
     between = {"diameter_mm": bare + 1.0}
@@ -659,7 +659,7 @@ def test_long_work_is_told_by_its_kind() -> None:
 
 
 def test_shapes_that_a_slider_went_through_are_let_go() -> None:
-    first, *others = (changed(PRESETS["pin"], {"ring.pin_radius_mm": 2.0 + 0.001 * step}) for step in range(32))
+    first, *others = (apply_changes(PRESETS["pin"], {"ring.pin_radius_mm": 2.0 + 0.001 * step}) for step in range(32))
     solid_ = parts(Reducer(first), 1e-4)["gear"]
     mass_properties(solid_)
     kept = weakref.ref(solid_)
