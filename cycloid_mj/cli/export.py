@@ -168,7 +168,7 @@ def export(
     design, offset, chord_error = chosen.sound(), offset_um * 1e-6, chord_error_um * 1e-6
     reducer = Reducer(design)
     if plate or assembly:
-        require_one_ring(reducer, "plate and no assembly")
+        require_one_ring(reducer, "print plates and assemblies")
     in_stock = cam_bearing(reducer)
     bore = cam_bearing_bore_mm or (MILLIMETRES * in_stock[0].bore if in_stock else 0.0)
     seat = round(bore / 2.0 / MILLIMETRES, 9)

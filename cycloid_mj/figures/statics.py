@@ -10,7 +10,7 @@ from cycloid_mj.figures.figure import Figure, Need
 from cycloid_mj.figures.sampled import BACKLASH, TOUCH, Sampled
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics.balance import powers
-from cycloid_mj.statics.bearings import HELD
+from cycloid_mj.statics.bearings import BEARINGS
 from cycloid_mj.statics.load_tracking import INERTIA_SHARE
 from cycloid_mj.statics.sheet import CASES, DIRECTIONS, PARTS, SHAFTS, sheet_part
 
@@ -218,7 +218,7 @@ def _loads() -> Iterator[Figure]:
                 f"Largest {name} of all discs together on the {member} {_LOADED}.",
                 exists=_several,
             )
-    for key, words in HELD.items():
+    for key, words in BEARINGS.items():
         yield _figure(
             "loads",
             f"{key}_force",

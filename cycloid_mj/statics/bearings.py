@@ -1,6 +1,7 @@
-"""What the bearings of shaft, output and ring hold where several discs pull in planes of their own: statics in space.
+"""Bearing forces of shaft, output and ring with several discs: statics in space.
 
-Each disc's forces act in its own plane. Those of two discs may cancel; their couples, force times spacing, do not.
+The forces of each disc act in its own plane. Forces of two discs may cancel; their couples, force times spacing, do
+not.
 """
 
 from collections.abc import Iterator
@@ -19,14 +20,14 @@ from cycloid_mj.statics.springs import Springs
 
 @dataclass(frozen=True, eq=False)
 class Planes:
-    """In-plane forces on one part, those of each disc in the plane of that disc.
+    """In-plane forces of the discs on a part, in the plane of each disc.
 
     Attributes
     ----------
     force
-        Shape (m, D, 2) [N].
+        Forces [N], shape (m, D, 2).
     place
-        Of the planes along the reducer's axis [m], shape (D,); 0 is the middle of all discs.
+        Axial positions of the planes [m], shape (D,), from the middle of all discs.
     """
 
     force: Array
@@ -44,7 +45,7 @@ class Planes:
         return np.stack([-y, x], axis=1)
 
     def held_at(self, far: float, near: float) -> tuple[Array, Array]:
-        """Compute what two bearings at places [m] answer with [N], shape (m, 2) each, the part being a beam on both."""
+        """Compute the reactions of two bearings at axial positions [m] on the part as a beam [N], shape (m, 2) each."""
         share = (self.place - far) / (near - far)
         at_near = -np.einsum("d,mdi->mi", share, self.force)
         return -self.net - at_near, at_near
@@ -52,17 +53,17 @@ class Planes:
 
 @dataclass(frozen=True, eq=False)
 class Reactions:
-    """What discs put on shaft, output and ring, and what the bearings answer with, shape (m, 2) [N].
+    """Forces of the discs on shaft, output and ring, and reactions of the bearings, shape (m, 2) [N].
 
     Attributes
     ----------
     shaft, output, ring
-        Forces of the discs on them.
+        Forces of the discs on the part.
     shaft_far, shaft_near
-        Of the shaft's bearings, the far and the near one.
+        Reactions of the shaft's bearings far from and near the discs.
     output_far, output_near
-        Of the bearings of the two output discs, where there are two: that of the one next to the motor, and of the
-        other. None where there is one, whose bearing holds the whole force and the whole moment.
+        Reactions of the bearings of two output discs: next to the motor, and away from it. None for a single output
+        disc, whose bearing supports the total force and moment.
     """
 
     shaft: Planes
@@ -74,13 +75,13 @@ class Reactions:
     output_near: Array | None
 
 
-HELD = {
+BEARINGS = {
     "shaft_bearing_far": "shaft bearing far from the discs",
     "shaft_bearing_near": "shaft bearing near the discs",
     "output_bearing_far": "bearing of the output disc next to the motor",
     "output_bearing_near": "bearing of the output disc away from the motor",
 }
-"""Bearings, by their keys."""
+"""Names of the bearings, by key."""
 
 
 def reaction_quantities(reactions: Reactions) -> Iterator[Quantity]:
@@ -90,14 +91,14 @@ def reaction_quantities(reactions: Reactions) -> Iterator[Quantity]:
         tilts, nets = (float(np.hypot(*one.T).max()) for one in (planes.moment, planes.net))
         yield Quantity(f"{part}_net_force", f"net force of the discs on the {part}, largest", nets, "N")
         yield Quantity(f"{part}_tilting_moment", f"tilting moment of the discs on the {part}, largest", tilts, "N m")
-    for key, name in HELD.items():
+    for key, name in BEARINGS.items():
         forces = getattr(reactions, key.replace("_bearing", ""))
         if forces is not None:
             yield Quantity(f"{key}_force", f"{name}: largest force", float(np.hypot(*forces.T).max()), "N")
 
 
 def reactions(reducer: Reducer, springs: Springs, contact_loads: Loads) -> Reactions:
-    """Compute what bearings hold under static forces; without the weight and the unbalance of shaft and output."""
+    """Compute the bearing reactions to static forces, without weight and unbalance of shaft and output."""
     slope = springs.contacts.slope
     push = slope[..., :-1].reshape(*slope.shape[:2], contact_loads.discs, 3)[..., :2].sum(axis=2)
     count = springs.teeth
@@ -112,7 +113,7 @@ def reactions(reducer: Reducer, springs: Springs, contact_loads: Loads) -> React
 
 
 def spatial(reducer: Reducer, shaft: Array, output: Array, ring: Array) -> Reactions:
-    """Compute what bearings hold under forces of each disc on shaft, output and ring [N], shape (m, D, 2) each."""
+    """Compute the bearing reactions to forces of each disc on shaft, output and ring [N], shape (m, D, 2) each."""
     design = reducer.design
     gear = design.gear
     on_shaft, on_output, on_ring = (Planes(force, np.array(gear.disc_planes)) for force in (shaft, output, ring))

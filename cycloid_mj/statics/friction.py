@@ -1,4 +1,4 @@
-"""Friction of a turning crank's contacts, against the way in which the ideal parts slide, and what it takes."""
+"""Friction of the contacts at a rotating crank, against the sliding of the ideal parts, and its losses."""
 
 import numpy as np
 
@@ -8,16 +8,16 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import Gaps
 
 _PHASES, _HALVINGS = 12, 50
-"""Crank angles in a mesh period over which friction is averaged, and halvings of a turn until it is exact."""
+"""Crank angles per mesh period over which friction is averaged, and bisection steps for a rotation."""
 
 _SLOWEST = 1e-12
-"""Sliding speed [m/s] below which there is none."""
+"""Smallest sliding speed [m/s]; it prevents a division by zero."""
 
 
 def rubbing(reducer: Reducer, mesh_gaps: Gaps, motion: Array) -> Array:
     """Compute the generalised friction of each contact per normal force [1], shape (..., n, u).
 
-    `motion` is how the unknowns move with time, shape (..., u): `mechanism.gaps.ideal_motion` times the crank's speed.
+    `motion` is the rate of the unknowns, shape (..., u): `mechanism.gaps.ideal_motion` times the crank's speed.
     """
     sliding = np.einsum("...nu,...u->...n", mesh_gaps.slip_slope, motion)
     coefficient = np.where(
@@ -27,12 +27,12 @@ def rubbing(reducer: Reducer, mesh_gaps: Gaps, motion: Array) -> Array:
 
 
 def lacking_friction(reducer: Reducer) -> tuple[float, float]:
-    """Estimate what friction lacks below the creep speed: shares of the losses of teeth and output pins, and of output.
+    """Estimate the friction losses missing below creep speed, relative to those of teeth and pins, and to output.
 
-    A contact that bears F and slides at v below v0 F/F_w, with the creep speed v0 and its working force F_w, loses
-    v F_w/(v0 F) of Coulomb's mu F v. The teeth share the load as a gear that only turns, by t, against pins with all
-    their play: F = K max(a t - play, 0) at the arm a. Where weight presses, or the gear gives way, it may be twice.
-    A pin or sleeve that moves shares the sliding out to both of its contacts, which lasts up to a higher speed.
+    A contact with force F that slides at v below v0 F/F_w, with the creep speed v0 and the working force F_w, loses v
+    F_w/(v0 F) of Coulomb's mu F v. The teeth share the load of a disc that only rotates, by t, against pins with full
+    clearance: F = K max(a t - clearance, 0) at the arm a. With weight, or if the disc moves aside, it may be twice
+    that. A moving pin or sleeve divides the sliding between its two contacts, which extends the range to higher speeds.
     """
     design, gear = reducer.design, reducer.tooth_profile
     torque = reducer.contacts.working_load / design.gear.discs
@@ -57,10 +57,10 @@ def lacking_friction(reducer: Reducer) -> tuple[float, float]:
 
 
 def _creeping_contacts(reducer: Reducer) -> float:
-    """Count the contacts, one behind the other, that creep before the friction of a tooth is whole [1].
+    """Compute the effective number of contacts in series that creep below the full friction of a tooth [1].
 
-    A moving pin of radius R in a seat of radius r passes on f where its seat slips at r f' = R f. With limits mu F of
-    the gear's contact and mu' F of the seat's, each creeps as its share of its limit, the seat's seen at R/r.
+    A moving pin of radius R in a seat of radius r transmits f if its seat slips at r f' = R f. With the limits mu F of
+    the disc's contact and mu' F of the seat's, each creeps in proportion to its limit, that of the seat at R/r.
     """
     design = reducer.design
     ring, seat = design.ring, design.seat_pair
@@ -73,7 +73,7 @@ def _creeping_contacts(reducer: Reducer) -> float:
 
 
 def _sharing_with_play(arms: Array, torque: float, play: float, stiffness: float) -> Array:
-    """Compute forces [N] of teeth at arms [m], both (n, N), that push against a torque [N m] beyond a play [m]."""
+    """Compute the forces of teeth [N] at arms [m], both (n, N), under a torque [N m] with a clearance [m]."""
     arms = np.maximum(arms, 0.0)
     least = np.zeros(len(arms))
     most = 2.0 * (play / arms.max(axis=1) + torque / (stiffness * np.max(arms**2, axis=1)))
@@ -85,7 +85,7 @@ def _sharing_with_play(arms: Array, torque: float, play: float, stiffness: float
 
 
 def ideal_losses(reducer: Reducer, crank: Array, friction: float) -> tuple[float, float, float]:
-    """Compute the ideal losses of mesh, output pins and cam as shares of the output power, by Coulomb's law.
+    """Compute the ideal friction losses of mesh, output pins and cam, relative to the output power.
 
     Means over crank angles [rad] (n,) under the design's own load and ideal sharing; `friction` is that of the mesh.
     A contact at l - rho from the pitch point slides at (l - rho) w/(N-1). Friction acts about the gear's centre with

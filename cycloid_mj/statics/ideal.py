@@ -1,4 +1,4 @@
-"""Ideal sharing of a design's own load: contacts alike, without clearance or friction, and every disc its share."""
+"""Ideal load sharing: identical contacts without clearance and friction, and equal discs."""
 
 import math
 
@@ -11,7 +11,7 @@ from cycloid_mj.statics.springs import body_force
 
 
 def ideal_peak(reducer: Reducer, kind: str, crank_angle: Array) -> float:
-    """Compute the largest force [N] that ideal sharing of ``load.torque`` puts on a contact of a kind."""
+    """Compute the largest force of a kind of contact by ideal sharing of ``load.torque`` [N]."""
     return max(_peak(reducer, kind, crank_angle, phase) for phase in reducer.phases)
 
 
@@ -27,7 +27,7 @@ def _cam(reducer: Reducer, crank: Array, phase: float) -> Array:
 
 
 def _peak(reducer: Reducer, kind: str, crank: Array, phase: float) -> float:
-    """Compute the largest force of a kind on the disc at a `phase` on the crank [N], as seen from the ring."""
+    """Compute the largest force of a kind of contact on the disc at a `phase` of the crank [N]."""
     if kind == "cam":
         return float(_cam(reducer, crank, phase).max())
     ring, pins, _ = _shared(reducer, crank, phase)
@@ -35,7 +35,7 @@ def _peak(reducer: Reducer, kind: str, crank: Array, phase: float) -> float:
 
 
 def _shared(reducer: Reducer, crank: Array, phase: float) -> tuple[ideal_loads.LoadSharing, Array, Array]:
-    """Share the load of the disc at a `phase`: the ring, the output pins, and the crank's angles against the ring."""
+    """Return ideal forces of ring and output pins on the disc at a `phase`, and crank angles in the ring's frame."""
     design = reducer.design
     gear, output, turned = reducer.tooth_profile, design.output, reducer.member.against_ring(crank)
     torque = reducer.share * math.copysign(1.0, design.drive.speed) * design.load.torque / design.gear.discs

@@ -1,11 +1,11 @@
-"""The output at a locked crank along a course of torque: springs behind a play, and friction beside them.
+"""Rotation of the output at a locked crank along a torque path: elastic contacts with backlash, parallel to friction.
 
-The contacts carry T_s, and turn the output by x(T_s) without friction (`statics.balance`); beside them friction H holds
-the output's turn, whatever turns it: T = T_s(x) + H(x). H is shared by elements, each a spring that slips at a limit of
-its own (Iwan 1966, J. Appl. Mech. 33, 893-900), so that it comes on over a travel as 1 - exp(-x/travel), and remembers.
-Unlike in `statics.friction_path`, the contacts have no friction: with stiff ones, they slide little at a locked crank.
-Friction that grows with the load (`LoadFriction`) adds mu |T_s| s(x), where s, from -1 to 1, comes on over a travel as
-H does: that of a reducer whose crank turns as it winds up, so that all contacts slide.
+The contacts carry T_s and rotate the output by x(T_s) without friction (`statics.balance`); friction H acts in
+parallel: T = T_s(x) + H(x). H is distributed over elements, each a spring that slips at a limit of its own (Iwan 1966,
+J. Appl. Mech. 33, 893-900), so that it builds up over a travel as 1 - exp(-x/travel) and has hysteresis. Unlike in
+`statics.friction_path`, the contacts have no friction: with stiff ones, they slide little at a locked crank.
+Load-dependent friction (`LoadFriction`) adds mu |T_s| s(x), where s, from -1 to 1, builds up over a travel like H: that
+of a reducer whose crank rotates during wind-up, so that all contacts slide.
 """
 
 import math
@@ -27,31 +27,31 @@ from cycloid_mj.statics.springs import springs_of
 from cycloid_mj.statics.structure import wind_up
 
 ELEMENTS = 3
-"""Elements that share one friction: as many joints as a model of MuJoCo gets for it."""
+"""Elements per friction: the number of joints that a MuJoCo model has for it."""
 
 SHARES = (1e-3, 0.003, 0.01, 0.03, 0.06, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 1.0)
-"""Of the largest torque, at which the turn without friction is solved; between them it is straight."""
+"""Torques relative to the largest, at which the rotation without friction is solved; it is interpolated linearly."""
 
 SLOPE = 1e-6
-"""Torque across the play, as a share of the largest, so that the turn has one torque everywhere."""
+"""Torque across the backlash, relative to the largest, so that the torque is unique at every rotation."""
 
 
 class SlipElements(NamedTuple):
-    """Springs in parallel, each of which slips: limits [N m] and stiffness [N m/rad], shape (n,)."""
+    """Slipping springs in parallel (Jenkin elements): limits [N m] and stiffness [N m/rad], shape (n,)."""
 
     limits: Array
     stiffness: Array
 
 
 class LoadFriction(NamedTuple):
-    """Friction in proportion to the torque that the contacts carry.
+    """Friction proportional to the torque of the contacts.
 
     Attributes
     ----------
     share
-        Friction over the carried torque once it has come on [1], below 1.
+        Fully developed friction relative to the torque of the contacts [1], below 1.
     slips
-        Turn at which each of the elements that share it slips [rad], shape (n,).
+        Rotations at which its elements slip [rad], shape (n,).
     """
 
     share: float
@@ -62,12 +62,12 @@ NO_LOAD_FRICTION = LoadFriction(0.0, np.zeros(0))
 
 
 def load_friction(share: float, travel: float) -> LoadFriction:
-    """Return friction of a share of the carried torque [1] that comes on over a travel [rad]."""
+    """Return friction of a share of the torque of the contacts [1] that builds up over a travel [rad]."""
     return LoadFriction(share, slip_turns(travel, ELEMENTS)) if share else NO_LOAD_FRICTION
 
 
 def slip_elements(reducer: Reducer) -> SlipElements:
-    """Compute the elements of the friction that holds the wind-up of a design; none where there is none."""
+    """Return the slip elements of the friction of a design's wind-up; empty without such friction."""
     springs = reducer.design.springs
     frictions = [
         (size, travel)
@@ -84,19 +84,19 @@ def slip_elements(reducer: Reducer) -> SlipElements:
 
 @dataclass(frozen=True)
 class LockedCurve:
-    """Turn of the output [rad] over the torque that the contacts carry [N m], both rising, shape (m,)."""
+    """Rotation of the output [rad] over the torque of the contacts [N m], both increasing, shape (m,)."""
 
     torque: Array
     turn: Array
 
 
 def locked_curve(reducer: Reducer, most: float, crank: float) -> LockedCurve:
-    """Solve the turn of the output without friction and weight under torques of both signs, up to `most` [N m].
+    """Solve for the rotation of the output without friction and weight under torques from -`most` to `most` [N m].
 
     Raises
     ------
     RunError
-        No balance was found.
+        There is no equilibrium.
     """
     design = reducer.design
     drive = design.drive.model_copy(update={"speed": 0.0})
@@ -107,14 +107,14 @@ def locked_curve(reducer: Reducer, most: float, crank: float) -> LockedCurve:
 
 @lru_cache(maxsize=16)
 def _curve(reducer: Reducer, most: float, crank: float) -> LockedCurve:
-    """Solve a curve of contacts: what twists behind them is added to it, so that a fit of that solves none anew."""
+    """Solve for the curve of the contacts; torsion is added later, so that a fit of torsion needs no new solution."""
     still = reducer.but(environment={"gravity_x": 0.0, "gravity_y": 0.0})
     shares = np.array(SHARES)
     springs = springs_of(still, np.full(len(shares), crank), friction=False)
-    # from the largest down: soft contacts that hardly touch are found from those that do, and not from nothing
+    # from the largest torque down: solutions with barely touching contacts start from those with firm contact
     falling = most * shares[::-1]
     sides = [loads(still, springs, way * falling, follow=True).output_turn[::-1] for way in (-1.0, 1.0)]
-    # the line through the two smallest torques leads to where the contacts close
+    # the line through the two smallest torques extrapolates to the point where the contacts close
     stops = [side[0] - (side[1] - side[0]) * shares[0] / (shares[1] - shares[0]) for side in sides]
     torque = most * np.concatenate([-shares[::-1], [-SLOPE, SLOPE], shares])
     turn = np.concatenate([sides[0][::-1], [stops[0], stops[1]], sides[1]])
@@ -122,9 +122,9 @@ def _curve(reducer: Reducer, most: float, crank: float) -> LockedCurve:
 
 
 def locked_course(curve: LockedCurve, elements: SlipElements, torque: Array) -> Array:
-    """Compute the turn of the output [rad] along a course of torque [N m], shape (n,) each; it begins at rest.
+    """Compute the rotation of the output [rad] along a torque path [N m], shape (n,) each, from rest.
 
-    Beyond its ends the curve goes on straight.
+    The curve is extrapolated linearly.
     """
     course = np.concatenate([[0.0], torque])
     turning = 1 + np.flatnonzero(np.diff(np.sign(np.diff(course))))
@@ -137,9 +137,10 @@ def locked_course(curve: LockedCurve, elements: SlipElements, torque: Array) -> 
 def locked_branches(
     curve: LockedCurve, elements: SlipElements, ends: Sequence[float], load: LoadFriction = NO_LOAD_FRICTION
 ) -> list[tuple[Array, Array]]:
-    """Compute torque [N m] and turn [rad] where they bend, shape (m,) each, from one torque to the next; from rest.
+    """Compute torque [N m] and rotation [rad] at the vertices, shape (m,) each, from torque to torque, from rest.
 
-    T(x) is straight lines between the curve's points and where elements begin to slip; it rises, and is read backwards.
+    T(x) is piecewise linear between the points of the curve and the slip limits of the elements; it increases, and is
+    inverted.
     """
     largest = max(map(abs, ends)) + float(elements.limits.sum())
     turn, carried = _extended(curve, largest / (1.0 - load.share))
@@ -155,7 +156,7 @@ def _bent(
     turn: Array, carried: Array, limits: Array, stiffness: Array, share: float, load_slip: Array, ends: Array
 ) -> list[tuple[Array, Array]]:
     slip = limits / stiffness
-    # where the spring of each element is at rest, of constant friction and of that which grows with the load
+    # rest positions of the elements of constant friction and of load-dependent friction
     origin, load_origin = np.zeros(len(slip)), np.zeros(len(load_slip))
     lines = []
     for place in range(len(ends) - 1):

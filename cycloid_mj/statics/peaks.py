@@ -1,7 +1,8 @@
-"""The largest force and pressure on each kind of contact, and the torque at which one first yields."""
+"""Largest force and pressure of each kind of contact, and the torque at first yield."""
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,14 +11,23 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.balance import Loads, loads
 from cycloid_mj.statics.springs import Springs
 
-GUESSES, TOLERANCE = 12, 1e-3
 
-LEAST_POWER, MOST_POWER = 0.2, 1.0
-"""Of the torque with which a pressure may rise from one guess to the next: a half where the same contacts share it,
-less where play closes and more of them do."""
+@dataclass(frozen=True)
+class PressureTorqueSettings:
+    """Settings of the secant iteration in log-log coordinates for the torque at a pressure (`torque_at_pressure`)."""
 
-NEAR = 0.01
-"""By how much of itself a last guess may move that is made by how the pressure rose: it misses a tenth of that."""
+    max_iterations: int = 12
+    rtol: float = 1e-3
+    """Relative change of the torque at which the first iteration suffices."""
+    secant_rtol: float = 0.01
+    """The same for later iterations, whose error is a tenth of the change."""
+    min_power: float = 0.2
+    """Smallest exponent of the pressure over the torque, while clearances close and more contacts carry."""
+    max_power: float = 1.0
+    """Largest exponent of the pressure over the torque; it is 0.5 if the same contacts carry."""
+
+
+PRESSURE_TORQUE = PressureTorqueSettings()
 
 
 def peak_force(contact_loads: Loads, kind: str) -> float:
@@ -26,9 +36,9 @@ def peak_force(contact_loads: Loads, kind: str) -> float:
     Parameters
     ----------
     contact_loads
-        As of `loads`.
+        Contact forces from `loads`.
     kind
-        Of contact: ``pin_gear``, ``tooth``, ``output`` or ``cam``.
+        Kind of contact: ``pin_gear``, ``tooth``, ``output`` or ``cam``.
     """
     return float(forces(contact_loads, kind).max())
 
@@ -39,13 +49,13 @@ def peak_pressure(reducer: Reducer, springs: Springs, contact_loads: Loads, kind
     Parameters
     ----------
     reducer
-        Whose contacts are pressed.
+        The reducer.
     springs
-        Of the reducer at crank angles, as of `springs_of`.
+        Its contact springs from `springs_of`.
     contact_loads
-        What they carry, as of `loads`.
+        Contact forces from `loads`.
     kind
-        Of contact: ``pin_gear``, ``tooth``, ``output`` or ``cam``.
+        Kind of contact: ``pin_gear``, ``tooth``, ``output`` or ``cam``.
     """
     contact = reducer.contacts[kind]
     curvature = springs.curvature if kind == reducer.design.tooth_pair else contact.curvature
@@ -60,50 +70,52 @@ def torque_at_pressure(
     contact_loads: Loads | None = None,
     follow: bool = False,
 ) -> tuple[float, str]:
-    """Compute the torque on the output at which contacts first have a peak pressure, to a thousandth [N m].
+    """Compute the output torque at which a contact first reaches its pressure [N m], to a thousandth.
 
-    The first guess is bettered as if the pressure rose with the square root of the torque, the others by how it rose
-    between the last two.
+    The first step assumes that the pressure rises with the square root of the torque, the others are secant steps of
+    the logarithms.
 
     Parameters
     ----------
     reducer
-        Whose contacts are pressed.
+        The reducer.
     springs
-        Of the reducer at crank angles, as of `springs_of`.
+        Its contact springs from `springs_of`.
     pressures
-        Kind of contact -> the peak that is asked for [Pa]; kinds: ``pin_gear``, ``tooth``, ``output`` or ``cam``.
+        Peak pressures [Pa] by kind of contact: ``pin_gear``, ``tooth``, ``output`` or ``cam``.
     torque
-        The first guess [N m], not 0.
+        Initial torque [N m], not 0.
     contact_loads
-        What `torque` loads, where that is known.
+        Contact forces under `torque`, if known.
     follow
-        As of `loads`.
+        As in `loads`.
 
     Returns
     -------
-        The torque [N m], and the kind of contact that has its pressure there.
+    tuple of float and str
+        The torque [N m], and the kind of contact that reaches its pressure.
 
     Raises
     ------
     RunError
-        No balance was found at a guess.
+        There is no equilibrium at an iterate.
     """
+    settings = PRESSURE_TORQUE
     before, share = math.nan, math.nan
-    for number in range(GUESSES):
+    for number in range(settings.max_iterations):
         contact_loads = contact_loads or loads(reducer, springs, torque, follow)
         shares = {kind: peak_pressure(reducer, springs, contact_loads, kind) / most for kind, most in pressures.items()}
         kind = max(shares, key=lambda one: shares[one])
         power = 0.5 if number == 0 else math.log(shares[kind] / share) / math.log(torque / before)
         before, share = torque, shares[kind]
-        torque, contact_loads = torque * share ** (-1.0 / min(max(power, LEAST_POWER), MOST_POWER)), None
-        if abs(torque / before - 1.0) < (NEAR if number else TOLERANCE):
+        torque, contact_loads = torque * share ** (-1.0 / min(max(power, settings.min_power), settings.max_power)), None
+        if abs(torque / before - 1.0) < (settings.secant_rtol if number else settings.rtol):
             break
     return torque, kind
 
 
 def is_narrow(reducer: Reducer, springs: Springs, contact_loads: Loads, kind: str) -> bool:
-    """Tell whether the most pressed contact of a kind is a narrow strip, for which Hertz holds, and pressed at all."""
+    """Return whether the contact of a kind with the largest pressure is loaded and a narrow strip (Hertz theory)."""
     contact = reducer.contacts[kind]
     curvature = springs.curvature if kind == reducer.design.tooth_pair else np.array(contact.curvature)
     force = forces(contact_loads, kind) * contact.line_share
@@ -112,6 +124,6 @@ def is_narrow(reducer: Reducer, springs: Springs, contact_loads: Loads, kind: st
 
 
 def forces(contact_loads: Loads, kind: str) -> Array:
-    """Compute the forces on the contacts of a kind [N], shape (m, contacts): of cams one a disc."""
+    """Return the forces of the contacts of a kind [N], shape (m, contacts); of cams one per disc."""
     other = {"cam": np.linalg.norm(contact_loads.cam, axis=-1), "output": contact_loads.output}
     return other.get(kind, contact_loads.teeth)

@@ -1,4 +1,4 @@
-"""The angle between both halves of a ring that a spring of some torque turns them by, and is then fixed."""
+"""Preload angle between the halves of a ring from the torque of the spring that rotates them before they are fixed."""
 
 import numpy as np
 
@@ -14,27 +14,27 @@ POSES = 13
 """Crank angles over which the torque is averaged."""
 
 IDLE = 1e-3
-"""Share of the rated torque under which the drive rests: without any, the output has no place in its play."""
+"""Output torque relative to the rated torque: without any, the position of the output in its backlash is undefined."""
 
-MOST = 600.0 * ARCMINUTE
-"""Largest angle that is looked for [rad]: that of the key."""
+MAX_ANGLE = 600.0 * ARCMINUTE
+"""Largest preload angle [rad]: the bound of ring.preload_arcmin."""
 
-NEAR = 1e-4
-"""Share of the angle within which it is found."""
+ANGLE_RTOL = 1e-4
+"""Relative tolerance of the preload angle."""
 
 
 def preloaded(design: Named) -> Design:
-    """Return a design with ``ring.preload_arcmin`` in place of ``ring.preload_torque_nm``; any other as it is.
+    """Return a design with ``ring.preload_arcmin`` in place of ``ring.preload_torque_nm``; others are unchanged.
 
     Parameters
     ----------
     design
-        A design, or the name of a preset or a file: whose halves a spring turns against each other.
+        A design, or the name of a preset or a file.
 
     Raises
     ------
     DesignError
-        No angle gives that torque.
+        No angle has that torque.
     """
     design = resolve(design)
     torque = design.ring.preload_torque
@@ -52,27 +52,27 @@ def preloaded(design: Named) -> Design:
     try:
         while missing(high) < 0.0:
             high *= 2.0
-            if high > MOST:
-                raise RunError(f"{MOST / ARCMINUTE:g} arcmin give less")
-        found = float(brentq(missing, 1e-6 * ARCMINUTE, high, rtol=NEAR))
+            if high > MAX_ANGLE:
+                raise RunError(f"the torque at {MAX_ANGLE / ARCMINUTE:g} arcmin is less")
+        found = float(brentq(missing, 1e-6 * ARCMINUTE, high, rtol=ANGLE_RTOL))
     except RunError as error:
         raise DesignError(
-            f"{design.name}: no angle was found at which ring.preload_torque_nm = {torque:g} is met: {error}; "
-            "give ring.preload_arcmin, or less torque"
+            f"{design.name}: there is no preload angle with ring.preload_torque_nm = {torque:g}: {error}; "
+            "set ring.preload_arcmin instead, or a smaller torque"
         ) from error
     return turned(found)
 
 
 def halves_torque(reducer: Reducer) -> float:
-    """Compute the torque [N m] that holds two halves of a ring turned, which turn by `ring.preload`; no load, at rest.
+    """Compute the torque between two halves of a ring rotated by `ring.preload` [N m], without load and at rest.
 
-    A half that turns on by an angle closes each gap g by -dg/da: by virtual work its forces F have the torque
-    -sum F dg/da about the axis; gaps are straight in that angle, so that the same tooth of both halves tells dg/da.
+    By virtual work, contact forces F have the torque -sum F dg/da about the axis, with the gaps g and the angle a of a
+    half. Gaps are linear in a, so dg/da follows from the gaps of the same tooth in both halves.
 
     Raises
     ------
     RunError
-        No balance was found.
+        There is no equilibrium.
     """
     still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
     springs = springs_of(still, turn_evenly(still, POSES), friction=False)
@@ -84,5 +84,5 @@ def halves_torque(reducer: Reducer) -> float:
 
 
 def _of_halves(reducer: Reducer, lines: Array) -> Array:
-    """Compute lines on the ring, shape (m, D 2 N), with axes for discs and halves, shape (m, D, 2, N)."""
+    """Return values of contact lines, shape (m, D 2 N), with axes for discs and halves, shape (m, D, 2, N)."""
     return lines.reshape(len(lines), reducer.design.gear.discs, 2, -1)

@@ -1,8 +1,8 @@
-"""Statics of many samples of one design, each with clearances, manufacturing errors and modification of its own.
+"""Statics of many samples of a design that differ in clearances, manufacturing errors and modification.
 
-Gaps are linear in what a sample departs by, so the springs of all samples follow from those of ideal parts, which are
-made once. A pin that is displaced moves its contact as its disc does when displaced the other way; a hole, as its
-disc; flanks that are turned, as a disc that has turned.
+Gaps are linear in the deviations of a sample, so the springs of all samples follow from those of ideal parts, which are
+computed once. A displaced pin moves its contact like its disc in the opposite direction, a displaced hole like its
+disc, and rotated flanks like a rotated disc.
 """
 
 from collections.abc import Sequence
@@ -36,38 +36,38 @@ from cycloid_mj.statics.springs import Springs, springs_of
 from cycloid_mj.statics.structure import wind_up
 
 ANGLES = 360
-"""Crank angles in a turn."""
+"""Crank angles per turn."""
 
-FEW = 2
-"""Samples for which it does not pay to compile a loop over them: what it calls is compiled."""
+MAX_UNCOMPILED = 2
+"""Largest number of samples for which the loop over them is not compiled, as that would take longer."""
 
-CHUNKS = 8
-"""Pieces of work for each thread: samples do not all take as long, and between them it gives way."""
+CHUNKS_PER_THREAD = 8
+"""Chunks of samples per thread: samples take different times, and a job can be stopped between chunks."""
 
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """How s samples of a design were made; lengths in metres, pins (or lobes) and holes counted as in ``deviations``.
+    """Deviations of s samples of a design [m]; pins (or lobes) and holes are numbered as in ``deviations``.
 
     Attributes
     ----------
     pin_place, pin_radius
-        Departures of each ring pin's (or lobe's) place, shape (s, N, 2), and radius, shape (s, N).
+        Position errors of ring pins (or lobes), shape (s, N, 2), and radius errors, shape (s, N).
     hole_place
-        Of each hole's place in its disc, shape (s, D, output pins, 2).
+        Position errors of the holes in each disc, shape (s, D, output pins, 2).
     disc_radius
-        How far each disc's flanks stand out, shape (s, D).
+        Offset of the flanks of each disc, positive outwards, shape (s, D).
     cam_place
-        Of each cam's place on the crank, at the crank angle 0, shape (s, D, 2).
+        Position errors of the cams on the crank, at crank angle 0, shape (s, D, 2).
     eccentricity
-        Of all cams', shape (s,).
+        Error of the eccentricity of all cams, shape (s,).
     waves
-        Of the gear's profile, shape (s, N, 2).
+        Waviness of the disc's profile, shape (s, N, 2).
     mesh, seat, cam, output
-        Clearances, shape (s,): of the gear on its ring, of pins or sleeves that move in their seats (0 where none
-        does), of the cam and of the output pins.
+        Clearances, shape (s,): between disc and ring, of pins or sleeves in their seats (0 if fixed), of the cam and of
+        the output pins.
     equidistant, pin_circle, rotation
-        Modification of the gear, shape (s,); the last in rad.
+        Modification of the disc, shape (s,); `rotation` in [rad].
     """
 
     pin_place: Array
@@ -86,12 +86,12 @@ class Samples:
     rotation: Array
 
     def __len__(self) -> int:
-        """Count the samples."""
+        """Return the number of samples."""
         return len(self.cam)
 
 
 def alike(reducer: Reducer, count: int) -> Samples:
-    """Return samples that are all made as the design is, with its own errors; `replace` what they differ in."""
+    """Return samples that all equal the design with its errors; use `replace` for their deviations."""
     design = reducer.design
     errors, clearance, change = reducer.deviations, design.clearance, design.modification
     one = {
@@ -106,9 +106,9 @@ def alike(reducer: Reducer, count: int) -> Samples:
 
 
 def drawn(reducer: Reducer, count: int, seed: int) -> Samples:
-    """Draw samples by the standard deviations of the design's `errors`: normal, each kind from a stream of its own.
+    """Draw samples with the standard deviations of the design's `errors`: normal, with a random stream per kind.
 
-    What the design lists, part by part, and its eccentricity are the same in all samples.
+    Errors that the design lists part by part, and that of the eccentricity, are the same in all samples.
     """
     errors, same = reducer.design.errors, alike(reducer, count)
 
@@ -132,19 +132,18 @@ def drawn(reducer: Reducer, count: int, seed: int) -> Samples:
 
 @dataclass(frozen=True, eq=False)
 class SampleFigures:
-    """What s samples do under one torque, over the crank angles of a turn; arrays of shape (s,).
+    """Figures of s samples under a torque, over the crank angles of a turn; arrays of shape (s,).
 
     Attributes
     ----------
     gear_mean, gear_range, output_mean, output_range
-        Turn of the gear, seen from the ring, and of the output from the ideal one [rad]: its mean, and from its least
-        to its largest, the peak to peak of the transmission error.
+        Mean and peak-to-peak deviation of disc and output from their ideal angles [rad], in the frame of the ring.
     tooth, output_pin, cam
         Largest forces [N].
     carrying
-        Teeth that carry at least 1 % of the largest force, on average.
+        Mean number of teeth with at least 1 % of the largest force.
 
-    A sample without a balance has no numbers: NaN in all of them.
+    All figures of a sample without equilibrium are NaN.
     """
 
     gear_mean: Array
@@ -165,29 +164,30 @@ def solve_samples(
     threads: int = 1,
     friction: bool = False,
 ) -> list[SampleFigures]:
-    """Balance every sample under each torque on the output, at crank angles all over a turn.
+    """Solve for the equilibrium of every sample under each output torque, at crank angles over a turn.
 
-    The result does not depend on the number of threads, to the last bit. Springs are as stiff as those of the design.
+    The result is bit-equal for any number of threads. The stiffness of the springs is that of the design.
 
     Parameters
     ----------
     reducer
-        What the samples are samples of; its own errors, clearances and modification do not matter.
+        The nominal reducer; its errors, clearances and modification are ignored.
     samples
-        How they were made.
+        Deviations of the samples.
     torques
-        On the output [N m], in the sense of `member.share`, not 0. Between a small one and its opposite lies the
-        backlash.
+        Output torques [N m], in the sense of `member.share`, not 0. The backlash lies between a small torque and its
+        opposite.
     angles
-        Crank angles, evenly in a turn from the ring.
+        Number of crank angles, evenly over a turn in the frame of the ring.
     threads
-        To share the work.
+        Number of threads.
     friction
-        Whether the crank turns at the design's speed, with the friction of all contacts.
+        Whether the crank rotates at the design's speed, with the friction of all contacts.
 
     Returns
     -------
-    The figures under each torque. A sample without a balance, as where errors jam the parts, has none.
+    list of SampleFigures
+        Figures under each torque; NaN for samples without equilibrium, for example because errors jam the parts.
     """
     design = reducer.design
     bare = design.model_copy(update={"errors": Errors(), "modification": Modification()})
@@ -199,14 +199,14 @@ def solve_samples(
         _sample_deviations(Reducer(bare), springs, samples, orders),
         reducer.share,
     )
-    bounds = np.linspace(0, len(samples), min(CHUNKS * threads, len(samples)) + 1).astype(int).tolist()
+    bounds = np.linspace(0, len(samples), min(CHUNKS_PER_THREAD * threads, len(samples)) + 1).astype(int).tolist()
     load = np.array([springs.load(of * torque) for torque in torques])
     out = np.zeros((len(torques), len(samples), FIGURES))
 
     def balanced(first: int, last: int) -> None:
         given = springs.contacts, effects, deviations, load
         room = room_for(springs.contacts)
-        balance = balance_few_samples if len(samples) <= FEW else balance_samples
+        balance = balance_few_samples if len(samples) <= MAX_UNCOMPILED else balance_samples
         balance(*given, first, last, out, None, room)
         for lost in first + np.flatnonzero(~(out[:, first:last, -1] <= BALANCED).all(axis=0)):
             balance_samples_by_all(*given, lost, lost + 1, out, PATHS, room)
@@ -229,12 +229,12 @@ def solve_samples(
 
 
 def backlash(counter_clockwise: SampleFigures, clockwise: SampleFigures) -> Array:
-    """Compute the mean backlash of samples [rad], shape (s,), between a small torque and its opposite."""
+    """Compute the mean backlash of samples [rad], shape (s,), from a small torque and its opposite."""
     return counter_clockwise.output_mean - clockwise.output_mean
 
 
 def _effects(reducer: Reducer, springs: Springs, orders: Integers) -> Effects:
-    """Get the effects of errors on the contacts of ideal parts: they move as their disc's place or turn moves them."""
+    """Compute the effects of errors on the contacts of ideal parts; they equal those of displacements of their disc."""
     contacts, teeth, gear, discs = springs.contacts, springs.teeth, reducer.tooth_profile, reducer.design.gear.discs
     turned = gear_rotation(gear, springs.crank)
     along = np.stack([np.cos(turned), np.sin(turned)], axis=-1), np.stack([-np.sin(turned), np.cos(turned)], axis=-1)
@@ -265,17 +265,17 @@ def _effects(reducer: Reducer, springs: Springs, orders: Integers) -> Effects:
 
 
 def _of_own_disc(contacts: kernel.KernelSprings, slopes: Array) -> Array:
-    """Find the gradients of contacts by place and turn of their own disc, shape (k, n, 3), of those by all unknowns."""
+    """Select the gradients of contacts by position and rotation of their own disc, shape (k, n, 3), from all."""
     return np.stack([slopes[:, np.arange(contacts.disc.size), 3 * contacts.disc + way] for way in range(3)], axis=-1)
 
 
 def _sample_deviations(reducer: Reducer, springs: Springs, samples: Samples, orders: Integers) -> SampleDeviations:
-    """Compute what the samples put into the contacts; the springs are those of the design's own clearances."""
+    """Compute the deviations of the contacts of the samples; the springs are those of the design's clearances."""
     design = reducer.design
     discs, count = design.gear.discs, len(samples)
     wider = samples.mesh - getattr(design.clearance, design.tooth_pair) + samples.seat - design.pin_play
     radii = (2.0 if design.ring.has_sockets else 1.0) * samples.pin_radius
-    # both halves of a ring are made alike
+    # both halves of a ring have the same errors
     halves = design.ring.halves
     teeth = np.tile((wider + samples.equidistant)[:, np.newaxis] - radii, (1, halves))
     on_discs = (teeth[:, np.newaxis] - samples.disc_radius[..., np.newaxis]).reshape(count, -1)
@@ -285,6 +285,6 @@ def _sample_deviations(reducer: Reducer, springs: Springs, samples: Samples, ord
         room=springs.contacts.room + np.concatenate([on_discs, output], axis=1),
         place=np.concatenate([np.tile(samples.pin_place, (1, discs * halves, 1)), holes], axis=1),
         waves=np.concatenate([samples.waves[:, orders - 1, 0], samples.waves[:, orders - 1, 1]], axis=1),
-        # copies: of arrays that may not be written numba makes another type, and compiles all once more
+        # copies: read-only arrays have another type in numba, which would compile everything again
         **{name: np.array(getattr(samples, name)) for name in SampleDeviations._fields[3:]},
     )

@@ -1,4 +1,4 @@
-"""Notch factors of a round section's shoulder, and the moments at the roots of the output pins.
+"""Notch factors of the shoulder of a round shaft, and bending moments at the roots of the output pins.
 
 DIN 743-2:2012 (shoulder, in bending and torsion)::
 
@@ -15,7 +15,7 @@ from cycloid_mj.reducer.bending import AXIAL_GAP
 
 BENDING = (0.62, 5.8, 0.2, 3.0)
 TORSION = (3.4, 19.0, 1.0, 2.0)
-"""A, B, C and z of a shoulder in DIN 743-2."""
+"""Coefficients A, B, C and z of a shoulder, by DIN 743-2."""
 
 
 def shoulder_factor(radius: float, fillet: float, outer: float, terms: tuple[float, float, float, float]) -> float:
@@ -31,10 +31,10 @@ def shoulder_factor(radius: float, fillet: float, outer: float, terms: tuple[flo
 
 
 def root_arms(reducer: Reducer) -> Array:
-    """Compute the moment at the roots of an output pin per force in the middle of each disc [m], shape (roots, D).
+    """Compute the moments at the roots of an output pin per force at the middle of each disc [m], shape (roots, D).
 
-    A cantilever has one root, F a; a beam clamped at both ends two, F a b^2/l^2, with a the distance of the root from
-    the force and b that of the other (Roark, Formulas for Stress and Strain, 8.1, case 1d).
+    A cantilever has one root with F a; a beam clamped at both ends has two with F a b^2/l^2, where a is the distance of
+    the root from the force and b that of the other root (Roark, Formulas for Stress and Strain, 8.1, case 1d).
     """
     gear = reducer.design.gear
     end = gear.stack_width / 2.0 + AXIAL_GAP

@@ -1,4 +1,4 @@
-"""The springs of a reducer: gaps, slopes, stiffness and friction of every contact at many crank angles."""
+"""Contact springs of a reducer: gaps, gradients, stiffness and friction of every contact at many crank angles."""
 
 import math
 from dataclasses import dataclass
@@ -14,31 +14,33 @@ from cycloid_mj.statics import kernel
 from cycloid_mj.statics.friction import rubbing
 
 POSES = 61
+"""Default number of crank angles over a turn."""
+
 GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
-"""Share of a turn between crank angles: multiples of it fill the mesh period and the turn evenly, whatever N."""
+"""Share of a turn between crank angles: its multiples cover mesh period and turn evenly for any N (golden ratio)."""
 
 
 @dataclass(frozen=True)
 class Springs:
-    """The springs of a reducer at m crank angles, on the unknowns of ``reducer.gaps``.
+    """Contact springs of a reducer at m crank angles, on the unknowns of ``reducer.gaps``.
 
-    The flanks of an internal gear close only beside an arc, as one patch with it, and are left out: they turn the
-    output by less than a part in 10^5 of what the load does.
+    The flanks of an internal gear touch only next to an arc, as a single patch, and are left out: their effect on the
+    rotation of the output is below 1e-5 of that of the load.
 
     Attributes
     ----------
     crank
-        Angles from the ring [rad], shape (m,).
+        Crank angles in the frame of the ring [rad], shape (m,).
     teeth
-        Contact lines with the ring; those after the first are output pins.
+        Number of contact lines with the ring, which precede the output pins.
     contacts
-        The springs of the lines and then the output pins, n at each angle, and of the cam.
+        Springs of the contact lines and output pins, n at each angle, and of the cams.
     curvature
         Relative curvature of the contact lines with the ring [1/m], shape (m, teeth).
     body_force
         Weight and centrifugal force of each disc [N], shape (m, D, 2).
     slip
-        Speed at which the gear slides on each contact line and output pin [m/s], shape (m, n), and in the cam [m/s].
+        Sliding speed of the disc at each contact line and output pin [m/s], shape (m, n).
     """
 
     crank: Array
@@ -49,9 +51,9 @@ class Springs:
     slip: Array
 
     def load(self, torque: float | Array) -> Array:
-        """Compute the generalised force on each unknown [N], shape (m, 3 D + 1), of a torque on the carrier [N m].
+        """Compute the generalised forces [N], shape (m, 3 D + 1), of a torque on the carrier [N m].
 
-        There may be a torque for each crank angle, shape (m,).
+        The torque is a number, or has shape (m,).
         """
         load = np.zeros((self.crank.size, self.contacts.slope.shape[2]))
         for disc in range(self.body_force.shape[1]):
@@ -61,31 +63,26 @@ class Springs:
 
 
 def turn_evenly(reducer: Reducer, poses: int = POSES) -> Array:
-    """Spread crank angles [rad], shape (poses,), evenly over the turn past the ring and, modulo it, the mesh period.
-
-    They are in order.
-    """
+    """Return crank angles in order [rad], shape (poses,), that cover the turn and the mesh period evenly."""
     return np.asarray(reducer.mesh_turn * np.sort(np.mod(GOLDEN * np.arange(poses), 1.0)))
 
 
 def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: bool = True) -> Springs:
-    """Compute the springs of a design, which must be sound, at crank angles [rad], shape (m,); by default all round.
-
-    Their stiffness is that `at_rated_load`.
+    """Compute the contact springs of a design at crank angles, with the stiffness `at_rated_load`.
 
     Parameters
     ----------
     reducer
-        Of a sound design.
+        Reducer of a sound design.
     crank
         Crank angles [rad], shape (m,); by default all round.
     friction
-        Whether contacts rub; without it the crank need not turn.
+        Whether contacts have friction; without it, the speed of the crank may be 0.
 
     Raises
     ------
     ContactError
-        The working force flattens a pin beyond a line contact.
+        The working force flattens a pin beyond the range of a line contact.
     """
     if crank is None:
         crank = turn_evenly(reducer)
@@ -137,9 +134,9 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
 
 
 def tooth_stiffness(reducer: Reducer, curvature: Array) -> Array:
-    """Find the stiffness of contact lines with the ring by relative curvature [N/m], sockets or sleeves in series.
+    """Compute the stiffness of contact lines with the ring by relative curvature [N/m], sockets or sleeves in series.
 
-    A line on a half of the ring is half as long, and has half of it.
+    A line on a half of the ring has half of the stiffness, as it is half as long.
     """
     law = reducer.contacts.teeth.curvature_law
     stiffness = law.stiffness * law.factors(curvature)
@@ -149,10 +146,10 @@ def tooth_stiffness(reducer: Reducer, curvature: Array) -> Array:
 
 
 def _bending(reducer: Reducer) -> Array | None:
-    """Find by how much a disc's force on an output pin opens the other discs' contacts with it [m/N], (D, D) or None.
+    """Compute the deflection of an output pin at each disc per force of another [m/N], (D, D), or None if all are 0.
 
-    At phases b and b' their pushes have the angle b - b' between them: of the pin's deflection cos(b - b') is along a
-    push, and what is across it moves the contact along its circle alone.
+    The forces of discs at phases b and b' include the angle b - b': the share cos(b - b') of the deflection is along a
+    force, and the share across it only moves the contact along its circle.
     """
     at, flexibility = np.array(reducer.phases), reducer.contacts.pin_flexibility
     np.fill_diagonal(flexibility, 0.0)
@@ -160,18 +157,18 @@ def _bending(reducer: Reducer) -> Array | None:
 
 
 def body_force(reducer: Reducer, crank: Array, phase: float = 0.0) -> Array:
-    """Compute weight and centrifugal force of a disc [N], shape (m, 2), seen from the ring, at crank angles [rad] (m,).
+    """Compute weight and centrifugal force of a disc in the frame of the ring [N], shape (m, 2).
 
-    Its mass is that of `Reducer.disc_section`.
+    The mass is that of `Reducer.disc_section`.
 
     Parameters
     ----------
     reducer
-        Whose disc it is.
+        The reducer.
     crank
         Crank angles [rad], shape (m,).
     phase
-        How far the disc is ahead of the crank [rad].
+        Phase of the disc on the crank [rad].
     """
     design = reducer.design
     x, y, turned = design.environment.gravity_x, design.environment.gravity_y, reducer.member.ring_angle(crank)

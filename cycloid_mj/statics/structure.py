@@ -1,7 +1,7 @@
-"""Compliance between contacts and foundation: twist of carrier, shaft and housing; output pins bend by `bending`.
+"""Compliance between contacts and foundation: torsion of carrier, shaft and housing.
 
-Only where ``structure`` is ``springs``; in a rigid one all of it is 0. The shaft's bearings and the discs' own give are
-left out; the shaft's bending is told, and counted nowhere.
+It applies if ``structure`` is ``springs``; in a rigid structure it is 0. The compliances of the shaft's bearings and of
+the discs are not included; bending of the shaft is reported only.
 """
 
 import math
@@ -17,18 +17,18 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import round_beam, shear_modulus
 
 HUB = 0.5
-"""Assumed: radius at which the output disc hands on its torque, as a share of the circle of its pins."""
+"""Radius at which the output disc transmits its torque, relative to the pin circle (assumed)."""
 
 TWISTING = ("carrier", "shaft", "housing")
-"""What twists, in series with all contacts: keys of the table ``springs``."""
+"""Parts in torsion, in series with all contacts: keys of the table ``springs``."""
 
 
 def twisting_stiffness(reducer: Reducer) -> dict[str, float]:
     """Compute the torsional stiffness of each of `TWISTING` about its own axis [N m/rad]; inf in a rigid structure.
 
-    What is not given follows from the shape: of the shaft G pi r^4/(2 L), of rings G 4 pi t/(1/r^2 - 1/R^2) from the
-    inner radius r to the outer R at the thickness t (in-plane shear): the output disc from its hub to its pins, the
-    housing from the ring's pins or lobes out to its bolts or its rim.
+    Values that the design does not set follow from the shape: G pi r^4/(2 L) for the shaft, G 4 pi t/(1/r^2 - 1/R^2)
+    for rings of inner radius r, outer radius R and thickness t (in-plane shear): the output disc from hub to pins, the
+    housing from pins or lobes to bolts or rim.
     """
     design = reducer.design
     if design.structure == "rigid":
@@ -47,11 +47,11 @@ def twisting_stiffness(reducer: Reducer) -> dict[str, float]:
 
 
 def twisting_compliance(reducer: Reducer) -> dict[str, float]:
-    """Compute by how much the output turns at a locked crank, by what twists, per torque on it [rad/(N m)].
+    """Compute the rotation of the output at a locked crank by the torsion of each part, per output torque [rad/(N m)].
 
-    The crank's twist reaches the output divided by the ratio N - 1, as the torque on it is; the ring's, under the
-    torque N/(N - 1), times N/(N - 1); where the ring is the output, `member.share` squared of all that. The forces of
-    the contacts stay: all of them turn alike.
+    The torsion of the crank appears at the output divided by the ratio N - 1, like its torque; that of the ring, under
+    the torque N/(N - 1), multiplied by N/(N - 1); if the ring is the output, `member.share` squared of each. Contact
+    forces do not change, as all contacts rotate together.
     """
     design = reducer.design
     stiffness, teeth, seen = twisting_stiffness(reducer), design.ring.teeth, reducer.share**2
@@ -68,15 +68,15 @@ def wind_up(reducer: Reducer) -> float:
 
 
 def crank_flexibility(reducer: Reducer) -> Array:
-    """Compute by how much the shaft bends at each cam per force on each [m/N], shape (D, D).
+    """Compute the deflection of the shaft at each cam per force on each cam [m/N], shape (D, D).
 
-    An Euler beam of the shaft's radius on two bearings that do not give and let it tilt: the integral of M_d M_d'/(E I)
-    along it, exact for moments that are linear from place to place. No figure counts it: `structure_text` states it.
+    An Euler-Bernoulli beam with the shaft's radius on two rigid bearings that allow it to tilt: the integral of
+    M_d M_d'/(E I), exact for piecewise linear moments. No figure includes it; `structure_text` states it.
 
     Raises
     ------
     DesignError
-        The crank cannot be made.
+        The crank cannot be manufactured.
     """
     design = reducer.design
     far, near = (0.5 * sum(seat) for seat in bearing_seats(reducer, crank_stretches(reducer)))
@@ -96,19 +96,19 @@ def crank_flexibility(reducer: Reducer) -> Array:
 def structure_text(reducer: Reducer) -> str:
     """Describe the assumed structure."""
     if reducer.design.structure == "rigid":
-        return "shafts, discs, output and housing are rigid: only contacts give"
+        return "shafts, discs, output and housing are rigid; only contacts are elastic"
     given = [part for part in TWISTING if getattr(reducer.design.springs, part)]
     twisting = ", ".join(
-        f"{part} {ARCMINUTE * one:.3g}{' (given)' if part in given else ''}"
+        f"{part} {ARCMINUTE * one:.3g}{' (from the design)' if part in given else ''}"
         for part, one in twisting_stiffness(reducer).items()
     )
     support = {"cantilever": "at one end", "both_ends": "at both ends"}[reducer.design.output.support]
     return (
-        f"output pins bend as beams held {support}, {twisting} N m/arcmin twist, each about its own axis, which adds "
-        f"to the output's turn and not to the gear's; left out{', unless what is given holds it,' if given else ''} "
-        "are the discs' own give, that of all bearings but the "
-        f"cams', and the shaft's bending: {1e9 * crank_flexibility(reducer).max():.3g} um at a cam under 1 kN there, "
-        "which a softer stiffness.cam_n_m can stand for"
+        f"output pins are beams supported {support}; torsional stiffness about the axis: {twisting} N m/arcmin, which "
+        f"affects the output only; not included{', unless the design sets them,' if given else ''} are the "
+        "compliances of discs and of all bearings but the "
+        f"cams', and bending of the shaft ({1e9 * crank_flexibility(reducer).max():.3g} um at a cam under 1 kN; a "
+        "lower stiffness.cam_n_m can represent it)"
     )
 
 

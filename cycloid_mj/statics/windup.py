@@ -1,12 +1,14 @@
-"""Lost motion and stiffness by statics: the balance of contact springs, without friction, weight or time.
+"""Lost motion and stiffness by statics: equilibrium of contact springs, without friction, weight and inertia.
 
-The compliance of the whole is that of three parts in series, told apart by how the parts move, in simulation and
-statics alike: the output against the gear (output pins); the gear's turn about the pitch point that goes with its
-centre's way s along the eccentric's circle, -s/(c (N-1)) (cam); and the rest of the gear's turn (teeth, pins, sockets).
+The total compliance is that of three parts in series, distinguished by their motion, in simulation and statics: the
+output relative to the disc (output pins); the rotation of the disc about the pitch point that corresponds to the path s
+of its centre along the circle of the eccentric, -s/(c (N-1)) (cam); and the remaining rotation of the disc (teeth,
+pins, sockets).
 
-That is how the parts move, as a run shows it, and not which spring gives: output pins, half of which carry, turn the
-output as well where the cam lets the gear's centre go aside. What each spring gives is told by its work: the torque's
-increment times the turn's is the sum, over all contacts, of the force's increment times the way by which it closes.
+This shows how the parts move, as in a run, and not which spring deflects: output pins, half of which carry, also rotate
+the output if the cam allows the disc's centre to move. The compliance of each spring follows from its work: the
+increment of the torque times that of the rotation is the sum, over all contacts, of the increments of force times
+deflection.
 """
 
 from collections.abc import Sequence
@@ -21,31 +23,31 @@ from cycloid_mj.statics.springs import Springs, springs_of
 from cycloid_mj.statics.structure import wind_up
 
 LOST_MOTION_SHARE = 0.03
-"""Torque at which lost motion is read, as a share of the rated torque: the industry's definition."""
+"""Torque at which lost motion is evaluated, relative to the rated torque: the definition of the industry."""
 
 STRAIGHT = (0.5, 1.0)
-"""Ends of the straight part of the curve, as shares of the rated torque."""
+"""Ends of the linear part of the curve, relative to the rated torque."""
 
 SERIES = ("output", "cam", "mesh")
 GIVING = ("output", "cam", "mesh", "bending")
-"""Springs of the contacts, and the bending of the output pins."""
+"""Keys of the springs: contacts, and bending of the output pins."""
 
 SHARES = (*sorted(STRAIGHT, reverse=True), LOST_MOTION_SHARE)
 
 
 @dataclass(frozen=True, eq=False)
 class Windup:
-    """Static solutions at one crank angle, at the shares (+-1, +-0.5, +-0.03) of the rated torque.
+    """Static solutions at a crank angle, at +-1, +-0.5 and +-0.03 times the rated torque.
 
     Attributes
     ----------
     rated
-        [N m].
+        Rated torque [N m].
     turn, gear_turn, centre_lead
-        Share -> turn of output and gear, from the ideal pose [rad], and way of the gear's centre along the eccentric's
-        circle [m].
+        Rotation of output and disc from the ideal pose [rad], and displacement of the disc's centre along the circle of
+        the eccentric [m], by relative torque.
     work
-        Of the forces over the straight part, both sides together, by `GIVING` [J].
+        Work of the forces over the linear part, both sides together, by `GIVING` [J].
     """
 
     rated: float
@@ -56,11 +58,11 @@ class Windup:
 
     @property
     def lost_motion(self) -> float:
-        """Turn between +3 % and -3 % of the rated torque [rad]."""
+        """Rotation between +3 % and -3 % of the rated torque [rad]."""
         return self.turn[LOST_MOTION_SHARE] - self.turn[-LOST_MOTION_SHARE]
 
     def compliance(self, values: dict[float, float]) -> float:
-        """Slope of the turn, or of other values, over the straight part [rad/(N m)]; mean of both sides."""
+        """Compute the slope of the rotation, or of other values, over the linear part [rad/(N m)]; both sides' mean."""
         low, high = STRAIGHT
         rise = (values[high] - values[low], values[-low] - values[-high])
         return 0.5 * sum(rise) / ((high - low) * self.rated)
@@ -70,15 +72,16 @@ class Windup:
         return in_series(reducer, *(self.compliance(at) for at in (self.turn, self.gear_turn, self.centre_lead)))
 
     def gives(self, reducer: Reducer) -> dict[str, float]:
-        """Compute the compliance of each spring [rad/(N m)], keyed by `GIVING`; with what twists they are the whole."""
+        """Compute the compliance of each spring [rad/(N m)], keyed by `GIVING`; without torsion of the structure."""
         whole, work = self.compliance(self.turn) - wind_up(reducer), sum(self.work.values())
         return {spring: one / work * whole for spring, one in self.work.items()}
 
 
 def in_series(reducer: Reducer, turn: float, gear_turn: float, centre_lead: float) -> dict[str, float]:
-    """Tell the parts of a compliance [rad/(N m)] from those of turn, gear and gear's centre [m/(N m)].
+    """Split a compliance [rad/(N m)] by `SERIES`, from those of output, disc and disc's centre [m/(N m)].
 
-    What twists counts with the output's contacts. Where the ring turns, the gear turns against a carrier that is held.
+    Torsion of the structure counts with the contacts of the output. If the ring is the output, the disc rotates against
+    a fixed carrier.
     """
     design = reducer.design
     cam, of = -centre_lead / (design.gear.eccentricity * design.lobes), reducer.share
@@ -88,14 +91,14 @@ def in_series(reducer: Reducer, turn: float, gear_turn: float, centre_lead: floa
 
 
 def windups(reducer: Reducer, cranks: Sequence[float] | Array, rated: float, follow: bool = False) -> list[Windup]:
-    """Solve for the static poses at crank angles [rad] under shares of a rated torque [N m] on the output.
+    """Solve for static poses at crank angles [rad] under shares of a rated output torque [N m].
 
-    `follow` is that of `loads`: angles that follow each other take half of the time.
+    `follow` is that of `loads`: smoothly varying angles take half of the time.
 
     Raises
     ------
     RunError
-        No balance was found.
+        There is no equilibrium.
     """
     still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
     springs = springs_of(still, cranks, friction=False)
@@ -132,7 +135,7 @@ def windups(reducer: Reducer, cranks: Sequence[float] | Array, rated: float, fol
 
 
 def _work(reducer: Reducer, springs: Springs, low: Loads, high: Loads) -> dict[str, Array]:
-    """Compute what the increment of the forces between two loads works on the way between them [J], shape (m,) each."""
+    """Compute the work of the force increments between two loads by spring [J], shape (m,) each."""
     moved = high.departures - low.departures
     closed = -np.einsum("mnu,mu->mn", springs.contacts.slope, moved)
     teeth, cam, pins = high.teeth - low.teeth, high.cam - low.cam, high.output - low.output
