@@ -11,6 +11,7 @@ A name is imported when it is first used: `import cycloid_mj` alone takes no tim
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from cycloid_mj.base import registry
 from cycloid_mj.base.version import __version__ as __version__
 
 if TYPE_CHECKING:
@@ -76,6 +77,12 @@ __all__ = [
     "tolerance",
     "write_log",
 ]
+
+registry.register(
+    draw_result="cycloid_mj.plots.result:figure_of",
+    measure="cycloid_mj.measure:measured",
+    upper_figures="cycloid_mj.upper_figures:UPPER_FIGURES",
+)
 
 _ORIGINS = {
     "Check": "checks",

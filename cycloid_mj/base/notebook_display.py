@@ -9,6 +9,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.registry import provided
 
 if TYPE_CHECKING:
     from cycloid_mj.base.frame import Frame
@@ -28,8 +29,7 @@ class Drawn:
         UsageError
             The result has nothing to draw, or no figure of that name.
         """
-        # the plots stand above what they draw, and matplotlib is loaded with the first
-        return import_module("cycloid_mj.plots.result").figure_of(self, name)
+        return provided("draw_result")(self, name)
 
 
 class Presented(Drawn):

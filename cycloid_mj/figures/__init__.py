@@ -1,7 +1,7 @@
 """The catalogue of figures: every number of a reducer that commands print, minimise or limit, by one key.
 
 A row (`Figure`) has key, name, unit, definition, what it needs, and a function of a `Reducer`; a new figure is a
-function and a row, and every command has it. Rooms above name their functions in `above`.
+function and a row, and every command has it. The figures of upper layers are in `cycloid_mj.upper_figures`.
 """
 
 from cycloid_mj.figures.catalogue import (

@@ -8,8 +8,8 @@ from difflib import get_close_matches
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import CycloidError, CycloidWarning, UsageError
+from cycloid_mj.base.registry import provided
 from cycloid_mj.base.result import Quantity
-from cycloid_mj.figures.above import OF_ROOMS_ABOVE
 from cycloid_mj.figures.figure import Figure, Need
 from cycloid_mj.figures.geometry import OF_GEOMETRY
 from cycloid_mj.figures.sampled import ANGLES, OF_SAMPLES, solved
@@ -21,7 +21,7 @@ from cycloid_mj.statics.samples import Samples
 FIGURES: Mapping[str, Figure] = {
     one.key: one
     for need in Need
-    for one in (*OF_GEOMETRY, *OF_STATICS, *OF_BALANCE, *OF_SAMPLES, *OF_ROOMS_ABOVE, *OF_RUNS)
+    for one in (*OF_GEOMETRY, *OF_STATICS, *OF_BALANCE, *OF_SAMPLES, *provided("upper_figures"), *OF_RUNS)
     if one.need == need
 }
 """Key -> figure, the cheapest first."""

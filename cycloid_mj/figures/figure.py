@@ -47,7 +47,7 @@ class Figure:
     need
         What it is computed from.
     function
-        What computes it; of a room above this one ``module:function``, which is imported with its first use.
+        The function that computes it; of an upper layer ``module:function``, which is imported when first used.
     sampled
         How many samples of the reducer are balanced for it at a time; None where each is a design of its own.
     aliases

@@ -1,7 +1,6 @@
 """Figures that runs measure: quantities of `cycloid-mj measure` at the usual conditions of their measures."""
 
-from importlib import import_module
-
+from cycloid_mj.base.registry import provided
 from cycloid_mj.figures.figure import Figure, Need
 from cycloid_mj.reducer import Reducer
 
@@ -10,7 +9,7 @@ def _figure(key: str, unit: str, name: str, definition: str, measure: str, quant
     """Make the row of a quantity of a measure; its alias is ``measure/quantity``."""
 
     def compute(reducer: Reducer) -> float:
-        measured: float = import_module("cycloid_mj.measure").measured(reducer, measure, quantity)
+        measured: float = provided("measure")(reducer, measure, quantity)
         return measured
 
     return Figure(

@@ -1,4 +1,4 @@
-"""Figures of the rooms above: each names the function there that computes it, and imports it with its first use."""
+"""Figures of the layers above `figures`: checks, life and stress; each function is imported when it is first used."""
 
 from cycloid_mj.figures.figure import Figure, Need
 from cycloid_mj.reducer import Reducer
@@ -21,7 +21,7 @@ def _cased(reducer: Reducer) -> bool:
     return has_casing(reducer)
 
 
-OF_ROOMS_ABOVE = (
+UPPER_FIGURES = (
     Figure(
         key="pressure_angle_deg",
         name="pressure angle, mean by force",

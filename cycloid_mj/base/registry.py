@@ -1,0 +1,26 @@
+"""What upper layers provide to lower ones, so that no lower layer names an upper one.
+
+`cycloid_mj/__init__.py` fills the registry; Python imports it before every other module of the package.
+"""
+
+from importlib import import_module
+from typing import Any
+
+_providers: dict[str, str] = {}
+
+
+def register(**providers: str) -> None:
+    """Register providers: a name, and ``module:object``, which is imported when it is first used."""
+    _providers.update(providers)
+
+
+def provided(name: str) -> Any:
+    """Return what is registered under a name.
+
+    Raises
+    ------
+    LookupError
+        Nothing is.
+    """
+    module, _, attribute = _providers[name].partition(":")
+    return getattr(import_module(module), attribute)

@@ -1,0 +1,94 @@
+"""The import graph: no circle and no arrow upward, imports inside of functions and names in strings included."""
+
+import ast
+import re
+import tomllib
+from collections.abc import Iterator
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+import cycloid_mj
+
+PACKAGE = Path(cycloid_mj.__file__).parent
+CONTRACTS = tomllib.loads((PACKAGE.parent / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
+LAYERS = [
+    [name.strip().removeprefix("cycloid_mj.") for name in layer.split("|")]
+    for layer in next(one for one in CONTRACTS if one["name"].startswith("layers: "))["layers"]
+]
+"""Packages of each layer, the highest first."""
+
+LEVEL = {package: len(LAYERS) - place for place, layer in enumerate(LAYERS) for package in layer}
+
+
+def module_name(path: Path) -> str:
+    parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+TREES = {module_name(path): ast.parse(path.read_text(encoding="utf-8")) for path in PACKAGE.rglob("*.py")}
+
+
+def type_checking(tree: ast.Module) -> set[ast.AST]:
+    """Return the nodes that a type checker alone reads."""
+    blocks = [node for node in ast.walk(tree) if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)]
+    return {child for block in blocks for statement in block.body for child in ast.walk(statement)}
+
+
+def docstrings(tree: ast.Module) -> set[ast.AST]:
+    return {
+        node.value for node in ast.walk(tree) if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+    }
+
+
+def imported(name: str) -> Iterator[str]:
+    """Yield the modules that a module imports, at its top or inside of functions."""
+    tree = TREES[name]
+    skipped = type_checking(tree)
+    for node in ast.walk(tree):
+        if node in skipped:
+            continue
+        if isinstance(node, ast.ImportFrom) and node.module:
+            for alias in node.names:
+                inner = f"{node.module}.{alias.name}"
+                yield inner if inner in TREES else node.module
+        elif isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+
+
+def named(name: str) -> Iterator[str]:
+    """Yield the modules of the package that a module names in strings, by which it could import them."""
+    tree = TREES[name]
+    skipped = docstrings(tree)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and node not in skipped:
+            yield from re.findall(r"\bcycloid_mj(?:\.\w+)+", node.value)
+
+
+def package_of(module: str) -> str:
+    return module.split(".")[1] if module.count(".") else ""
+
+
+GRAPH = {name: {other for other in imported(name) if other in TREES} for name in TREES}
+
+
+def test_no_modules_import_each_other_in_a_circle() -> None:
+    try:
+        tuple(TopologicalSorter(GRAPH).static_order())
+    except CycleError as error:
+        raise AssertionError(" -> ".join(error.args[1])) from None
+
+
+def test_no_module_imports_or_names_a_layer_above_its_own() -> None:
+    """A string that names an upper layer is an import in disguise: upper layers register what they provide."""
+    upward = {
+        f"{name} -> {other}"
+        for name in TREES
+        for other in (*imported(name), *named(name))
+        if package_of(name) in LEVEL and LEVEL.get(package_of(other), 0) > LEVEL[package_of(name)]
+    }
+    assert upward == set()
+
+
+def test_layers_cover_every_package() -> None:
+    packages = {path.name for path in PACKAGE.iterdir() if (path / "__init__.py").exists()}
+    assert packages == set(LEVEL) - {"hsieh2014", "upper_figures"}
