@@ -13,11 +13,11 @@ from cycloid_mj.base.names import REDUCER
 from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.base.record import Run
 from cycloid_mj.design.units import MICROMETRE, RPM
-from cycloid_mj.dynamics import timestep
 from cycloid_mj.dynamics.jam import SELF_LOCKING
-from cycloid_mj.dynamics.planar.timestep import FEWEST_STEPS, MOST_ROUNDS
+from cycloid_mj.dynamics.planar.timestep import MAX_ITERATIONS, PLANAR_RULE
 from cycloid_mj.dynamics.regime import pace
-from cycloid_mj.dynamics.settling import deepest
+from cycloid_mj.dynamics.settling import penetration_limit
+from cycloid_mj.dynamics.timestep import MUJOCO_RULE
 from cycloid_mj.reducer import Reducer
 
 BALANCE_RTOL = 0.002
@@ -62,7 +62,7 @@ def warnings(motion: Series, judged: Window, contacts: ContactSummary) -> Iterat
     elif _turns(judged) < 1.0:
         yield _short(motion, judged)
     yield from run_warnings(motion)
-    limit = MICROMETRE.from_si(deepest(Reducer(design)))
+    limit = MICROMETRE.from_si(penetration_limit(Reducer(design)))
     if contacts.max_penetration_um > PENETRATION_WARNING * limit:
         yield (
             f"largest contact deflection {contacts.max_penetration_um:.3g} um; a run stops with an error at {limit:g} "
@@ -77,7 +77,7 @@ def run_warnings(motion: Series) -> tuple[str, ...]:
     # the columns of powers suffice: most columns of a run are forces, whose copy would be as large as the run
     judged = run.of_topic(REDUCER).select(motion.whole_periods)
     powers = balance_warnings(judged, reducer) if motion.phase == "hold" and len(judged) > 1 else ()
-    fewest = FEWEST_STEPS if run.provenance.get("solver") == "planar" else timestep.FEWEST_STEPS
+    fewest = (PLANAR_RULE if run.provenance.get("solver") == "planar" else MUJOCO_RULE).min_steps_per_tooth
     return tuple(dict.fromkeys((*run.warnings, *pace(reducer, fewest), *convergence_warnings(run), *powers)))
 
 
@@ -85,11 +85,11 @@ def convergence_warnings(run: Run) -> Iterator[str]:
     """Yield a warning if time steps of the planar solver ended before its contact iteration converged."""
     if run.provenance.get("solver") != "planar" or "solver_iterations" not in run.columns:
         return
-    count = int(np.count_nonzero(run["solver_iterations"] > MOST_ROUNDS))
+    count = int(np.count_nonzero(run["solver_iterations"] > MAX_ITERATIONS))
     if count:
         yield (
             f"in {count} of {len(run)} samples, the contact iteration of the planar solver did not converge within "
-            f"{MOST_ROUNDS} iterations: forces and losses there are wrong; reduce settings.timestep_us"
+            f"{MAX_ITERATIONS} iterations: forces and losses there are wrong; reduce settings.timestep_us"
         )
 
 

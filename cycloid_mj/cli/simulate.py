@@ -250,14 +250,14 @@ def require_possible(design: Design, solver: "Solver" = "mujoco") -> None:
     if design.drive.speed == 0.0:
         raise UsageError("drive.speed_rpm is 0, so the crank would not turn: give --speed-rpm")
     from cycloid_mj.checks import require_sound
-    from cycloid_mj.dynamics.run import MOST_STEPS, STEPS
+    from cycloid_mj.dynamics.run import MAX_STEPS, STEP_RULES
 
     require_sound(reducer)
-    step = STEPS[solver].chosen(reducer).seconds
+    step = STEP_RULES[solver].choose(reducer).seconds
     steps = (design.drive.ramp + design.drive.hold) / step
-    if steps > MOST_STEPS:
+    if steps > MAX_STEPS:
         raise UsageError(
-            f"the run would take {steps:.3g} steps of {step * 1000000.0:g} us; at most {MOST_STEPS:.0e} are "
+            f"the run would take {steps:.3g} steps of {step * 1000000.0:g} us; at most {MAX_STEPS:.0e} are "
             "allowed: increase --timestep-us, or reduce --ramp-s and --hold-s"
         )
 
@@ -310,8 +310,8 @@ def run_into_log(
         model_for,
         provenance,
         schedule,
-        warned,
         warnings,
+        warnings_entry,
     )
     from cycloid_mj.log import LogWriter
     from cycloid_mj.scene import Scene, frame_rate
@@ -321,7 +321,7 @@ def run_into_log(
     _require_held_samples(design, plan)
     groups = {topic: list(units.items()) for topic, units in columns(compiled, reducer).items()}
     entries = provenance(reducer, contact, plan.timestep, solver) | {"steps": str(plan.steps)}
-    entries |= warned(warnings(compiled, reducer))
+    entries |= warnings_entry(warnings(compiled, reducer))
     progress.tell(f"time step {entries['timestep']}, for {entries['timestep_for']}")
     start = time.perf_counter()
     scene: Scene | None = Scene(design, frame_rate(reducer))

@@ -1,4 +1,4 @@
-"""When a drive jams: friction takes more at the crank than any motor made for the drive has."""
+"""Detection of a jam: friction takes more torque at the crank than any motor of the drive provides."""
 
 import math
 
@@ -7,37 +7,37 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.reducer import Reducer
 
-JAMMED = 10.0
-"""Torque that friction takes at the crank over what the load asks for there without losses.
+MAX_FRICTION_OVER_LOAD = 10.0
+"""Largest friction torque at the crank, over the torque that the load requires there without losses.
 
-Forces that friction makes grow with the torque that overcomes them: where teeth lock themselves it has no bound but the
-give of the parts. A drive of 9 % efficiency takes this much.
+Friction forces grow with the torque that overcomes them. In self-locking teeth only the compliance of the parts limits
+this torque. A drive of 9 % efficiency reaches this value.
 """
 
-STALLING = 5.0
-"""Torque that friction takes at the crank, however small the load, over the crank's rated torque.
+MAX_FRICTION_OVER_RATED = 5.0
+"""Largest friction torque at the crank, over its rated torque, at any load.
 
-Motors stall at less: an induction motor pulls out at two to three times its rated torque, a servo motor is limited to
-three or four times. A start at 12 000 rpm from rest, in which parts are thrown across wide play, takes three times.
+Motors stall below it: an induction motor at two to three times its rated torque, a servo motor at three to four times.
+A start at 12 000 rpm, in which parts cross wide clearances, takes three times the rated torque.
 """
 
-SELF_LOCKING = 1.0 / (1.0 + JAMMED)
-"""Efficiency of a drive in which friction takes `JAMMED` times what goes to its load."""
+SELF_LOCKING = 1.0 / (1.0 + MAX_FRICTION_OVER_LOAD)
+"""Efficiency at which friction takes `MAX_FRICTION_OVER_LOAD` times the power of the load."""
 
 
 def jamming_power(reducer: Reducer) -> float:
-    """Compute the power of friction [W] above which a design jams; infinite where its crank stands."""
+    """Compute the friction power [W] above which a design jams; infinite if its crank is at rest."""
     design = reducer.design
     drive = design.drive
-    asked = max(STALLING * abs(drive.torque), JAMMED * abs(design.load.torque) / design.reduction)
-    return asked * abs(drive.speed) if asked and drive.speed else math.inf
+    torque = max(
+        MAX_FRICTION_OVER_RATED * abs(drive.torque),
+        MAX_FRICTION_OVER_LOAD * abs(design.load.torque) / design.reduction,
+    )
+    return torque * abs(drive.speed) if torque and drive.speed else math.inf
 
 
-def means_of_last(values: Array, before: Array) -> Array:
-    """Compute the mean of each value and as many before it as `before` holds, which came before the first.
-
-    `values` have shape (n,), as the means; `before` any other.
-    """
+def moving_means(values: Array, before: Array) -> Array:
+    """Compute the mean of each of n `values` and the m values before it, shape (n,); `before`, shape (m,), precedes."""
     size = len(before) + 1
     sums = np.cumsum(np.concatenate([[0.0], before, values]))
     return (sums[size:] - sums[:-size]) / size

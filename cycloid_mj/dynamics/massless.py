@@ -1,16 +1,16 @@
-"""Massless pins: moving pins whose inertia is left out, each part of one contact between gear and housing.
+"""Massless pins: moving pins without inertia, each part of one contact between disc and housing.
 
-A pin weighs a gram and lies between two contacts: what it does by itself, swaying and spinning in its seat, sets the
-time step and carries next to nothing of what a loaded reducer transmits. Without inertia it is a two-force body: it
-gives way by its play, its two compliances add up, and the easier of its two contacts slides. At the paper's rated load
-means, forces and efficiency are those of real pins to 0.2 %; the gear's speed sways up to a fifth less.
+A pin weighs a gram and lies between two contacts. Its own motion in the seat limits the time step but hardly
+contributes to the results under load. Without inertia it is a two-force body: it moves by its clearance, its two
+compliances add up, and the contact with the lower friction slides. At the rated load mean values, forces and efficiency
+agree with those of real pins to 0.2 %; the speed ripple of the disc is up to a fifth smaller.
 """
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.reducer import Reducer
 
-WITHOUT = {"free": "massless", "sleeved": "massless_sleeved"}
-"""``ring.pins`` of pins that move -> the same without their inertia."""
+MASSLESS = {"free": "massless", "sleeved": "massless_sleeved"}
+"""``ring.pins`` of moving pins -> the same without inertia."""
 
 ASSUMPTION = (
     "pins (or their sleeves) are massless: each is one contact of disc and housing with both clearances and both "
@@ -19,19 +19,19 @@ ASSUMPTION = (
 
 
 def massless(reducer: Reducer) -> Reducer:
-    """Return a design for loaded means: without the inertia of pins that move, else itself."""
+    """Return a design with massless pins if its pins move, else the design itself."""
     if not reducer.design.ring.has_pin_bodies:
         return reducer
-    return reducer.but(ring={"pins": WITHOUT[reducer.design.ring.pins]})
+    return reducer.but(ring={"pins": MASSLESS[reducer.design.ring.pins]})
 
 
 def assumptions(reducer: Reducer, what: str) -> tuple[str, ...]:
-    """Tell what of a measure stands on massless pins where the design's own pins move; nothing where none does."""
+    """Return the assumption of massless pins that a measure (`what`) makes if the design's own pins move."""
     return (f"{what}: {ASSUMPTION}",) if reducer.design.ring.has_pin_bodies else ()
 
 
 def require_pin_bodies(reducer: Reducer, what: str) -> None:
-    """Refuse massless pins for what they cannot tell.
+    """Raise an error if a measure (`what`) is not valid for the pins of a design.
 
     Raises
     ------
@@ -40,7 +40,7 @@ def require_pin_bodies(reducer: Reducer, what: str) -> None:
     """
     design = reducer.design
     if design.ring.has_massless_pins:
-        others = {ours: real for real, ours in WITHOUT.items()}
+        others = {without: real for real, without in MASSLESS.items()}
         raise DesignError(
             f'{design.name}: ring.pins = "{design.ring.pins}" is valid for mean values under load only and does not '
             f'support {what}: set ring.pins = "{others[design.ring.pins]}"'
@@ -48,7 +48,7 @@ def require_pin_bodies(reducer: Reducer, what: str) -> None:
 
 
 def idle(reducer: Reducer) -> tuple[str, ...]:
-    """Tell where a run with massless pins has too small a load to press them into their seats; nothing where not."""
+    """Return a warning if the load of a run is too small to press massless pins into their seats."""
     design = reducer.design
     least = reducer.contacts.own_load
     if not design.ring.has_massless_pins or abs(design.load.torque) > least:

@@ -1,6 +1,7 @@
-"""Bad regimes: settings that run but give wrong results.
+"""Warnings about settings that run but produce inaccurate results.
 
-Each is told in one line: what, where, and what to change. What cannot run at all is an error elsewhere.
+Each warning is one sentence: what is wrong, where, and what to change. Settings that cannot run raise an error
+elsewhere.
 """
 
 import math
@@ -11,32 +12,39 @@ import numpy as np
 
 from cycloid_mj.design import Friction
 from cycloid_mj.dynamics.law import LEAST_IMPEDANCE, ContactParameters, leads
-from cycloid_mj.dynamics.timestep import FEWEST_STEPS, circling_limit, passing_limit, resolved, rolling_limits, timestep
+from cycloid_mj.dynamics.timestep import (
+    SETTINGS,
+    circling_limit,
+    max_stiffness_ratio,
+    passing_limit,
+    rolling_limits,
+    timestep,
+)
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.friction import lacking_friction
 
-NOISE = 1e4 * 2.0**-52
-"""Least clearance as a share of E. Gaps are right to some ten roundings of E: to a thousandth of it."""
+MIN_CLEARANCE_SHARE = 1e4 * 2.0**-52
+"""Smallest clearance over the pin-circle radius E. Gaps are accurate to some ten rounding errors of E, 0.1 % of it."""
 
-FEWEST_SAMPLES = 8.0
-"""Fewest samples from tooth to tooth.
+MIN_SAMPLES_PER_TOOTH = 8.0
+"""Smallest number of samples from tooth to tooth.
 
-A sine sampled at as many per period keeps 92 % of its peak to peak at least; the transmission error of fixed pins keeps
-99 %, at 3 samples 87 to 98 %, at one 50 to 97 %.
+At this number a sampled sine keeps at least 92 % of its peak-to-peak value, and the transmission error of fixed pins
+99 %; at 3 samples 87 to 98 %, at one 50 to 97 %.
 """
 
-MOST_LEAD = 0.15
-"""Lead of friction before its sliding from which on a run tells of it.
+MAX_FRICTION_LEAD = 0.15
+"""Largest tangent of the angle by which friction leads the sliding.
 
-Fixed pins and internal gear under 1 to 3 N m: friction of the teeth is 5 % too small at 0.84, 1 % at 0.72, and right
-within 0.1 % at 0.3; at 20 N m and 20 000 rpm losses are a third too small at 0.3, and right within 1 % at 0.15.
+Fixed pins and internal gear under 1 to 3 N m: friction of the teeth is 5 % too low at 0.84, 1 % at 0.72 and correct
+within 0.1 % at 0.3; at 20 N m and 20 000 rpm losses are a third too low at 0.3 and correct within 1 % at 0.15.
 """
 
-CREEPING = 1e-3
-"""Loss that friction lacks below its creep speed, as a share of the output, from which on a run tells of it."""
+MAX_MISSING_LOSS = 1e-3
+"""Largest loss that is missing because parts creep, as a share of the output power."""
 
-MOST_LAG = 1e-3
-"""Share of the working force that acceleration along sliding teeth may leave wrong within a step, mu D c w^2/F w dt.
+MAX_FRICTION_LAG = 1e-3
+"""Largest error of the force of sliding teeth as a share of their working force, see `friction_lag`.
 
 Two discs with 0.35 um of play at 15 000 and 30 000 rpm, friction of the teeth 0.05 and 0.15, 5 to 100 % load, against
 the planar solver at 0.5 us: efficiency and mean transmission error differ by up to four times this number.
@@ -45,12 +53,12 @@ the planar solver at 0.5 us: efficiency and mean transmission error differ by up
 _CREEP_REMEDY = "lower it, or set it to 0 to derive it from the sliding speed"
 """Remedy for friction that is not fully developed."""
 
-RAISED = 0.01
-"""Share of the effective mass by which MuJoCo may raise an added mass without a word."""
+MAX_RAISED_MASS = 0.01
+"""Largest increase of an added mass by MuJoCo's minimum impedance, as a share of the effective mass."""
 
 
 class Compiled(Protocol):
-    """What is judged of a built model: see ``mjcf.ReducerModel``."""
+    """The part of a built model that is checked: see ``mjcf.ReducerModel``."""
 
     @property
     def model(self) -> Any:
@@ -66,23 +74,23 @@ class Compiled(Protocol):
 
 
 def warnings(reducer: Reducer, compiled: Compiled) -> tuple[str, ...]:
-    """Tell every bad regime of a built design: what, where, and what to change; nothing where there is none."""
+    """Return the warnings about a built design."""
     step = compiled.model.opt.timestep  # by mesh contact it may be shorter than the design's
-    resolved = [text for kind, law in compiled.laws.items() for text in _resolution(reducer, kind, law, step)]
+    stiff = [text for kind, law in compiled.laws.items() for text in _resolution(reducer, kind, law, step)]
     return (
         *_rolling(reducer, step),
-        *resolved,
+        *stiff,
         *_leading(reducer, compiled),
         *_circling(reducer, compiled),
-        *_clamped(compiled),
+        *_raised_mass(compiled),
         *bent_pins(reducer),
         *at_rest(reducer, compiled.laws),
     )
 
 
 def at_rest(reducer: Reducer, kinds: Iterable[str]) -> tuple[str, ...]:
-    """Tell those that count even where all motion is so slow that neither step nor mass has an effect."""
-    return (*(text for kind in kinds for text in _noise(reducer, kind)), *_unused(reducer))
+    """Return the warnings that apply even if motion is so slow that neither time step nor mass matters."""
+    return (*(text for kind in kinds for text in _noise(reducer, kind)), *_friction_without_effect(reducer))
 
 
 def passing_rate(reducer: Reducer) -> float:
@@ -92,23 +100,23 @@ def passing_rate(reducer: Reducer) -> float:
 
 
 def lowest_log_rate(reducer: Reducer) -> float:
-    """Compute the log rate with `FEWEST_SAMPLES` of each passing tooth at the design's crank speed [Hz]."""
-    return FEWEST_SAMPLES * passing_rate(reducer)
+    """Compute the log rate with `MIN_SAMPLES_PER_TOOTH` of each passing tooth at the design's crank speed [Hz]."""
+    return MIN_SAMPLES_PER_TOOTH * passing_rate(reducer)
 
 
-def pace(reducer: Reducer, fewest: float = FEWEST_STEPS) -> tuple[str, ...]:
-    """Tell where a run at the design's crank speed has too few steps or samples from tooth to tooth.
+def pace(reducer: Reducer, min_steps: float = SETTINGS.min_steps_per_tooth) -> tuple[str, ...]:
+    """Return warnings about too few time steps or samples from tooth to tooth at the design's crank speed.
 
-    `fewest` is of steps, as the run's solver needs them.
+    `min_steps` is the number of steps from tooth to tooth that the solver of the run needs.
     """
     if not (passing := passing_rate(reducer)):
         return ()
-    return (*_few_steps(reducer, passing, fewest), *_few_samples(reducer, passing), *creeping(reducer))
+    return (*_few_steps(reducer, passing, min_steps), *_few_samples(reducer, passing), *creeping(reducer))
 
 
-def _few_steps(reducer: Reducer, passing: float, fewest: float) -> Iterator[str]:
-    """Tell of a crank that turns too far in a step; teeth pass ``passing`` times a second."""
-    step, longest = timestep(reducer), passing_limit(reducer, fewest)
+def _few_steps(reducer: Reducer, passing: float, min_steps: float) -> Iterator[str]:
+    """Warn of too few steps per tooth; `passing` is the tooth passing frequency [Hz]."""
+    step, longest = timestep(reducer), passing_limit(reducer, min_steps)
     if step > longest * (1.0 + 1e-9):
         yield (
             f"settings.timestep_us = {1e6 * step:g}: a tooth passes in only {1.0 / (passing * step):.3g} time steps "
@@ -118,9 +126,9 @@ def _few_steps(reducer: Reducer, passing: float, fewest: float) -> Iterator[str]
 
 
 def _few_samples(reducer: Reducer, passing: float) -> Iterator[str]:
-    """Tell of a log too coarse for a tooth's passing; it holds a sample a step at most."""
+    """Warn of too few log samples per tooth; a log has at most one sample per step."""
     design = reducer.design
-    rate, least = min(design.settings.log_rate, 1.0 / timestep(reducer)), FEWEST_SAMPLES * passing
+    rate, least = min(design.settings.log_rate, 1.0 / timestep(reducer)), MIN_SAMPLES_PER_TOOTH * passing
     if rate < least * (1.0 - 1e-9):
         yield (
             f"settings.log_rate_hz = {design.settings.log_rate:g}: only {rate / passing:.2g} samples per passing tooth "
@@ -130,9 +138,9 @@ def _few_samples(reducer: Reducer, passing: float) -> Iterator[str]:
 
 
 def creeping(reducer: Reducer) -> Iterator[str]:
-    """Tell of parts that slide too slowly for the friction that they have."""
+    """Warn of parts that slide too slowly for fully developed friction."""
     lacking, of_output = lacking_friction(reducer)
-    if of_output > CREEPING:
+    if of_output > MAX_MISSING_LOSS:
         yield (
             f"contact.creep_speed_mm_s = {1e3 * reducer.contacts.creep_speed:g}: parts slide too slowly for full "
             f"friction at this crank speed and load; the losses of teeth and output are about {lacking:.0%} too low "
@@ -141,11 +149,11 @@ def creeping(reducer: Reducer) -> Iterator[str]:
 
 
 def creeping_in(runs: Mapping[str, Reducer]) -> Iterator[str]:
-    """Tell the same of several runs by their names, in one line."""
+    """Yield the warning of `creeping` once for several runs, by their names."""
     groups: dict[str, list[str]] = {}
     for name, reducer in runs.items():
         lacking, of_output = lacking_friction(reducer)
-        if of_output > CREEPING:
+        if of_output > MAX_MISSING_LOSS:
             groups.setdefault(f"{lacking:.0%} and {100.0 * of_output:.2g} percentage points", []).append(name)
     if groups:
         slow = sum(len(names) for names in groups.values())
@@ -156,13 +164,13 @@ def creeping_in(runs: Mapping[str, Reducer]) -> Iterator[str]:
         )
 
 
-def steps_ratio(law: ContactParameters, step: float) -> float:
+def stiffness_ratio(law: ContactParameters, step: float) -> float:
     """Compute K dt^2/m [1]: the square of the time step over the contact's own time sqrt(m/K)."""
     return law.stiffness * step**2 / law.effective_mass
 
 
 def _rolling(reducer: Reducer, step: float) -> Iterator[str]:
-    """Tell of a step that does not follow what rolls in its play."""
+    """Warn of a time step that does not resolve parts that roll in their clearance."""
     for what, longest in rolling_limits(reducer).items():
         if step > longest * (1.0 + 1e-9):
             yield (
@@ -172,8 +180,8 @@ def _rolling(reducer: Reducer, step: float) -> Iterator[str]:
 
 
 def _resolution(reducer: Reducer, kind: str, law: ContactParameters, step: float) -> Iterator[str]:
-    """Tell of a contact that the step does not resolve."""
-    most, ratio = resolved(reducer, kind), steps_ratio(law, step)
+    """Warn of a contact whose stiffness is too high for the time step."""
+    most, ratio = max_stiffness_ratio(reducer, kind), stiffness_ratio(law, step)
     if ratio > most * (1.0 + 1e-9):
         longest = step * math.sqrt(most / ratio)
         yield (
@@ -184,14 +192,14 @@ def _resolution(reducer: Reducer, kind: str, law: ContactParameters, step: float
 
 
 def _leading(reducer: Reducer, compiled: Compiled) -> Iterator[str]:
-    """Tell of friction that turns round before the sliding does."""
+    """Warn of friction that reverses before the sliding does."""
     lead = leads(reducer, compiled.laws, float(compiled.model.opt.impratio))
     kind = max(lead, key=lambda one: lead[one], default="")
-    if kind and lead[kind] > MOST_LEAD:
+    if kind and lead[kind] > MAX_FRICTION_LEAD:
         yield (
             f"{kind}: friction leads the sliding by {math.degrees(math.atan(lead[kind])):.3g} deg of crank rotation at "
             f"this speed and working force, so losses are too low; shorten settings.timestep_us to "
-            f"{_below(1e6 * compiled.model.opt.timestep * MOST_LEAD / lead[kind])}"
+            f"{_below(1e6 * compiled.model.opt.timestep * MAX_FRICTION_LEAD / lead[kind])}"
         )
 
 
@@ -209,13 +217,13 @@ def friction_lag(reducer: Reducer, law: ContactParameters, step: float) -> float
 
 
 def _circling(reducer: Reducer, compiled: Compiled) -> Iterator[str]:
-    """Warn of discs that circle too fast for the time step."""
+    """Warn of discs whose orbit is too fast for the time step."""
     kind, step = reducer.design.tooth_pair, float(compiled.model.opt.timestep)
     if kind not in compiled.laws or not compiled.model.nuser_geom or not reducer.design.drive.speed:
         return
     lag, longest = friction_lag(reducer, compiled.laws[kind], step), circling_limit(reducer)
-    if lag > MOST_LAG:
-        longest = min(longest, step * math.sqrt(MOST_LAG / lag))
+    if lag > MAX_FRICTION_LAG:
+        longest = min(longest, step * math.sqrt(MAX_FRICTION_LAG / lag))
     if step > longest * (1.0 + 1e-9):
         yield (
             f"settings.timestep_us = {1e6 * step:g} is too long for discs that orbit at this crank speed: mean "
@@ -225,7 +233,10 @@ def _circling(reducer: Reducer, compiled: Compiled) -> Iterator[str]:
 
 
 def _noise(reducer: Reducer, kind: str) -> Iterator[str]:
-    clearance, least = getattr(reducer.design.clearance, kind), NOISE * reducer.design.ring.pin_circle_radius
+    clearance, least = (
+        getattr(reducer.design.clearance, kind),
+        MIN_CLEARANCE_SHARE * reducer.design.ring.pin_circle_radius,
+    )
     if clearance < least:
         yield (
             f"clearance.{kind}_um = {1e6 * clearance:g} is below the numerical noise of the gap computation; "
@@ -233,15 +244,15 @@ def _noise(reducer: Reducer, kind: str) -> Iterator[str]:
         )
 
 
-def _clamped(compiled: Compiled) -> Iterator[str]:
-    """Tell of an added mass that MuJoCo's least impedance raises."""
+def _raised_mass(compiled: Compiled) -> Iterator[str]:
+    """Warn of an added mass that MuJoCo's minimum impedance increases."""
     model = compiled.model
     first = {pair.kind: pair for pair in reversed(compiled.pairs)} if model.nuser_geom else {}
     for kind, pair in first.items():
         law = compiled.laws[kind]
         weight = sum(model.body_invweight0[model.geom(name).bodyid[0], 0] for name in (pair.on, pair.by))
         least = LEAST_IMPEDANCE / (1.0 - LEAST_IMPEDANCE) / float(weight)
-        if least - law.added_mass > RAISED * law.effective_mass:
+        if least - law.added_mass > MAX_RAISED_MASS * law.effective_mass:
             yield (
                 f"{kind}: MuJoCo's minimum impedance, {LEAST_IMPEDANCE:g}, raises the added mass of this contact from "
                 f"{law.added_mass:.3g} to {least:.3g} kg, {least / law.effective_mass:.1%} of the mass that moves on "
@@ -250,15 +261,12 @@ def _clamped(compiled: Compiled) -> Iterator[str]:
 
 
 def bent_pins(reducer: Reducer) -> Iterator[str]:
-    """Tell of output pins that a disc which bears all bends so far that they meet another disc's hole from behind.
+    """Warn of output pins that bend so far under one disc that they press on the back of another disc's holes.
 
-    They do where they bend there by more than the contact of that disc gives way with both clearances; up to that the
-    discs' contacts do not know of each other, and a run leaves it out (docs/decisions/11-bent-output-pins.md).
-
-    With C the flexibility and g = C(d, d) + 1/k what gives way at a disc, a pin that bears F in disc d reaches behind
-    disc d' by s = F (C(d', d) - g) - twice the clearance, and presses there with f. Disc d bears that, too, which bends
-    the pin farther: f g' = s + f (C(d', d) - g). So much of F goes from the one disc to the other: at the most, since
-    disc d seldom bears all of the load.
+    Runs neglect this contact (docs/decisions/11-bent-output-pins.md). With the flexibility C and the compliance
+    g = C(d, d) + 1/k at a disc, a pin that carries F in disc d penetrates the back of disc d' by s = F (C(d', d) - g)
+    less twice the clearance, and presses there with f. Disc d carries f as well, which bends the pin farther:
+    f g' = s + f (C(d', d) - g). The share f/F is an upper limit, because disc d seldom carries the full load.
     """
     flexibility, output = reducer.contacts.pin_flexibility, reducer.contacts["output"]
     force, gives = reducer.design.gear.discs * output.force, flexibility.diagonal() + 1.0 / output.stiffness
@@ -277,8 +285,8 @@ def bent_pins(reducer: Reducer) -> Iterator[str]:
         )
 
 
-def _unused(reducer: Reducer) -> Iterator[str]:
-    """Tell of a sliding friction that was given where rollers run."""
+def _friction_without_effect(reducer: Reducer) -> Iterator[str]:
+    """Warn of a coefficient of sliding friction for a pair that has rollers."""
     design = reducer.design
     rolling = {"cam": ('gear.bearing = "plain"', design.gear.bearing == "rolling")}
     rolling |= {"output": ("output.rollers = false", design.output.has_needles)}
@@ -289,12 +297,12 @@ def _unused(reducer: Reducer) -> Iterator[str]:
 
 
 def _below(number: float) -> str:
-    """Return the next lower of 1, 2 and 5 times a power of ten: a remedy should not lie on the limit."""
+    """Return the next lower 1, 2 or 5 times a power of ten, so that a remedy is clear of the limit."""
     ten = 10.0 ** math.floor(math.log10(number))
     return f"{max(digit for digit in (0.5, 1.0, 2.0, 5.0) if digit < number / ten) * ten:g}"
 
 
 def _above(number: float) -> str:
-    """Return the next higher one."""
+    """Return the next higher 1, 2 or 5 times a power of ten."""
     ten = 10.0 ** math.floor(math.log10(number))
     return f"{min(digit for digit in (2.0, 5.0, 10.0) if digit > number / ten) * ten:g}"

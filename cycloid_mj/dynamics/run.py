@@ -1,7 +1,7 @@
-"""The step loop: ``Design`` -> blocks of samples, or a whole ``Run``.
+"""Simulation of a design: blocks of samples, or a complete ``Run`` in memory.
 
-The loop is ``mj_step``, or that of the planar solver, some samples in one call. Every sample is checked, and a run that
-went wrong ends with a ``RunError`` that says how; the samples up to then have been given out already.
+MuJoCo or the planar solver takes the time steps, several samples in one call. Every sample is checked. A run that fails
+ends with a ``RunError``; the samples before it have been yielded already.
 """
 
 import math
@@ -39,55 +39,54 @@ from cycloid_mj.base.names import (
 from cycloid_mj.base.record import Deferred, Run, own
 from cycloid_mj.base.version import __version__
 from cycloid_mj.design import Named, dump, resolve
-from cycloid_mj.dynamics import timestep as mujoco_steps
 from cycloid_mj.dynamics.contact import collider, each_step
 from cycloid_mj.dynamics.contact.each_step import EachStep
 from cycloid_mj.dynamics.contact.forces import OF_PAIR, drag_rows, pair_index
 from cycloid_mj.dynamics.contact.shared import Shared
 from cycloid_mj.dynamics.drive_cycle import DriveCycle, initial_state, ramp_and_hold
-from cycloid_mj.dynamics.jam import jamming_power, means_of_last
+from cycloid_mj.dynamics.jam import jamming_power, moving_means
 from cycloid_mj.dynamics.massless import idle
 from cycloid_mj.dynamics.mjcf import Held, ReducerModel, addresses, build, sensors, unused, xml
-from cycloid_mj.dynamics.planar import timestep as planar_steps
 from cycloid_mj.dynamics.planar.model import PlanarModel, planar_model
 from cycloid_mj.dynamics.planar.stepper import MAX_CONTACT_SEARCHES, Stepper
+from cycloid_mj.dynamics.planar.timestep import PLANAR_RULE
 from cycloid_mj.dynamics.regime import pace
-from cycloid_mj.dynamics.settling import deepest
-from cycloid_mj.dynamics.timestep import Step, timestep
+from cycloid_mj.dynamics.settling import penetration_limit
+from cycloid_mj.dynamics.timestep import MUJOCO_RULE, TimeStep, describe_accuracy, timestep
 from cycloid_mj.geometry.kinematics import carried_point
 from cycloid_mj.reducer import Reducer
 
 Groups = dict[str, dict[str, str]]
 
 Contact = Literal["profile", "mesh"]
-"""How parts meet: by their exact profiles, or as convex meshes in MuJoCo's own collision."""
+"""Contact geometry: exact profiles, or convex meshes in MuJoCo's own collision detection."""
 
 Solver = Literal["mujoco", "planar"]
-"""What takes the steps: MuJoCo, or the solver of the planar equations of motion."""
+"""Solver of a run: MuJoCo, or the planar equations of motion."""
 
-STEPS = {"mujoco": mujoco_steps, "planar": planar_steps}
-"""What chooses the time step for each, and tells for which figures."""
+STEP_RULES = {"mujoco": MUJOCO_RULE, "planar": PLANAR_RULE}
+"""Choice of the time step for each solver."""
 
 Model = ReducerModel | PlanarModel
-"""A reducer made ready for a solver."""
+"""A reducer, compiled for one of the solvers."""
 
-MOST_STEPS = 10**9
-"""A run of more steps would take a day and more; it is a slip of a value."""
+MAX_STEPS = 10**9
+"""Largest number of time steps of a run: more would take at least a day, so a value is probably wrong."""
 
 MESH_SWAYS = (
     "with mesh contact, mean values are valid (within 3 % of exact profiles), but rms values of disc speed, forces and "
     "accelerations include the ripple of the slices, up to ten times the exact value at idle; use --contact profile "
     "for rms values"
 )
-"""What a run by convex slices does not tell."""
+"""Warning about results that are not valid with mesh contact."""
 
 Marks = npt.NDArray[np.bool_]
 
-_BLOCK = 100
-"""Samples of a block, or as many as are taken at once: as much is lost of a run that is stopped."""
-_STEPS_AT_ONCE = 2000
-"""Steps without Python: they take 40 to 160 ms, for which Ctrl-C waits. By mesh, where a step takes some ms, it is
-those to the next sample."""
+_BLOCK_SAMPLES = 100
+"""Smallest number of samples in a block; this many are lost if a run is stopped."""
+_STEPS_PER_CALL = 2000
+"""Time steps per call of compiled code: they take 40 to 160 ms, for which Ctrl-C waits. With mesh contact, where a step
+takes some ms, a call ends at the next sample."""
 
 # Every sample is checked for MuJoCo's warnings: they need not go to MUJOCO_LOG.TXT in the working folder as well.
 _no_log_file = Shared(
@@ -105,16 +104,16 @@ class SampleBlock:
 
 @dataclass(frozen=True)
 class Schedule:
-    """Steps of a run.
+    """Time steps and samples of a run.
 
     Attributes
     ----------
     timestep
         Time step [s].
     steps
-        Steps of the whole run.
+        Number of time steps of the run.
     stride
-        Steps from one sample to the next.
+        Time steps from one sample to the next.
     """
 
     timestep: float
@@ -123,14 +122,14 @@ class Schedule:
 
     @property
     def samples(self) -> int:
-        """Samples of the whole run, the first at t = 0."""
+        """Number of samples of the run, the first at t = 0."""
         return -(-self.steps // self.stride)
 
 
 def schedule(reducer: Reducer, step: float = 0.0) -> Schedule:
-    """Plan the steps of a design's run: ramp and hold, sampled as near to the log rate as whole steps allow.
+    """Plan the time steps of a design's run: ramp and hold, sampled as close to the log rate as the step allows.
 
-    `step` is the time step [s] of the model that runs it; 0: the design's own.
+    `step` is the time step [s] of the model; 0 stands for that of the design.
     """
     design = reducer.design
     step = step or timestep(reducer)
@@ -160,12 +159,12 @@ def columns(compiled: Model, reducer: Reducer) -> Groups:
 
 
 def model_for(solver: Solver, reducer: Reducer, contact: Contact = "profile", held: Held = "crank") -> Model:
-    """Make a reducer ready for a solver and a kind of contact; `held` is as of ``mjcf.build``, with exact profiles.
+    """Compile a reducer for a solver and a kind of contact; `held` (exact profiles only) is as in ``mjcf.build``.
 
     Raises
     ------
     UsageError
-        The planar solver knows exact profiles alone.
+        The planar solver supports exact profiles only.
     CycloidError
         As `reducer_model`.
     """
@@ -182,7 +181,7 @@ def reducer_model(reducer: Reducer, contact: Contact = "profile") -> ReducerMode
     Raises
     ------
     DesignError
-        A part of the design cannot be made, or sliced.
+        A part of the design is not feasible, or cannot be divided into slices.
     ContactError
         MuJoCo cannot represent a contact's stiffness at this time step.
     """
@@ -194,12 +193,12 @@ def reducer_model(reducer: Reducer, contact: Contact = "profile") -> ReducerMode
 
 
 def contact_of(compiled: Model) -> Contact:
-    """Tell the kind of contact of a model: what the collider needs to know of the exact profiles is user data."""
+    """Return the kind of contact of a model; models with exact profiles have user data of geoms."""
     return "profile" if isinstance(compiled, PlanarModel) or compiled.model.nuser_geom else "mesh"
 
 
 def solver_of(compiled: Model) -> Solver:
-    """Tell which solver a model is for."""
+    """Return the solver that a model is for."""
     return "planar" if isinstance(compiled, PlanarModel) else "mujoco"
 
 
@@ -207,30 +206,30 @@ def simulate(
     design: Named,
     compiled: Model | None = None,
     course: DriveCycle | None = None,
-    progress: Callable[[int, int], None] = lambda done, whole: None,
+    progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Run:
-    """Run a design in memory, on a model of its own or on one that is given, over its own course or another.
+    """Simulate a design in memory.
 
     Parameters
     ----------
     design
-        A design, or the name of a preset or a file: what runs.
+        A design, or the name of a preset or of a design file.
     compiled
-        The model of it, of either solver; by default MuJoCo's, built here.
+        Its model, for either solver; by default a new one for MuJoCo.
     course
-        What crank and output are asked to do; by default the ramp and the hold of the design.
+        Commands of crank and output; by default the ramp and the hold of the design.
     progress
-        Is told the samples that are done, and all that there will be.
+        Called with the number of finished samples and the total number.
 
     Raises
     ------
     RunError
-        The run went wrong; nothing is returned.
+        The run failed.
 
     Warns
     -----
     CycloidWarning
-        Its figures may not be those of the design; `Run.warnings` keeps why.
+        Results may be inaccurate; see `Run.warnings`.
     """
     design = resolve(design)
     reducer = Reducer(design)
@@ -245,7 +244,7 @@ def simulate(
 
     for block in stepped():
         run.append(block)
-        progress(sum(len(one.time) for one in run), samples)
+        progress(sum(len(taken_block.time) for taken_block in run), samples)
     time = own(np.concatenate([block.time for block in run]))
     units = {name: unit for group in groups.values() for name, unit in group.items()}
     values: dict[str, Array] = {}
@@ -257,7 +256,7 @@ def simulate(
         columns=values,
         units=units,
         provenance=provenance(reducer, contact_of(compiled), compiled.timestep, solver_of(compiled))
-        | warned((*warnings(compiled, reducer, course), *late)),
+        | warnings_entry((*warnings(compiled, reducer, course), *late)),
         attachments=attachments(compiled, reducer),
         topics={topic: tuple(names) for topic, names in groups.items()},
     )
@@ -266,22 +265,22 @@ def simulate(
 def provenance(
     reducer: Reducer, contact: Contact = "profile", step: float = 0.0, solver: Solver = "mujoco"
 ) -> dict[str, str]:
-    """Collect what a run stands on: solver, contact, time step, the forces that stiffness is the secant of, versions.
+    """Return the assumptions of a run: solver, contact, time step, working forces of the stiffnesses, versions.
 
     `step` is as in `schedule`.
     """
     stiffened = reducer.for_slices if contact == "mesh" else reducer
-    steps = STEPS[solver]
-    chosen = steps.chosen(stiffened)
+    rule = STEP_RULES[solver]
+    chosen = rule.choose(stiffened)
     step = step or chosen.seconds
     return {
         "design": reducer.design.name,
         "solver": solver,
         "contact": contact,
         "timestep_s": repr(step),
-        "timestep": str(chosen if chosen.seconds == step else Step(step, "the model's")),
-        "timestep_for": mujoco_steps.held_figures(
-            stiffened if chosen.seconds == step else stiffened.but(settings={"timestep": step}), steps.ACCURACY
+        "timestep": str(chosen if chosen.seconds == step else TimeStep(step, "of the model")),
+        "timestep_for": describe_accuracy(
+            stiffened if chosen.seconds == step else stiffened.but(settings={"timestep": step}), rule.accuracy
         ),
         "working_forces": stiffened.contacts.working_forces_text(reducer.mechanism.kinds),
         "cycloid_mj": __version__,
@@ -291,21 +290,21 @@ def provenance(
 
 
 def warnings(compiled: Model, reducer: Reducer, course: DriveCycle | None = None) -> tuple[str, ...]:
-    """Tell why the figures of a run may not be those of its design; a course that starts at rest does not hurry."""
-    hurries = course is None or course.speed != 0.0
-    sways = (MESH_SWAYS,) if contact_of(compiled) == "mesh" and hurries else ()
-    fewest = STEPS[solver_of(compiled)].FEWEST_STEPS
-    paced = pace(reducer.for_slices if contact_of(compiled) == "mesh" else reducer, fewest) if hurries else ()
+    """Return the warnings of a run that are known before it; those about speed only if the crank starts moving."""
+    moving = course is None or course.speed != 0.0
+    sways = (MESH_SWAYS,) if contact_of(compiled) == "mesh" and moving else ()
+    min_steps = STEP_RULES[solver_of(compiled)].min_steps_per_tooth
+    paced = pace(reducer.for_slices if contact_of(compiled) == "mesh" else reducer, min_steps) if moving else ()
     return (*sways, *compiled.warnings, *paced, *(idle(reducer) if course is None else ()))
 
 
-def warned(texts: Sequence[str]) -> dict[str, str]:
-    """Collect the entry of a run's provenance that keeps its warnings; none where there are none."""
+def warnings_entry(texts: Sequence[str]) -> dict[str, str]:
+    """Return the entry of a run's provenance with its warnings, empty without warnings."""
     return {"warnings": "\n".join(texts)} if texts else {}
 
 
 def attachments(compiled: Model, reducer: Reducer) -> Mapping[str, bytes]:
-    """Collect the files that make a log complete: the design file and the model, with the meshes that it refers to."""
+    """Return the files attached to a log: the design file, the model and its meshes."""
     assets = {} if isinstance(compiled, PlanarModel) else compiled.spec.assets
 
     def model() -> bytes:
@@ -325,8 +324,8 @@ def blocks(
     Raises
     ------
     RunError
-        Not a number, a warning of MuJoCo's, a jam, penetration beyond ``contact.max_penetration_um``, a jumped tooth,
-        or a solver that did not converge; raised after the samples before it were given.
+        NaN, a warning of MuJoCo, a jam, penetration beyond ``contact.max_penetration_um``, a skipped tooth, or a solver
+        that did not converge. The samples before it have been yielded.
 
     Warns
     -----
@@ -337,7 +336,7 @@ def blocks(
     warn(reducer.design.name, warnings(compiled, reducer, course))
     driven, course = course is None, course or ramp_and_hold(compiled, reducer)
     profile = contact_of(compiled) == "profile"
-    at_once = max(1, _STEPS_AT_ONCE // plan.stride) if profile else 1
+    at_once = max(1, _STEPS_PER_CALL // plan.stride) if profile else 1
     with ExitStack() as stack:
         if isinstance(compiled, PlanarModel):
             stepping = _Stepping(compiled.stepper(course, plan.stride))
@@ -349,7 +348,7 @@ def blocks(
             stack.enter_context(unused.left_out(compiled.model))
             stack.enter_context(_no_log_file.kept())
         recorder = _Recorder(compiled, reducer, stepping, plan, driven)
-        size = max(_BLOCK, at_once)
+        size = max(_BLOCK_SAMPLES, at_once)
         for first in range(0, plan.samples, size):
             samples = range(first, min(first + size, plan.samples))
             taken, problem = _advance(plan, course, samples, recorder, at_once)
@@ -365,7 +364,7 @@ def blocks(
 def _advance(
     plan: Schedule, course: DriveCycle, samples: range, recorder: "_Recorder", at_once: int
 ) -> tuple[SampleBlock, str]:
-    """Take the steps up to some samples; a sample is what the solver found at the start of its last step."""
+    """Take the steps up to some samples, and describe the problem that ended the run, or return "" for it."""
     begin = (samples.start - 1) * plan.stride + 1 if samples.start else 0
     time = plan.timestep * np.arange(begin, (samples.stop - 1) * plan.stride + 1, dtype=np.float64)
     recorder.steps.command(course.commands(time))
@@ -384,7 +383,7 @@ def _advance(
 
 @dataclass(frozen=True)
 class _Stepping:
-    """What takes a run's steps.
+    """The stepper of a run, with the limits of its solver.
 
     Attributes
     ----------
@@ -412,7 +411,7 @@ class _Stepping:
 
 
 def _by_mujoco(compiled: ReducerModel, reducer: Reducer, data: Any, plan: Schedule) -> _Stepping:
-    """Let MuJoCo take the steps."""
+    """Return the stepper of a MuJoCo run."""
     index, drags = pair_index(compiled.model, compiled.pairs), drag_rows(compiled.model, DRAGS)
     laws = [reducer.contacts[pair.kind].impact for pair in compiled.pairs]
     impacts = [law for law in laws if law]
@@ -432,7 +431,7 @@ def disc_freedoms(model: Any, reducer: Reducer) -> list[int]:
 
 
 class _Recorder:
-    """Takes samples, judges them, and makes tables of them."""
+    """Takes samples, checks them, and converts them into tables."""
 
     def __init__(self, compiled: Model, reducer: Reducer, stepping: _Stepping, plan: Schedule, driven: bool) -> None:
         design = reducer.design
@@ -443,7 +442,7 @@ class _Recorder:
         self._read, self._first_pin = len(names), len(groups[REDUCER])
         self._has_pins = PINS in groups
         self._kinds = [np.array([pair.kind == kind for pair in compiled.pairs]) for kind in sorted(compiled.laws)]
-        self._deepest, self._most_iterations = deepest(reducer), stepping.most_iterations
+        self._deepest, self._most_iterations = penetration_limit(reducer), stepping.most_iterations
         self._reducer, self._design = reducer, design
         self._jamming = jamming_power(reducer) if driven else math.inf
         mesh = 2.0 * math.pi / (design.ring.teeth * abs(design.drive.speed)) if design.drive.speed else math.inf
@@ -458,7 +457,7 @@ class _Recorder:
         self._free_pins = np.array([[names.index(joint) for joint in pin.joints[:2]] for pin in bodies], dtype=int)
 
     def advance(self, samples: int) -> tuple[Array, str]:
-        """Return the rows of the next samples, up to the first with which something is wrong, and what that is."""
+        """Return the rows of the next samples up to the first that fails a check, and the problem, "" for none."""
         rows = self.steps.advance(samples)
         self.noted += int(rows[:, self.steps.solver][:, 5].sum())
         checks = list(self._checks(rows))
@@ -482,7 +481,7 @@ class _Recorder:
         return tables | {FORCES: pairs[:, :, :4].reshape(len(rows), -1)}
 
     def _checks(self, rows: Array) -> Iterator[tuple[Marks, Callable[[int], str]]]:
-        """Yield what can be wrong: of which samples it is, and how it is told of one."""
+        """Yield every check: which samples fail it, and a function that describes the problem of one."""
         seen = rows[:, self.steps.copied]
         _, depth, _, iterations, moving, warnings = rows[:, self.steps.solver].T
         sound = np.isfinite(seen).all(axis=1) & np.isfinite(moving)
@@ -492,10 +491,10 @@ class _Recorder:
             yield warnings > 0.0, lambda sample: warning()
         pairs = rows[:, self.steps.pairs].reshape(len(rows), -1, OF_PAIR)
         lost, pressed = pairs[:, :, 4].sum(axis=1), pairs[:, :, 5].sum(axis=1)
-        taken = means_of_last(lost, self._lost)
+        taken = moving_means(lost, self._lost)
         self._lost = np.concatenate([self._lost, lost])[len(lost) :]
         yield taken > self._jamming, partial(self._jam, "friction dissipates", taken)
-        # parts that wedge take the crank's power into their give; a step that is too long makes power instead
+        # parts that wedge store the crank's power in their deflection; too long a time step generates power instead
         wedged = lost + np.maximum(pressed, 0.0)
         yield (
             (wedged > self._jamming) & (depth > self._deepest),
@@ -535,7 +534,7 @@ class _Recorder:
             )
 
     def _jam(self, what: str, lost: Array, sample: int) -> str:
-        """Tell of a jam and of what takes the power: in the mean of a mesh, or where contacts are pressed too deep."""
+        """Describe a jam; `what` dissipates the power `lost` [W] of each sample."""
         drive = self._design.drive
         return (
             f"the drive jams: {what} {lost[sample]:.3g} W, which takes {lost[sample] / abs(drive.speed):.3g} N m at "

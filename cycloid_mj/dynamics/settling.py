@@ -1,7 +1,8 @@
-"""How long a drive takes to settle, and how deep its contacts may go: by its own stiffness and mass, not the paper's.
+"""Settling time of a drive and the largest plausible depth of its contacts, from its stiffness and mass.
 
-A jolt rings out as what the load is on swings on the stiffness of all contacts; a soft or heavy drive takes longer than
-the paper's, whose period is 0.2 ms. One of wide play takes longer still: the load has to cross it first.
+A transient decays as the loaded member oscillates on the stiffness of all contacts. A soft or heavy drive takes longer
+than the reference design, whose period is 0.2 ms; one with large clearance longer still, because the load has to cross
+the clearance first.
 """
 
 import math
@@ -15,24 +16,25 @@ from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics.structure import wind_up
 
 SETTLING = 0.005
-"""Least time that a start, the end of the ramp or the load's rise takes to ring out [s]; contacts need 1 to 3 ms."""
+"""Smallest settling time after a start, the end of the ramp or the rise of the load [s]; contacts need 1 to 3 ms."""
 
-SWINGS = 6.0
-"""Periods of the swing that are waited for: each leaves 4 % of it at half of critical damping, 53 % at a tenth."""
+SETTLING_PERIODS = 6.0
+"""Number of oscillation periods to wait: each leaves 4 % of the amplitude at half of critical damping, 53 % at a
+tenth."""
 
-CROSSINGS = 4.0
-"""Times that the load takes to carry the output across its play that are waited for: with a restitution of 0.3 it has
-come to rest on the far flank after two of them, and the jolt rings out in as many."""
+SETTLING_CROSSINGS = 4.0
+"""Number of times to wait that the load needs to carry the output across its backlash: with a restitution of 0.3 the
+output has come to rest on the far flank after two of them, and the transient decays in another two."""
 
-DEEPEST = 50e-6
-"""Depth of a contact [m] that no drive of this size reaches in a run that goes right: a hundred times the paper's."""
+MIN_DEPTH_LIMIT = 50e-6
+"""Depth of a contact [m] that no valid run of a drive of this size reaches: a hundred times that of the reference."""
 
-DEEPER = 10.0
-"""Depth, in those that working forces press contacts in, that a run which goes right does not reach either; halves of
-a ring press as deep as they are turned."""
+DEPTH_OVER_DEFLECTION = 10.0
+"""Depth that no valid run reaches, over the deflection under the working forces; the halves of a preloaded ring
+penetrate by their rotation in addition."""
 
-OF_ECCENTRICITY = 0.25
-"""Share of the eccentricity that a contact may never be deep: the teeth would no longer be the teeth."""
+DEPTH_OVER_ECCENTRICITY = 0.25
+"""Largest depth of a contact as a share of the eccentricity, beyond which teeth lose their shape."""
 
 
 def closed_stiffness(reducer: Reducer) -> float:
@@ -54,46 +56,51 @@ def closed_stiffness(reducer: Reducer) -> float:
 
 
 def swing_period(reducer: Reducer) -> float:
-    """Find the period [s] with which what turns at a locked crank swings on the contacts, as stiff as under the load.
+    """Compute the oscillation period [s] of output and discs at a locked crank, at the stiffness under rated load.
 
-    With wide clearances, of which fewer teeth carry, it is longer by half.
+    With wide clearances fewer teeth carry load, and the period is half as long again.
     """
     return 2.0 * math.pi * math.sqrt(turning_inertia(reducer) / closed_stiffness(reducer.at_rated_load))
 
 
 def crossing_time(reducer: Reducer) -> float:
-    """Compute the time [s] in which the load carries the output from one end of its play to the other.
+    """Compute the time [s] in which the load carries the output across its backlash; 0 without load or backlash.
 
-    A turning crank carries it there within a turn, however light the load; 0 without a load or without play.
+    A rotating crank carries it there within one turn, at any load.
     """
     drive, load = reducer.design.drive, abs(reducer.design.load.torque)
     if not load:
         return 0.0
     try:
         play = reducer.play
-    except RunError:  # errors leave none
+    except RunError:  # manufacturing errors leave no backlash
         return 0.0
     turn = 2.0 * math.pi / abs(drive.speed) if drive.speed else math.inf
-    return min(way_time(reducer, play, load), turn / CROSSINGS)
+    return min(rotation_time(reducer, play, load), turn / SETTLING_CROSSINGS)
 
 
-def way_time(reducer: Reducer, way: float, torque: float) -> float:
-    """Compute the time [s] in which a torque [N m] carries output and gear over a way [rad] from rest."""
-    return math.sqrt(2.0 * turning_inertia(reducer) * way / torque)
+def rotation_time(reducer: Reducer, angle: float, torque: float) -> float:
+    """Compute the time [s] in which a torque [N m] rotates output and discs by an angle [rad] from rest."""
+    return math.sqrt(2.0 * turning_inertia(reducer) * angle / torque)
 
 
 @once
 def slowness(reducer: Reducer) -> float:
-    """Tell how many times as long as the paper's a drive takes to settle [1]: 1 where `SETTLING` is enough."""
-    return max(1.0, SWINGS * swing_period(reducer) / SETTLING, CROSSINGS * crossing_time(reducer) / SETTLING)
+    """Compute the settling time of a drive over `SETTLING` [1], at least 1."""
+    return max(
+        1.0, SETTLING_PERIODS * swing_period(reducer) / SETTLING, SETTLING_CROSSINGS * crossing_time(reducer) / SETTLING
+    )
 
 
-def deepest(reducer: Reducer) -> float:
-    """Find the depth [m] beyond which a contact ends a run: ``contact.max_penetration``, or what the design allows."""
+def penetration_limit(reducer: Reducer) -> float:
+    """Return the depth [m] of a contact at which a run ends: ``contact.max_penetration``, or a limit by the design."""
     design = reducer.design
     if design.contact.max_penetration:
         return design.contact.max_penetration
     contacts = [reducer.contacts[kind] for kind in design.pair_kinds]
     pressed = max(contact.force / contact.series[0] for contact in contacts)
     turned = 0.5 * design.ring.preload * design.ring.pin_circle_radius
-    return min(max(DEEPEST, DEEPER * pressed) + turned, OF_ECCENTRICITY * design.gear.eccentricity)
+    return min(
+        max(MIN_DEPTH_LIMIT, DEPTH_OVER_DEFLECTION * pressed) + turned,
+        DEPTH_OVER_ECCENTRICITY * design.gear.eccentricity,
+    )

@@ -22,7 +22,7 @@ from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.design import Errors, Modification, Named, resolve
 from cycloid_mj.dynamics.massless import assumptions, massless
 from cycloid_mj.dynamics.run import Solver
-from cycloid_mj.dynamics.settling import way_time
+from cycloid_mj.dynamics.settling import rotation_time
 from cycloid_mj.measure import bench, rigid_backlash
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
@@ -166,7 +166,7 @@ def press(reducer: Reducer, crank: float, longer: float = 1.0, finer: float = 1.
     `longer` multiplies the time, `finer` divides the step.
     """
     torque = PRESS * reducer.design.rated_torque
-    dwell = longer * SETTLING * way_time(reducer, limits.widest_play(reducer, crank), torque)
+    dwell = longer * SETTLING * rotation_time(reducer, limits.widest_play(reducer, crank), torque)
     levels = torque * np.array(LEVELS)
 
     def signal(time: Array) -> Array:

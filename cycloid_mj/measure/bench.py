@@ -32,7 +32,7 @@ from cycloid_mj.reducer import Reducer, once
 LONGEST_STEP = 10e-6
 """Step [s] at which bodies that weigh no less than the gear follow a slow torque as they do at any shorter one."""
 
-LONGEST_PLANAR_STEP = 0.5 * planar_steps.LONGEST
+LONGEST_PLANAR_STEP = 0.5 * planar_steps.SETTINGS.max_step
 """Step [s] of the planar solver, where no turning crank limits it: a free pin without friction chatters at longer ones.
 
 Play of a free pin on the gear alone, pressed for 1 to 3 times the usual time: at 17.5 us within 0.003 % of one another,

@@ -1,7 +1,7 @@
 """What the measures that turn the crank set alike: time step, speed, load and rate of their runs."""
 
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.dynamics.run import STEPS, Solver
+from cycloid_mj.dynamics.run import STEP_RULES, Solver
 from cycloid_mj.reducer import Reducer
 
 LOG_RATE = 20e3
@@ -33,4 +33,4 @@ def drag_assumption(reducer: Reducer) -> str:
 
 def halved(reducer: Reducer, solver: Solver) -> Reducer:
     """Halve the time step that a solver takes of a design."""
-    return reducer.but(settings={"timestep": 0.5 * STEPS[solver].chosen(reducer).seconds})
+    return reducer.but(settings={"timestep": 0.5 * STEP_RULES[solver].choose(reducer).seconds})

@@ -16,7 +16,7 @@ from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.dynamics.run import Solver
-from cycloid_mj.dynamics.settling import deepest
+from cycloid_mj.dynamics.settling import penetration_limit
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.measure.conditions import halved
@@ -177,7 +177,7 @@ def _capacity(
 
     `allowed` is the pressure over the yield strength; `unsure` the share by which the forces of these runs may be off.
     """
-    allowed_depth = deepest(reducer)
+    allowed_depth = penetration_limit(reducer)
     for _ in range(MOST_GUESSES):
         # a contact grows deeper with its force, and may: the limit is to find runs that went wrong
         deeper = min(allowed_depth * max(1.0, torque / reducer.design.load.torque), DEEPEST)

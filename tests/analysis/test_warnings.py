@@ -21,7 +21,7 @@ from cycloid_mj.cli.terminal import say_json, tell, warnings_kept
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.planar.model import planar_model
-from cycloid_mj.dynamics.planar.timestep import MOST_ROUNDS
+from cycloid_mj.dynamics.planar.timestep import MAX_ITERATIONS
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.log import read
 from cycloid_mj.reducer import Reducer
@@ -283,7 +283,7 @@ def test_a_planar_step_that_did_not_settle_is_counted() -> None:
     run = simulate(design, planar_model(Reducer(design)))
     assert list(convergence_warnings(run)) == []
     rounds = run["solver_iterations"].copy()
-    rounds[[3, 7]] = MOST_ROUNDS + 1
+    rounds[[3, 7]] = MAX_ITERATIONS + 1
     wild = replace(run, columns={**run.columns, "solver_iterations": rounds})
     (text,) = convergence_warnings(wild)
     assert text.startswith(

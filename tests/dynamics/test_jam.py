@@ -9,7 +9,7 @@ from cycloid_mj.analysis import analyze
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, override
-from cycloid_mj.dynamics.jam import JAMMED, STALLING, jamming_power, means_of_last
+from cycloid_mj.dynamics.jam import MAX_FRICTION_OVER_LOAD, MAX_FRICTION_OVER_RATED, jamming_power, moving_means
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.log import read
 from cycloid_mj.reducer import Reducer
@@ -66,7 +66,7 @@ def test_a_jam_leaves_its_log(tmp_path, capsys) -> None:
 def test_what_rubs_but_turns_is_none() -> None:
     with pytest.warns(Warning, match="has no effect"):
         run = simulate(rubbing(0.5, 1.0, "drive.hold_s=0.05"))
-    assert any("all but locks itself" in text for text in analyze(run).warnings)
+    assert any("almost self-locking" in text for text in analyze(run).warnings)
 
 
 def test_a_jam_is_told_from_the_rated_torque_or_a_larger_load() -> None:
@@ -74,18 +74,20 @@ def test_a_jam_is_told_from_the_rated_torque_or_a_larger_load() -> None:
     speed, rated = pin.drive.speed, pin.drive.torque
     for idle in ("0", "1"):
         assert jamming_power(Reducer(override(pin, [f"load.torque_nm={idle}"]))) == pytest.approx(
-            STALLING * rated * speed
+            MAX_FRICTION_OVER_RATED * rated * speed
         )
-    assert jamming_power(Reducer(override(pin, ["load.torque_nm=36.68"]))) == pytest.approx(JAMMED * rated * speed)
+    assert jamming_power(Reducer(override(pin, ["load.torque_nm=36.68"]))) == pytest.approx(
+        MAX_FRICTION_OVER_LOAD * rated * speed
+    )
     larger = override(pin, ["load.torque_nm=100"])
-    assert jamming_power(Reducer(larger)) == pytest.approx(JAMMED * 100.0 / 35.0 * speed)
+    assert jamming_power(Reducer(larger)) == pytest.approx(MAX_FRICTION_OVER_LOAD * 100.0 / 35.0 * speed)
     assert jamming_power(Reducer(override(pin, ["drive.speed_rpm=0"]))) == math.inf
 
 
 def test_a_jam_is_told_by_the_mean_of_a_mesh_across_blocks() -> None:
     lost = np.random.default_rng(1).random(30)
-    whole = means_of_last(lost, np.zeros(6))
+    whole = moving_means(lost, np.zeros(6))
     np.testing.assert_allclose(whole[6:], [lost[i - 6 : i + 1].mean() for i in range(6, 30)], rtol=1e-12)
     np.testing.assert_allclose(whole[0], lost[0] / 7.0)
-    np.testing.assert_allclose(whole[10:], means_of_last(lost[10:], lost[4:10]), rtol=1e-12)
-    np.testing.assert_allclose(means_of_last(lost, np.zeros(0)), lost, rtol=1e-12)
+    np.testing.assert_allclose(whole[10:], moving_means(lost[10:], lost[4:10]), rtol=1e-12)
+    np.testing.assert_allclose(moving_means(lost, np.zeros(0)), lost, rtol=1e-12)

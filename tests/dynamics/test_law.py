@@ -155,8 +155,8 @@ def test_only_moving_pins_without_load_settle() -> None:
         pin.but(ring={"pins": "fixed"}),
     ):
         reducer = Reducer(other)
-        assert not any(steps.settles(reducer, kind) for kind in other.pair_kinds)
-        assert steps.limits(reducer) == steps.limits(reducer, followed=True)
+        assert not any(steps.may_settle(reducer, kind) for kind in other.pair_kinds)
+        assert steps.step_limits(reducer) == steps.step_limits(reducer, followed=True)
 
 
 def test_an_impossible_impedance_is_refused() -> None:

@@ -14,21 +14,9 @@ from cycloid_mj.analysis import analyze
 from cycloid_mj.cli.app import main
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.mjcf import ReducerModel, build
-from cycloid_mj.dynamics.regime import FEWEST_SAMPLES, at_rest, pace, warnings
+from cycloid_mj.dynamics.regime import MIN_SAMPLES_PER_TOOTH, at_rest, pace, warnings
 from cycloid_mj.dynamics.run import simulate
-from cycloid_mj.dynamics.timestep import (
-    FEWEST_STEPS,
-    LONGEST,
-    RESOLVED,
-    ROLLING,
-    SEATED,
-    SEATED_IDLE,
-    SETTLING,
-    chosen,
-    held_figures,
-    limits,
-    timestep,
-)
+from cycloid_mj.dynamics.timestep import SETTINGS, choose_step, describe_accuracy, step_limits, timestep
 from cycloid_mj.log import read
 from cycloid_mj.reducer import Reducer
 
@@ -175,7 +163,7 @@ def test_simulate_tells_before_the_run_and_the_log_keeps_it(tmp_path: Path, caps
 
 def test_a_remedy_lies_well_within_the_limit() -> None:
     """Sockets of 21 light pins ask for 1.98 us instead of 2 us: the remedy is a round step below it."""
-    stiffness = 0.612e-3 * SETTLING / 1.98e-6**2
+    stiffness = 0.612e-3 * SETTINGS.max_settling_ratio / 1.98e-6**2
     design = override(PRESETS["pin"], [f"stiffness.pin_socket_n_m={stiffness!r}", "settings.timestep_us=2"])
     found = warnings(Reducer(design), build(design))
     assert [text for text in found if "shorten settings.timestep_us to 1 or" in text] == list(found) != []
@@ -189,8 +177,8 @@ def test_a_chosen_step_is_never_warned_of_and_twice_as_long_a_pins_step_is(name:
     design = unlike(name) if name in UNLIKE else PRESETS[name]
     design = override(design, [f"load.torque_nm={share * design.rated_torque!r}", "settings.timestep_us=0"])
     step = timestep(Reducer(design))
-    assert step <= min(LONGEST, *limits(Reducer(design)).values()) * (1.0 + 1e-9)
-    assert step > 0.8 * min(LONGEST, *limits(Reducer(design)).values())
+    assert step <= min(SETTINGS.max_step, *step_limits(Reducer(design)).values()) * (1.0 + 1e-9)
+    assert step > 0.8 * min(SETTINGS.max_step, *step_limits(Reducer(design)).values())
     assert warnings(Reducer(design), build(design)) == ()
     assert pace(Reducer(design)) == ()
     if design.ring.has_pin_bodies:
@@ -201,28 +189,32 @@ def test_a_chosen_step_is_never_warned_of_and_twice_as_long_a_pins_step_is(name:
 def test_the_step_follows_mass_stiffness_play_force_and_speed() -> None:
     """Each limit by its own formula, from the masses of the built model."""
     design = override(PRESETS["pin"], ["load.torque_nm=36.68"])
-    model, found = build(design).model, limits(Reducer(design))
+    model, found = build(design).model, step_limits(Reducer(design))
     pin = float(model.body("pin_1").mass[0])
     seat, force = Reducer(design).contacts["pin_socket"].stiffness, Reducer(design).contacts["pin_socket"].force
-    assert found["stiffness of pin_socket"] == pytest.approx((SEATED * 0.5 * pin / seat) ** 0.5, rel=1e-6)
-    idle = override(design, ["load.torque_nm=0", "contact.working_load_nm=36.68"])
-    assert limits(Reducer(idle))["stiffness of pin_socket"] == pytest.approx(
-        (SEATED_IDLE * 0.5 * pin / seat) ** 0.5, rel=1e-6
+    assert found["stiffness of pin_socket"] == pytest.approx(
+        (SETTINGS.max_seat_ratio * 0.5 * pin / seat) ** 0.5, rel=1e-6
     )
-    for followed, most in ((False, SETTLING), (True, SEATED_IDLE)):
+    idle = override(design, ["load.torque_nm=0", "contact.working_load_nm=36.68"])
+    assert step_limits(Reducer(idle))["stiffness of pin_socket"] == pytest.approx(
+        (SETTINGS.max_idle_seat_ratio * 0.5 * pin / seat) ** 0.5, rel=1e-6
+    )
+    for followed, most in ((False, SETTINGS.max_settling_ratio), (True, SETTINGS.max_idle_seat_ratio)):
         free = Reducer(PRESETS["pin"])
         time = (0.5 * pin / free.contacts["pin_socket"].stiffness) ** 0.5
-        assert limits(free, followed)["stiffness of pin_socket"] == pytest.approx(most**0.5 * time, rel=1e-6)
+        assert step_limits(free, followed)["stiffness of pin_socket"] == pytest.approx(most**0.5 * time, rel=1e-6)
     cam = Reducer(design).contacts["cam"].stiffness
     gear = float(model.body("gear").mass[0])
-    assert found["stiffness of cam"] == pytest.approx((RESOLVED * gear / cam) ** 0.5, rel=1e-6)
+    assert found["stiffness of cam"] == pytest.approx((SETTINGS.max_stiffness_ratio * gear / cam) ** 0.5, rel=1e-6)
     bowl = force / (1e-6 + force / seat)
-    assert found["rolling of pins in their clearance"] == pytest.approx(ROLLING * 2.0 * (pin / bowl) ** 0.5, rel=1e-6)
+    assert found["rolling of pins in their clearance"] == pytest.approx(
+        SETTINGS.max_rolling_share * 2.0 * (pin / bowl) ** 0.5, rel=1e-6
+    )
     passing = 36 * 1640.0 / 60.0
-    assert found["tooth passing"] == pytest.approx(1.0 / (FEWEST_STEPS * passing), rel=1e-6)
+    assert found["tooth passing"] == pytest.approx(1.0 / (SETTINGS.min_steps_per_tooth * passing), rel=1e-6)
     assert timestep(Reducer(design)) == pytest.approx(3.125e-6)
     assert timestep(Reducer(override(design, ["settings.timestep_us=0.7"]))) == pytest.approx(0.7e-6)
-    assert str(chosen(Reducer(override(design, ["settings.timestep_us=0.7"])))) == "0.7 us (given)"
+    assert str(choose_step(Reducer(override(design, ["settings.timestep_us=0.7"])))) == "0.7 us (given)"
 
 
 @pytest.mark.parametrize("design", [PRESETS["pin"], PRESETS["nonpin"], *map(unlike, UNLIKE)], ids=lambda one: one.name)
@@ -230,9 +222,9 @@ def test_steps_and_samples_are_counted_from_tooth_to_tooth(design: Design) -> No
     assert pace(Reducer(design)) == ()
     passing = design.ring.teeth * abs(design.drive.speed) / (2.0 * np.pi)
     for inside, count in ((False, 0.99), (True, 1.01)):
-        rate = override(design, [f"settings.log_rate_hz={count * FEWEST_SAMPLES * passing!r}"])
+        rate = override(design, [f"settings.log_rate_hz={count * MIN_SAMPLES_PER_TOOTH * passing!r}"])
         fast = override(design, ["settings.log_rate_hz=1e6", "settings.timestep_us=1", "contact.creep_speed_mm_s=1e-3"])
-        speed = design.drive.speed * 1e6 / passing / (count * FEWEST_STEPS)
+        speed = design.drive.speed * 1e6 / passing / (count * SETTINGS.min_steps_per_tooth)
         fast = fast.model_copy(update={"drive": design.drive.model_copy(update={"speed": speed})})
         assert (pace(Reducer(rate)) == ()) == inside
         assert (pace(Reducer(fast)) == ()) == inside
@@ -271,14 +263,14 @@ def test_no_friction_at_all_is_no_sliding_friction_given() -> None:
 
 def test_a_run_says_for_which_figures_its_step_was_chosen() -> None:
     loaded = PRESETS["pin"].but(load={"torque": 36.0})
-    assert "rms speeds within 15 %" in held_figures(Reducer(loaded))
-    assert "rms speeds within 2 %" in held_figures(Reducer(loaded.but(ring={"pins": "fixed"})))
-    assert "rms speeds are not valid" in held_figures(Reducer(loaded.but(ring={"pins": "massless"})))
-    assert "starts" in held_figures(Reducer(PRESETS["pin"]))
+    assert "rms speeds within 15 %" in describe_accuracy(Reducer(loaded))
+    assert "rms speeds within 2 %" in describe_accuracy(Reducer(loaded.but(ring={"pins": "fixed"})))
+    assert "rms speeds are not valid" in describe_accuracy(Reducer(loaded.but(ring={"pins": "massless"})))
+    assert "starts" in describe_accuracy(Reducer(PRESETS["pin"]))
     given = loaded.but(settings={"timestep": 2e-6})
-    assert held_figures(Reducer(given)).startswith("given")
+    assert describe_accuracy(Reducer(given)).startswith("given")
     found = analyze(simulate(given.but(drive={"ramp": 0.0, "hold": 0.001})))
-    assert found.timestep_for == held_figures(Reducer(given))
+    assert found.timestep_for == describe_accuracy(Reducer(given))
 
 
 def test_friction_that_leads_its_sliding_is_told_and_a_shorter_step_follows_it() -> None:

@@ -9,7 +9,7 @@ from cycloid_mj.analysis import analyze
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.names import gears
 from cycloid_mj.design import PRESETS, Design, override
-from cycloid_mj.dynamics import course
+from cycloid_mj.dynamics import drive_cycle
 from cycloid_mj.dynamics.contact.collider import installed
 from cycloid_mj.dynamics.drive_cycle import initial_state, load_torque
 from cycloid_mj.dynamics.mjcf import build
@@ -177,7 +177,7 @@ def test_a_step_too_long_ends_the_run(tmp_path, monkeypatch) -> None:
 
 
 def test_not_a_number_ends_the_run(monkeypatch) -> None:
-    monkeypatch.setattr(course, "servo_target", lambda compiled, law, time: np.where(time > 1e-3, np.nan, 0.0))
+    monkeypatch.setattr(drive_cycle, "servo_target", lambda compiled, law, time: np.where(time > 1e-3, np.nan, 0.0))
     samples, message = ended(changed(*QUICK))
     assert samples > 1
     assert "NaN" in message or "issued a warning" in message

@@ -35,7 +35,7 @@ from cycloid_mj.comparison import STARTS, gravity_turn, settle_run, settling_tim
 from cycloid_mj.comparison.conditions import differences
 from cycloid_mj.design import PRESETS, dump, override
 from cycloid_mj.dynamics.run import schedule
-from cycloid_mj.dynamics.timestep import limits
+from cycloid_mj.dynamics.timestep import step_limits
 from cycloid_mj.reducer import Reducer
 
 ROOT = Path(__file__).parents[2]
@@ -118,7 +118,7 @@ def test_no_step_is_longer_than_its_design_states(which):
     runs = [*main_runs(which), *rated_runs(which), *(ramp_run(which, design) for design in plan.designs())]
     runs += [run for one in plan.variations(which) for of in plan.designs() for run in varied_idle(which, one, of)]
     for run in dict.fromkeys(runs):
-        assert schedule(Reducer(run)).timestep <= min(limits(Reducer(run)).values()), run.name
+        assert schedule(Reducer(run)).timestep <= min(step_limits(Reducer(run)).values()), run.name
 
 
 def test_half_the_step_keeps_the_samples():

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from cycloid_mj.dynamics.law import ContactParameters, contact_law, settling_law
-from cycloid_mj.dynamics.timestep import SEATED_IDLE, effective_masses, settles, timestep
+from cycloid_mj.dynamics.timestep import SETTINGS, effective_masses, may_settle, timestep
 from cycloid_mj.reducer import Reducer
 
 Laws = dict[str, ContactParameters]
@@ -38,7 +38,7 @@ def contact_laws(reducer: Reducer, disc: int = 0) -> Laws:
         contact, mass = reducer.contacts[kind], mass / lines
         force, impact = contact.force / lines, contact.impact
         stiffness = contact.series[disc] / lines
-        followed = not settles(reducer, kind) or stiffness * step**2 <= SEATED_IDLE * mass
+        followed = not may_settle(reducer, kind) or stiffness * step**2 <= SETTINGS.max_idle_seat_ratio * mass
         laws[kind] = (contact_law if followed else settling_law)(
             stiffness=stiffness,
             damping_ratio=impact.damping_ratio(force, mass) if impact else contact.damping_ratio,

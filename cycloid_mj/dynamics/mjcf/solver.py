@@ -1,4 +1,4 @@
-"""Which of MuJoCo's constraint solvers a model takes: both minimise the same convex cost, to the same tolerance."""
+"""Choice of MuJoCo's constraint solver for a model: both minimise the same convex cost, to the same tolerance."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -6,10 +6,10 @@ from typing import Any
 import mujoco
 
 from cycloid_mj.dynamics.law import ContactParameters
-from cycloid_mj.dynamics.regime import steps_ratio
+from cycloid_mj.dynamics.regime import stiffness_ratio
 
-WELL_CONDITIONED = 0.3
-"""Largest K dt^2/m for conjugate gradients.
+MAX_CG_STIFFNESS_RATIO = 0.3
+"""Largest K dt^2/m for which conjugate gradients are used.
 
 The cost is that of the masses plus K dt^2 on each contact, so this ratio bounds its condition number. Up to 0.3 they
 cost 0.8 to 0.97 of Newton's step with its factorisation (36 moving pins, without load and at 36 N m); at 1 they take
@@ -30,5 +30,5 @@ def set_solver(spec: Any, laws: Mapping[str, ContactParameters], loaded: bool) -
     if loaded:
         spec.option.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_ISLAND)
     spec.option.jacobian = mujoco.mjtJacobian.mjJAC_SPARSE
-    if max(steps_ratio(law, spec.option.timestep) for law in laws.values()) <= WELL_CONDITIONED:
+    if max(stiffness_ratio(law, spec.option.timestep) for law in laws.values()) <= MAX_CG_STIFFNESS_RATIO:
         spec.option.solver = mujoco.mjtSolver.mjSOL_CG

@@ -29,7 +29,7 @@ from cycloid_mj.dynamics.planar.contacts import (
     speeds,
 )
 from cycloid_mj.dynamics.planar.system import System
-from cycloid_mj.dynamics.planar.timestep import MOST_ROUNDS
+from cycloid_mj.dynamics.planar.timestep import MAX_ITERATIONS
 from cycloid_mj.statics.kernel.newton import solve as gauss
 
 COUPLED_ROUNDS = 25
@@ -120,9 +120,9 @@ def solve(
 
     `command` is that of output and crank, an angle [rad] or a torque [N m]; in the time `pin_span` [s] forces bring
     pins from v0 to v: half a step, or by implicit Euler a whole one. Returns the number of rounds, one more than
-    `MOST_ROUNDS` where contacts still change.
+    `MAX_ITERATIONS` where contacts still change.
     """
-    for rounds in range(1, MOST_ROUNDS + 1):
+    for rounds in range(1, MAX_ITERATIONS + 1):
         at_once, coupled = rounds <= AT_ONCE_ROUNDS, rounds <= COUPLED_ROUNDS
         _assemble(system, contacts, count, equations, q0, v0, near, command, step, pin_span, coupled)
         _eliminate(system, equations)
@@ -133,7 +133,7 @@ def solve(
         _substitute(equations, v)
         if not _changes(system, contacts, count, equations, near, v, 0.5 * step, at_once, coupled):
             return rounds
-    return MOST_ROUNDS + 1
+    return MAX_ITERATIONS + 1
 
 
 @njit

@@ -11,7 +11,7 @@ from cycloid_mj.dynamics.mjcf.laws import laws_of_discs, stiffest
 from cycloid_mj.dynamics.planar.state import start
 from cycloid_mj.dynamics.planar.stepper import Stepper
 from cycloid_mj.dynamics.planar.system import System, planar_system
-from cycloid_mj.dynamics.planar.timestep import chosen, follows_pins
+from cycloid_mj.dynamics.planar.timestep import choose_step, follows_pins
 from cycloid_mj.dynamics.regime import at_rest, bent_pins
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Pair
@@ -68,7 +68,7 @@ class PlanarModel:
 
 
 def planar_model(reducer: Reducer, held: Held = "crank", step: float = 0.0) -> PlanarModel:
-    """Make a reducer ready for planar steps [s], by default those that are `chosen`; `held` is as of ``mjcf.build``.
+    """Make a reducer ready for planar steps [s], by default those of `choose_step`; `held` is as of ``mjcf.build``.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def planar_model(reducer: Reducer, held: Held = "crank", step: float = 0.0) -> P
     return PlanarModel(
         reducer=reducer,
         system=system,
-        timestep=step or chosen(reducer).seconds,
+        timestep=step or choose_step(reducer).seconds,
         laws=laws,
         servo_gains=(float(system.servo[shaft, 0]), float(system.servo[shaft, 1])),
         crank_inertia=float(system.inertia[-1]),
