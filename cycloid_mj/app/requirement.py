@@ -10,7 +10,7 @@ from cycloid_mj.app.verdicts import requirement_verdicts, verdict
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.judgement import Judgement, gravest
 from cycloid_mj.base.units import MICROMETRES, MILLIMETRES, RPM
-from cycloid_mj.life.duration import hours
+from cycloid_mj.life.duration import format_life
 from cycloid_mj.sizing.answer import Answer, SizedDrive, answered
 from cycloid_mj.sizing.process import PROCESSES
 from cycloid_mj.sizing.requirement import Requirement, required
@@ -112,7 +112,7 @@ def _drive(drive: SizedDrive, required: Requirement) -> dict[str, Any]:
         "why": drive.why,
         "design": values_of(drive.design.but(load={"torque": required.torque})),
         "figures": figures,
-        "life": hours(figures["life_h"]),
+        "life": format_life(figures["life_h"]),
         "verdicts": verdicts,
         "verdict": verdict(gravest(Judgement(judged["judgement"]) for judged in verdicts.values()), words),
     }

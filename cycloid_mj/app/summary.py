@@ -22,8 +22,8 @@ from cycloid_mj.design.units import unit_of
 from cycloid_mj.figures import figure
 from cycloid_mj.life import rate
 from cycloid_mj.life.checks import KINDS, check_design, life_remedies
-from cycloid_mj.life.duration import hours
-from cycloid_mj.life.duty import steady
+from cycloid_mj.life.duration import format_life
+from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.item import Rating
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.reducer import Reducer
@@ -150,7 +150,7 @@ def life(reducer: Reducer, required: Any = None) -> dict[str, Any]:
         "rated_torque_nm": rated,
         "limited_by": limit,
         "life_h": shortest,
-        "life": hours(shortest),
+        "life": format_life(shortest),
         "verdicts": verdicts,
         "items": rated_items(rating),
         "cased": covered,
@@ -161,7 +161,7 @@ def rating_at_load(reducer: Reducer) -> Rating:
     """Rate a sound design at its load and speed for its required life."""
     design = reducer.design
     load, _ = load_of(reducer)
-    return rate(design, steady(load, design.drive.speed), design.service.life)
+    return rate(design, constant_duty(load, design.drive.speed), design.service.life)
 
 
 def rated_items(rating: Rating) -> list[dict[str, Any]]:

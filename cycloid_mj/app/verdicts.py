@@ -86,12 +86,12 @@ def rated_item(item: RatedItem, life: float) -> dict[str, Any]:
     """
     margin = item.margin(life)
     decades = math.log10(max(margin, 1e-9)) / (2.0 * BAR_DECADES) if math.isfinite(margin) else 1.0
-    limit = f" of {item.borne}" if item.borne else ""
+    limit = f" of {item.limit_text}" if item.limit_text else ""
     return {
         "name": item.name,
         "text": f"safety {item.verdict}" if item.safety is not None else item.verdict,
         "judgement": item.judgement(life),
         "margin": margin,
         "share": min(1.0, max(SMALLEST_BAR, 0.5 + decades)),
-        "title": ". ".join(filter(None, (f"{item.load}{limit}", item.source, item.note))),
+        "title": ". ".join(filter(None, (f"{item.load_text}{limit}", item.source, item.note))),
     }

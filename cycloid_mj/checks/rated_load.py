@@ -10,6 +10,9 @@ from cycloid_mj.geometry import ideal_loads, profile
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics import Loads, Springs, loads, peak_force, peak_pressure, springs_of, torque_at_pressure
 
+MIN_TORQUE_SHARE = 1e-6
+"""Torque over the nominal torque below which it counts as none: the pressure is that of inertia forces."""
+
 LOADED_SHARE = 0.01
 """Force of a loaded tooth over the largest, at least."""
 
@@ -42,14 +45,18 @@ class RatedLoad:
         return peak_pressure(self.reducer, self.springs, self.contact_loads, kind)
 
     def torque_at(self, kind: str, pressure: float) -> float:
-        """Return the output torque [N m] at which a kind of contact has a peak pressure [Pa]; NaN if not found."""
+        """Return the output torque [N m] at which a kind of contact has a peak pressure [Pa].
+
+        NaN if none is found, as where inertia forces alone exceed the pressure.
+        """
         try:
-            torque, _ = torque_at_pressure(
-                self.reducer, self.springs, {kind: pressure}, self.torque, self.contact_loads
-            )
+            with np.errstate(invalid="ignore"):  # shares of the torque where it vanishes
+                torque, _ = torque_at_pressure(
+                    self.reducer, self.springs, {kind: pressure}, self.torque, self.contact_loads
+                )
         except RunError:
             return math.nan
-        return abs(torque)
+        return abs(torque) if abs(torque) > MIN_TORQUE_SHARE * abs(self.torque) else math.nan
 
     @property
     def concentration(self) -> float:

@@ -262,10 +262,10 @@ def _written(
 
 
 def _row(drive: "SizedDrive") -> tuple[str, ...]:
-    from cycloid_mj.life.duration import hours
+    from cycloid_mj.life.duration import format_life
 
     cells = {key: f"{drive.figures[key]:.3g}" for key in COLUMNS}
-    return drive.title, *(cells | {"life_h": hours(drive.figures["life_h"])}).values()
+    return drive.title, *(cells | {"life_h": format_life(drive.figures["life_h"])}).values()
 
 
 def _refusal(answer: "Answer", asked: "Requirement", ranged: bool) -> dict[str, Any]:

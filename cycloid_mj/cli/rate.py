@@ -85,7 +85,7 @@ def rate(
     cycle = _duty(design, load_nm, speed_rpm, duty, peak_nm)
     ranges = read_ranges(stress, Reducer(design)) if stress else None
     place = claimed(delivery, f"{design.name}-rating")
-    rating = rated(design, cycle, life_h or 0.0, ranges, give=True)
+    rating = rated(design, cycle, life_h or 0.0, ranges, compliance=True)
     return deliver(_outcome(rating, place), place, delivery)
 
 
@@ -104,7 +104,7 @@ def _outcome(rating: "Rating", place: Destination) -> Outcome:
         failures=[rating.line_of(item) for item in failing],
         warnings=[rating.line_of(item) for item in rating.warnings],
         summary=[f"weakest: {rating.weakest_line()}", *([str(place.page)] if place.page else [])],
-        tables=[rating.table(), *([rating.cam_give.table()] if rating.cam_give else [])],
+        tables=[rating.table(), *([rating.cam_compliance.table()] if rating.cam_compliance else [])],
         notes=[f"assumed: {sentence}" for sentence in rating.assumptions],
         frame=rating.frame,
         result=rating.as_json(),
@@ -116,9 +116,9 @@ def _duty(
     design: Design, load_nm: float | None, speed_rpm: float | None, duty: Path | None, peak_nm: float | None
 ) -> "Duty":
     from cycloid_mj.base.units import RPM
-    from cycloid_mj.life.duty import read_duty, steady
+    from cycloid_mj.life.duty import constant_duty, read_duty
 
     if duty:
         return read_duty(duty, peak_nm)
     torque = design.rated_torque if load_nm is None else load_nm
-    return steady(torque, design.drive.speed if speed_rpm is None else speed_rpm * RPM, peak_nm)
+    return constant_duty(torque, design.drive.speed if speed_rpm is None else speed_rpm * RPM, peak_nm)

@@ -1,4 +1,4 @@
-"""Whether a reducer lasts: life of bearings and surfaces, fatigue, wear and heat, by standard formulas with sources."""
+"""Life of bearings and surfaces, fatigue, wear and heat of a reducer, by standard formulas with sources."""
 
 from cycloid_mj.life.duty import Duty, DutyPoint, read_duty
 from cycloid_mj.life.item import RatedItem, Rating

@@ -1,20 +1,29 @@
-"""What a cam carries over the give of its bearing: the softer it is, the more teeth carry, the less it bears."""
+"""Cam load over the stiffness of its bearing: with a softer cam more teeth carry, and the cam carries less."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from cycloid_mj.base.result import Table
-from cycloid_mj.life.duration import hours, plain_life
+from cycloid_mj.life.duration import finite_life, format_life
 
-IDEAL = "ideal sharing: a cam without give, no clearance, no friction"
+IDEAL = "ideal sharing: rigid cam, no clearance, no friction"
 
 
 @dataclass(frozen=True)
-class Give:
-    """A cam of one stiffness [N/m]: its name, the mean load on it [N], and the life of its bearing [h].
+class CamCase:
+    """A cam of one stiffness.
 
-    The stiffness is None for ideal sharing, the load where there is no balance, the life where the cam has no rollers.
+    Attributes
+    ----------
+    name
+        The stiffness in words.
+    stiffness
+        Stiffness of the cam [N/m]; None for ideal sharing.
+    load
+        Equivalent load [N]; None if no equilibrium was found.
+    life
+        Life of its bearing [h]; None of a plain cam.
     """
 
     name: str
@@ -23,30 +32,30 @@ class Give:
     life: float | None
 
     def as_json(self) -> dict[str, Any]:
-        """Convert it to JSON values; a life beyond what its law was fitted to is None."""
+        """Convert the case to JSON values; an unlimited life is None."""
         return {
             "name": self.name,
             "cam_n_m": self.stiffness,
             "mean_load_n": self.load,
-            "life_h": plain_life(self.life),
+            "life_h": finite_life(self.life),
         }
 
 
 @dataclass(frozen=True)
-class CamGive:
-    """Loads and lives from the softest cam to the stiffest, then by ideal sharing."""
+class CamCompliance:
+    """Cam loads and lives from the softest to the stiffest cam, and by ideal sharing."""
 
-    rows: tuple[Give, ...]
+    rows: tuple[CamCase, ...]
 
     @property
     def words(self) -> str:
-        """The spread in a sentence."""
+        """The range of loads and lives, in a sentence."""
         loads = [row.load for row in self.rows if row.load is not None]
         lives = [row.life for row in self.rows if row.life is not None]
-        lasts = f", its life {_between(lives)}" if lives else ""
+        life = f", its life {_range_text(lives)}" if lives else ""
         return (
-            f"the cam's load is {min(loads):.4g} to {max(loads):.4g} N{lasts} over the stiffness that is assumed "
-            "for it (stiffness.cam_n_m): where it gives, the gear moves aside and more teeth carry"
+            f"cam load: {min(loads):.4g} to {max(loads):.4g} N{life}, over the range of its assumed stiffness "
+            "(stiffness.cam_n_m): with a softer cam the disc moves sideways and more teeth carry"
         )
 
     def as_json(self) -> list[dict[str, Any]]:
@@ -59,15 +68,17 @@ class CamGive:
             (
                 row.name,
                 "" if row.stiffness is None else f"{row.stiffness:.3g} N/m",
-                "no balance" if row.load is None else f"{row.load:.4g} N",
-                "" if row.life is None else hours(row.life),
+                "no equilibrium" if row.load is None else f"{row.load:.4g} N",
+                "" if row.life is None else format_life(row.life),
             )
             for row in self.rows
         )
-        return Table("Load of the cam over the give of its bearing", ("cam", "stiffness", "mean load", "life"), rows)
+        return Table(
+            "Cam load over the stiffness of its bearing", ("cam", "stiffness", "equivalent load", "life"), rows
+        )
 
 
-def _between(lives: Sequence[float]) -> str:
-    """Tell the least and the largest life, once where both are told alike."""
-    least, most = hours(min(lives)), hours(max(lives))
-    return least if least == most else f"{least} to {most}"
+def _range_text(lives: Sequence[float]) -> str:
+    """Format the shortest and the longest life [h], once if both have the same text."""
+    shortest, longest = format_life(min(lives)), format_life(max(lives))
+    return shortest if shortest == longest else f"{shortest} to {longest}"

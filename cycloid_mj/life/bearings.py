@@ -1,4 +1,4 @@
-"""The rolling bearings of a reducer: cam, shaft and output rollers, by their life and the largest load they bear."""
+"""The rolling bearings of cams, shaft, output and output rollers: life, static factor and friction."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -12,18 +12,18 @@ from cycloid_mj.design.stock import StockBearing, ball_bearings
 from cycloid_mj.life import rolling
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import CAM, FAR, NEAR, Body, Loading, relative_speed
-from cycloid_mj.life.output_bearing import balls_of, held_by_hub
+from cycloid_mj.life.output_bearing import balls_of, output_bearing_forces
 from cycloid_mj.parts.crank import shaft_measures
 from cycloid_mj.parts.export import cam_bearing, shaft_bearing
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.drive import has_casing
 from cycloid_mj.reducer import Reducer
 
-NEEDLE_FILL = 0.35
-"""Of the wall of an output roller: what its needles are thick, where their rating is not given (assumed)."""
+NEEDLE_SHARE = 0.35
+"""Assumed diameter of the needles of an output roller over its wall, where no load rating is given."""
 
 SHAFT_ROLLERS, SHAFT_ROLLER_SHARE = 14, 0.4
-"""Rollers of a shaft bearing, and their diameter over the shaft's radius, where its rating is not given (assumed)."""
+"""Assumed number of rollers of a shaft bearing, and diameter over the shaft's radius, where no rating is given."""
 
 NEEDLE_FRICTION = 0.002
 """Coefficient of friction of needle bearings, referred to the bore (SKF, Rolling bearings, 2018)."""
@@ -31,7 +31,7 @@ NEEDLE_FRICTION = 0.002
 
 @dataclass(frozen=True)
 class RollerRow:
-    """A row of rollers side by side: their number, and diameter, length and pitch diameter [m]."""
+    """A row of rollers: their number, and diameter, length and pitch diameter [m]."""
 
     rollers: int
     diameter: float
@@ -55,7 +55,7 @@ class RollerRow:
 
 @dataclass(frozen=True)
 class Ratings:
-    """What a bearing supports: dynamic and static load rating [N], where each is from, and the exponent of its life."""
+    """Dynamic and static load rating of a bearing [N], the source of each, and the exponent of its life."""
 
     dynamic: float
     static: float
@@ -66,14 +66,14 @@ class Ratings:
 
 @dataclass(frozen=True)
 class Bearing:
-    """A bearing, or several alike that share a key.
+    """A bearing, or several like ones that share a key.
 
     Attributes
     ----------
     key, name
-        For programs, and in words.
+        Key for programs, and name.
     ratings
-        Its load ratings.
+        Load ratings.
     joins
         The two bodies that it joins: its speed is their relative speed, times `spin`.
     spin
@@ -105,12 +105,13 @@ def bearings_of(reducer: Reducer) -> tuple[Bearing, ...]:
 
 
 def _bearings(reducer: Reducer) -> Iterator[Bearing]:
+    """Yield the bearings of `bearings_of`."""
     design = reducer.design
     output, shaft = design.output, design.shaft
     if design.gear.bearing == "rolling":
         yield Bearing("cam_bearing", "cam bearing", cam_ratings(reducer), CAM)
     on_shaft, straddles = _shaft_ratings(reducer), shaft.mounting == "straddle"
-    for end, name in (("far", "shaft bearing far from the gear"), ("near", "shaft bearing next to the gear")):
+    for end, name in (("far", "shaft bearing far from the discs"), ("near", "shaft bearing next to the discs")):
         joins: tuple[Body, Body] = ("shaft", "output") if straddles and end == "far" else ("shaft", "housing")
         yield Bearing(f"shaft_bearing_{end}", name, on_shaft, joins, bore=2.0 * shaft.radius)
     if has_casing(reducer):
@@ -124,7 +125,7 @@ def _bearings(reducer: Reducer) -> Iterator[Bearing]:
 
 
 def bearing_forces(reducer: Reducer, key: str, loading: Loading) -> Array:
-    """Compute the forces on a bearing of `bearings_of` [N], shape (m, bearings): of several alike on each."""
+    """Compute the forces on a bearing of `bearings_of` [N], shape (m, bearings): of several like ones on each."""
     if key == "cam_bearing":
         return loading.cam
     if key == "output_rollers":
@@ -132,7 +133,7 @@ def bearing_forces(reducer: Reducer, key: str, loading: Loading) -> Array:
     if key.startswith("shaft"):
         force = loading.shaft[:, FAR if key.endswith("far") else NEAR]
     else:
-        inner, outer = held_by_hub(reducer, loading)
+        inner, outer = output_bearing_forces(reducer, loading)
         force = inner if key.endswith("inner") else outer
     return rolling.magnitudes(force)[:, np.newaxis]
 
@@ -146,10 +147,10 @@ def rate_bearings(reducer: Reducer, loadings: Sequence[Loading], peak: float) ->
 
 
 def bearing_losses(reducer: Reducer, loading: Loading) -> dict[str, float]:
-    """Compute the friction of the bearings of shaft and output under a load [W], by key: mu F d/2 at their speeds.
+    """Compute the friction loss of the bearings of shaft and output [W], by key: mu F d/2 at their speeds.
 
-    As makers estimate it, with the bore d (SKF, Rolling bearings, 2018, "Friction"), and the mu of a rolling cam, or
-    `NEEDLE_FRICTION`. Cam and output pins are among the losses of the statics.
+    This is the estimate of manufacturers, with the bore d (SKF, Rolling bearings, 2018, "Friction"), and the friction
+    coefficient of a rolling cam, or `NEEDLE_FRICTION`. Losses of cam and output pins are among those of the statics.
     """
     design = reducer.design
     mu = design.friction_of("cam") if design.gear.bearing == "rolling" else NEEDLE_FRICTION
@@ -165,18 +166,19 @@ def bearing_losses(reducer: Reducer, loading: Loading) -> dict[str, float]:
 
 
 def cam_ratings(reducer: Reducer) -> Ratings:
-    """Return the load ratings of each cam's bearing: of stock, or of rollers whose outer ring is the gear's bore."""
+    """Return the load ratings of each cam's bearing: bought, or rollers whose outer ring is the disc's bore."""
     design = reducer.design
     gear, bearing = design.gear, design.bearing
     row = RollerRow(
         design.contact.cam_rollers, 2.0 * reducer.contacts.roller_radius, gear.face_width, 2.0 * gear.bore_radius
     )
-    where = "side by side on the cam's circle, the gear's bore as outer ring"
+    where = "touching each other on the cam's circle, the disc's bore as outer ring"
     given = bearing.dynamic_capacity, bearing.static_capacity
     return _ratings(given, cam_bearing(reducer), row, where)
 
 
 def _shaft_ratings(reducer: Reducer) -> Ratings:
+    """Return the load ratings of each bearing of the shaft."""
     radius, bearing = reducer.design.shaft.radius, reducer.design.bearing
     size = SHAFT_ROLLER_SHARE * radius
     low, high = shaft_measures(reducer).bearings[0]
@@ -186,22 +188,23 @@ def _shaft_ratings(reducer: Reducer) -> Ratings:
 
 
 def _hub_ratings(reducer: Reducer) -> Ratings:
-    """Return the ratings of each bearing of the output's hub, with what its balls would have by ISO 281."""
+    """Return the load ratings of each bearing of the output's hub, and as a spread those of its balls by ISO 281."""
     bearing = casing(reducer).hub
-    row, source = balls_of(bearing), f"of its maker's catalogue: {bearing.designation}"
+    row, source = balls_of(bearing), f"of the manufacturer's catalogue: {bearing.designation}"
     by_balls = rolling.ball_capacity(row.balls, row.diameter, row.pitch)
     spread = (by_balls / bearing.dynamic) ** rolling.BALL_EXPONENT
     other = (
         f"; ISO 281 gives {by_balls:.4g} N for {row.balls} balls of {1e3 * row.diameter:.3g} mm (estimated), "
-        f"{spread:.3g} times the life; makers differ as much"
+        f"{spread:.3g} times the life; manufacturers differ as much"
     )
     return Ratings(bearing.dynamic, bearing.static, f"C {source}{other}", f"C0 {source}", rolling.BALL_EXPONENT)
 
 
 def _roller_ratings(reducer: Reducer) -> Ratings:
+    """Return the load ratings of the needles of each roller of the output pins."""
     design = reducer.design
     output, bearing = design.output, design.bearing
-    needle = NEEDLE_FILL * (output.pin_radius - output.root_radius) * 2.0
+    needle = NEEDLE_SHARE * (output.pin_radius - output.root_radius) * 2.0
     pitch = 2.0 * output.root_radius + needle
     row = RollerRow(max(int(math.pi * pitch / needle), 3), needle, design.gear.face_width, pitch)
     given = bearing.output_dynamic_capacity, bearing.output_static_capacity
@@ -211,19 +214,19 @@ def _roller_ratings(reducer: Reducer) -> Ratings:
 def _ratings(
     given: tuple[float, float], bought: tuple[StockBearing, int] | None, row: RollerRow, where: str
 ) -> Ratings:
-    """Return the ratings that the design file gives [N], or those of so many bearings in stock, or of a row."""
+    """Return the load ratings of the design file [N], else of bought bearings, else of a row of rollers."""
     exponent = rolling.EXPONENT
     if bought:
         bearing, count = bought
         dynamic, static = rolling.side_by_side(bearing.dynamic, count), count * bearing.static
-        source = f"of its maker's catalogue: {f'{count} x ' if count > 1 else ''}{bearing.designation}"
+        source = f"of the manufacturer's catalogue: {f'{count} x ' if count > 1 else ''}{bearing.designation}"
         sources = f"C {source}", f"C0 {source}"
         exponent = rolling.BALL_EXPONENT if bearing in ball_bearings() else exponent
     else:
-        plain = row.dynamic / rolling.MACHINED
+        plain = row.dynamic / rolling.MACHINED_FACTOR
         dynamic, static = row.dynamic, row.static
         sources = (
-            f"assumed: {row} {where}, b_m {rolling.MACHINED:g} (b_m 1 leaves C {plain:.0f} N)",
+            f"assumed: {row} {where}, b_m {rolling.MACHINED_FACTOR:g} (C {plain:.0f} N with b_m 1)",
             f"assumed: {row} {where}",
         )
     return Ratings(
@@ -238,7 +241,7 @@ def _ratings(
 def _rated(
     reducer: Reducer, rated: Bearing, forces: Sequence[Array], turns: Array, loadings: Sequence[Loading], peak: float
 ) -> Iterator[RatedItem]:
-    """Rate one bearing, the most loaded of those alike.
+    """Rate one bearing, of several like ones the most loaded.
 
     `forces` (m, bearings) [N] at each point; `turns` the relative speeds there times the share of time [rad/s].
     """
@@ -250,10 +253,10 @@ def _rated(
     first, second = rated.joins
     note = (
         f"{ratings.dynamic_source}, service factor {bearing.service_factor:g}; between {first} and {second}, "
-        f"{float(turns.sum()) / RPM:.4g} rpm on average"
+        f"{float(turns.sum()) / RPM:.4g} rpm mean speed"
     )
     yield RatedItem(rated.key, f"{rated.name}, life", load, ratings.dynamic, "N", None, life, formula, note)
-    worst = max(float(one.max()) * peak / one_at for one, one_at in zip(forces, _torques(loadings), strict=True))
+    worst = max(float(force.max()) * peak / torque for force, torque in zip(forces, _torques(loadings), strict=True))
     yield RatedItem(
         f"{rated.key}_static",
         f"{rated.name}, static factor",
@@ -263,19 +266,20 @@ def _rated(
         ratings.static / worst if worst else math.inf,
         None,
         "s0 = C0/P0, ISO 76",
-        f"{ratings.static_source}; at the peak torque, {peak:.4g} N m, forces in proportion",
+        f"{ratings.static_source}; at the peak torque of {peak:.4g} N m, forces in proportion to the torque",
     )
 
 
 def bearing_load(reducer: Reducer, forces: Sequence[Array], turns: Array, exponent: float) -> float:
-    """Compute the equivalent load on the most loaded of bearings alike [N], with the exponent p of their life.
+    """Compute the equivalent load on the most loaded of like bearings [N], with the exponent p of their life.
 
     `forces` are those on each of them [N], (m, bearings), at each point of a duty, `turns` the relative speeds at the
-    points times the share of time [rad/s]. So a life over a duty is Miner's sum of those at its points.
+    points times the share of time [rad/s]. A life over a duty cycle is then Miner's sum of those at its points.
     """
     means = np.array([max(rolling.mean_load(column, exponent=exponent) for column in force.T) for force in forces])
     return reducer.design.bearing.service_factor * rolling.mean_load(means, turns, exponent)
 
 
 def _torques(loadings: Sequence[Loading]) -> list[float]:
+    """Return the torque of each point [N m]."""
     return [abs(loading.point.torque) for loading in loadings]

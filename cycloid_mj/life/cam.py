@@ -1,4 +1,4 @@
-"""The cam's load solved over the stiffness of its bearing, which is assumed, with ideal sharing beside it."""
+"""Cam load solved over the assumed stiffness of its bearing, compared with ideal sharing."""
 
 import math
 
@@ -6,45 +6,45 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import CycloidError
-from cycloid_mj.life.bearing_compliance import IDEAL, CamGive, Give
+from cycloid_mj.life.bearing_compliance import IDEAL, CamCase, CamCompliance
 from cycloid_mj.life.bearings import bearing_load, cam_ratings
 from cycloid_mj.life.duty import Duty
-from cycloid_mj.life.loading import POSES, loading, relative_speed
+from cycloid_mj.life.loading import POSES, relative_speed, solve_loading
 from cycloid_mj.life.rolling import life_hours
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.ideal import ideal_cam
 from cycloid_mj.statics.springs import turn_evenly
 
-GIVES = (0.1, 0.3, 1.0, 3.0, 10.0, 100.0)
-"""Stiffnesses of the cam over its own: what its seat, its rollers' fit and its rings leave open."""
+STIFFNESS_FACTORS = (0.1, 0.3, 1.0, 3.0, 10.0, 100.0)
+"""Factors on the stiffness of the cam, which depends on the fit of rollers and rings and on the seat."""
 
 
-def cam_give(reducer: Reducer, duty: Duty) -> CamGive:
-    """Rate the cam under a duty at each of `GIVES` times its stiffness, and by ideal sharing."""
+def rate_cam_compliance(reducer: Reducer, duty: Duty) -> CamCompliance:
+    """Rate the cam for a duty cycle at each of `STIFFNESS_FACTORS` times its stiffness, and by ideal sharing."""
     design = reducer.design
     points = [point for point in duty.points if point.speed]
     turns = np.array([relative_speed(reducer, point.speed) * point.share for point in points])
 
-    def row(name: str, stiffness: float | None, cams: list[Array]) -> Give:
+    def case(name: str, stiffness: float | None, cams: list[Array]) -> CamCase:
         ratings, reliability = cam_ratings(reducer), design.bearing.reliability
         load = bearing_load(reducer, cams, turns, ratings.exponent)
         rolls, speed = design.gear.bearing == "rolling", float(turns.sum())
         life = life_hours(ratings.dynamic, load, speed, reliability, ratings.exponent) if rolls else None
-        return Give(name, stiffness, load, life)
+        return CamCase(name, stiffness, load, life)
 
     linear, rows = reducer.at_rated_load.contacts["cam"].stiffness, []
-    for factor in GIVES:
-        name = "as assumed" if factor == 1.0 and not design.stiffness.cam else f"{factor:g} times that"
+    for factor in STIFFNESS_FACTORS:
+        name = "as assumed" if factor == 1.0 and not design.stiffness.cam else f"{factor:g} times"
         if factor == 1.0 and design.stiffness.cam:
             name = "of the design file"
         varied = reducer.but(stiffness={"cam": factor * linear})
         try:
-            rows.append(row(name, factor * linear, [loading(varied, point).cam for point in points]))
+            rows.append(case(name, factor * linear, [solve_loading(varied, point).cam for point in points]))
         except CycloidError:
-            rows.append(Give(name, factor * linear, None, None))
+            rows.append(CamCase(name, factor * linear, None, None))
     crank = design.lobes * turn_evenly(reducer, POSES)
     ideal = []
     for point in points:
         at = {"drive": {"speed": math.copysign(point.speed, design.drive.speed)}, "load": {"torque": point.torque}}
         ideal.append(ideal_cam(reducer.but(**at), crank))
-    return CamGive((*rows, row(IDEAL, None, ideal)))
+    return CamCompliance((*rows, case(IDEAL, None, ideal)))

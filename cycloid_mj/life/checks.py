@@ -10,31 +10,29 @@ from cycloid_mj.checks.advice import with_tried_advice
 from cycloid_mj.design import Named, override, resolve
 from cycloid_mj.life.item import RatedItem, Rating
 from cycloid_mj.life.items import rate, rate_at_rated_load
-from cycloid_mj.life.rated import is_held_once, rated_torque
+from cycloid_mj.life.rated import is_momentary, rated_torque
 from cycloid_mj.reducer import Reducer
 
-REMEDY = (
-    "lower drive.torque_nm to what `cycloid-mj datasheet` rates it for, or see `cycloid-mj rate` for what to change"
-)
+REMEDY = "lower drive.torque_nm to the rated torque of `cycloid-mj datasheet`, or see `cycloid-mj rate` for each item"
 
-FEW, NEAR = 61, 5e-3
-"""Crank angles, and relative accuracy, of the torque that is to be borne instead."""
+FEW_POSES, TORQUE_RTOL = 61, 5e-3
+"""Crank angles and relative accuracy of the torque of a remedy."""
 
 BELOW, ABOVE = -1, 1
 
-WIDEST, SHORTEST = 2.0, 1.0
-"""Times as wide as it is that a gear may become, and the least life that may be asked for instead [h]."""
+MAX_WIDENING, MIN_LIFE = 2.0, 1.0
+"""Largest factor on the face width, and shortest required life [h], of a remedy."""
 
 KINDS = {
     "momentary_torque": (
-        "the safety of what is held once",
-        "twice the nominal torque is to be held once, as in an emergency stop",
+        "the safety factor of an emergency stop",
+        "an emergency stop is assumed to take twice the nominal torque",
     ),
-    "heat": ("the safety against heat", "grease, seals, materials and clearances end where the housing gets hotter"),
-    "life": ("the life", "the first part that wears out ends the drive (service.life_h)"),
-    "strength": ("the safety of the strength", "surfaces yield, or a part breaks by fatigue"),
+    "heat": ("the safety factor of heat", "grease, seals, materials or clearances fail if the housing gets hotter"),
+    "life": ("the life", "the first part that fails ends the life of the drive (service.life_h)"),
+    "strength": ("the safety factor of strength", "surfaces yield, or a part fails by fatigue"),
 }
-"""Name of a check -> what it is about, and why."""
+"""Name of a check -> what it checks, and why."""
 
 
 def check_design(design: Named) -> Checks:
@@ -64,59 +62,62 @@ def life_checks(reducer: Reducer) -> tuple[Check, ...]:
 
 
 def life_remedies(reducer: Reducer) -> dict[str, tuple[tuple[str, float], ...]]:
-    """Return the single changes that mend each failed check of `life_checks`, as keys of the design file and values.
+    """Return single changes with which each failed check of `life_checks` passes, as keys of the file and values.
 
-    They are less torque or, by what fails, a wider gear, a shorter life or a slower crank; each was tried.
+    They are less torque or, depending on the check, a wider face, a shorter life or a slower crank; each was tried.
     """
     try:
         rating = rate_at_rated_load(reducer)
     except CycloidError:
         return {}
-    failed = [one for one in checks_of_rating(rating) if not one.passed]
     return {
-        one.name: tuple(change for change in _candidates(reducer, rating, one) if _mends(reducer, change, one.name))
-        for one in failed
+        check.name: tuple(
+            change for change in _candidates(reducer, rating, check) if _passes_with(reducer, change, check.name)
+        )
+        for check in checks_of_rating(rating)
+        if not check.passed
     }
 
 
 def _candidates(reducer: Reducer, rating: Rating, failed: Check) -> Iterator[tuple[str, float]]:
-    """Yield changes that may mend a failed check, by the laws of what fails."""
+    """Yield changes that may make a failed check pass, by the laws of its items."""
     design = reducer.design
     keys = {item.key for item in rating.items.values() if item.decisive and _kind(item) == failed.name}
-    with suppress(DesignError):  # no torque is borne at all
+    with suppress(DesignError):  # no torque is enough
         torque, _ = rated_torque(
-            reducer, design.drive.speed, rating.life, keys.__contains__, poses=FEW, exact=NEAR, stops=True
+            reducer, design.drive.speed, rating.life, keys.__contains__, poses=FEW_POSES, exact=TORQUE_RTOL, stops=True
         )
-        yield "drive.torque_nm", _safely(torque, BELOW) / design.reduction
-        if failed.name in ("life", "strength") and (share := design.rated_torque / torque) < WIDEST:
-            yield "gear.face_width_mm", _safely(MILLIMETRES * design.gear.face_width * share, ABOVE)
-    if failed.name == "life" and failed.value and failed.value > SHORTEST:
-        yield "service.life_h", _safely(failed.value, BELOW)
+        yield "drive.torque_nm", _rounded_safely(torque, BELOW) / design.reduction
+        if failed.name in ("life", "strength") and (share := design.rated_torque / torque) < MAX_WIDENING:
+            yield "gear.face_width_mm", _rounded_safely(MILLIMETRES * design.gear.face_width * share, ABOVE)
+    if failed.name == "life" and failed.value and failed.value > MIN_LIFE:
+        yield "service.life_h", _rounded_safely(failed.value, BELOW)
     if failed.name == "heat" and failed.value:
-        yield "drive.speed_rpm", _safely(design.drive.speed / RPM * failed.value, BELOW)
+        yield "drive.speed_rpm", _rounded_safely(design.drive.speed / RPM * failed.value, BELOW)
 
 
-def _mends(reducer: Reducer, change: tuple[str, float], name: str) -> bool:
-    """Tell whether a check of `KINDS` holds after a change."""
+def _passes_with(reducer: Reducer, change: tuple[str, float], name: str) -> bool:
+    """Return whether a check of `KINDS` passes after a change."""
     try:
-        mended = checks_of_rating(rate(override(reducer.design, dict([change]))))
+        checks = checks_of_rating(rate(override(reducer.design, dict([change]))))
     except CycloidError:
         return False
-    return all(one.passed for one in mended if one.name == name)
+    return all(check.passed for check in checks if check.name == name)
 
 
-def _safely(value: float, side: int) -> float:
-    """Round to three digits, on the safe side of a value that is right within ``NEAR``."""
-    return float(f"{(1.0 + 2.0 * side * NEAR) * value:.3g}")
+def _rounded_safely(value: float, side: int) -> float:
+    """Round to three digits, on the safe side of a value that is accurate to `TORQUE_RTOL`."""
+    return float(f"{(1.0 + 2.0 * side * TORQUE_RTOL) * value:.3g}")
 
 
 def checks_of_rating(rating: Rating) -> tuple[Check, ...]:
-    """Sum a rating up as checks: of each kind the weakest item."""
+    """Summarize a rating as checks, one for each of `KINDS` by its weakest item."""
     items = [item for item in rating.items.values() if item.decisive]
     return tuple(_checks(rating, items))
 
 
 def _checks(rating: Rating, items: Sequence[RatedItem]) -> Iterator[Check]:
+    """Yield the checks of `checks_of_rating`."""
     for kind, (about, why) in KINDS.items():
         of_kind = [item for item in items if _kind(item) == kind]
         if not of_kind:
@@ -129,7 +130,7 @@ def _checks(rating: Rating, items: Sequence[RatedItem]) -> Iterator[Check]:
             passed=margin >= 1.0,
             got=f"{weakest.verdict} by {weakest.name}",
             limit=f"at least {rating.life:g} h" if by_life else "at least 1",
-            why=f"{why}; at {rating.duty}: {weakest.load} of {weakest.borne}",
+            why=f"{why}; at {rating.duty}: {weakest.load_text} of {weakest.limit_text}",
             remedy="" if margin >= 1.0 else REMEDY,
             severity="warning",
             key=about,
@@ -140,7 +141,8 @@ def _checks(rating: Rating, items: Sequence[RatedItem]) -> Iterator[Check]:
 
 
 def _kind(item: RatedItem) -> str:
-    if is_held_once(item.key):
+    """Return which of `KINDS` an item belongs to."""
+    if is_momentary(item.key):
         return "momentary_torque"
     if item.key == "temperature" or item.key.endswith("_hot_clearance"):
         return "heat"

@@ -1,4 +1,4 @@
-"""What a maker's data sheet tells of a reducer, each number with the condition under which it holds."""
+"""The data sheet of a reducer as manufacturers publish it, each figure with its condition."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -19,12 +19,12 @@ from cycloid_mj.base.units import ARCMINUTE, RPM
 from cycloid_mj.design import PARTS, Design, Named, resolve
 from cycloid_mj.figures import figure, quantities, quantity, values_json
 from cycloid_mj.life.bearings import bearing_losses
-from cycloid_mj.life.duty import DutyPoint, steady
+from cycloid_mj.life.duty import DutyPoint, constant_duty
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.items import rate_at_rated_load
-from cycloid_mj.life.loading import loading
-from cycloid_mj.life.output_bearing import USUAL, hub
-from cycloid_mj.life.rated import is_bearing_life, is_held_once, rated_torque
+from cycloid_mj.life.loading import solve_loading
+from cycloid_mj.life.output_bearing import USUAL_CLEARANCE, output_bearings
+from cycloid_mj.life.rated import is_bearing_life, is_momentary, rated_torque
 from cycloid_mj.parts import body_solids, mass_properties, moving_masses, parts, turning_inertia
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
 from cycloid_mj.parts.export.casing import FLANGE_CIRCLE, FLANGE_SCREWS, casing
@@ -33,24 +33,24 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import loads, powers, springs_of
 from cycloid_mj.statics.sheet import Sheet, sheet
 
-FEW, NEAR = 61, 2e-3
-"""Crank angles, and relative accuracy, of the points of a curve."""
+CURVE_POSES, CURVE_RTOL = 61, 2e-3
+"""Crank angles and relative accuracy of the points of a curve."""
 
-SPEEDS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0)
-TORQUES = (0.05, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.25)
-TURNS = (0.01, 0.03, 0.1, 0.25, 0.5, 0.75, 1.0)
-"""Shares of the rated speed and torque at which curves have their points."""
+SPEED_SHARES = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0)
+TORQUE_SHARES = (0.05, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.25)
+TORSION_SHARES = (0.01, 0.03, 0.1, 0.25, 0.5, 0.75, 1.0)
+"""Points of the curves, as shares of the design's speed and nominal torque."""
 
 
-WHOLE = {
-    "drive_mass_kg": ("Mass", "with covers, bearings, screws; without motor and grease"),
-    "drive_inertia_kg_cm2": ("Inertia at the input", "with the output's hub and flange; without the motor"),
-    "drive_length_mm": ("Length over all", "motor's flange to output's"),
-    "drive_diameter_mm": ("Diameter over all", "of the covers"),
+DRIVE_FIGURES = {
+    "drive_mass_kg": ("Mass", "with covers, bearings and screws, without motor and grease"),
+    "drive_inertia_kg_cm2": ("Inertia at the input", "with hub and flange of the output, without the motor"),
+    "drive_length_mm": ("Overall length", "from motor flange to output flange"),
+    "drive_diameter_mm": ("Overall diameter", "of the covers"),
 }
-"""Figures of the whole drive -> name, and condition."""
+"""Key of a figure of the complete drive -> name and condition."""
 
-LUBRICANT = "grease of lithium soap, NLGI 2, its base oil a PAO where parts are of plastic (assumed)"
+LUBRICANT = "lithium-soap grease, NLGI 2, with PAO base oil for plastic parts (assumed)"
 
 
 @dataclass(frozen=True, repr=False)
@@ -62,17 +62,17 @@ class Datasheet(Presented):
     design
         The design.
     life
-        Hours that the rated torque is for.
+        Life for which the torque is rated [h].
     groups
         Heading -> quantities; the note of each is its condition.
     curves
-        Of the panels, in their order.
+        Curves of the panels, in their order.
     notes
-        What all of it stands on, a sentence each.
+        Assumptions, a sentence each.
     figures
-        The catalogue's, of geometry and statics, by key.
+        Figures of geometry and statics of the catalogue, by key.
     weakest
-        What decides the rated torque.
+        The item that limits the rated torque.
     """
 
     design: Design
@@ -86,21 +86,21 @@ class Datasheet(Presented):
     @property
     def frame(self) -> Frame:
         """The quantities, a row each."""
-        return quantity_frame({one.key: one for group in self.groups.values() for one in group})
+        return quantity_frame({item.key: item for group in self.groups.values() for item in group})
 
     @property
     def line(self) -> str:
-        """Design, rated torque, life, and what decides them."""
+        """Design, rated torque, life, and the item that limits the torque."""
         torque = self.value("rated_torque")
-        return f"{self.design.name}, rated torque {torque:.4g} N m for {self.life:g} h by {self.weakest.name}"
+        return f"{self.design.name}, rated torque {torque:.4g} N m for {self.life:g} h, limited by {self.weakest.name}"
 
     def value(self, key: str) -> float:
         """Return the value of a quantity."""
-        return next(one.value for group in self.groups.values() for one in group if one.key == key)
+        return next(item.value for group in self.groups.values() for item in group if item.key == key)
 
     def as_json(self) -> dict[str, Any]:
         """Convert the sheet to JSON values."""
-        items = [one for group in self.groups.values() for one in group]
+        items = [item for group in self.groups.values() for item in group]
         return {
             "design": self.design.name,
             "rated_torque_nm": self.value("rated_torque"),
@@ -125,7 +125,7 @@ def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) 
     """
     design = reducer.design
     life = life or design.service.life
-    whole, done = len(SPEEDS) + 4, count(1)
+    whole, done = len(SPEED_SHARES) + 4, count(1)
 
     def advance() -> None:
         progress(next(done), whole)
@@ -133,8 +133,8 @@ def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) 
     static = sheet(reducer, design.rated_torque)
     advance()
     momentary, stop = momentary_torque(reducer)
-    lasting = rated_torque(reducer, design.drive.speed, life)
-    rated, weakest = min(lasting, (momentary, stop), key=lambda one: one[0])
+    for_life = rated_torque(reducer, design.drive.speed, life)
+    rated, weakest = min(for_life, (momentary, stop), key=lambda pair: pair[0])
     advance()
     groups = {
         "Ratings": _ratings(reducer, life, (rated, weakest), (momentary, stop)),
@@ -147,7 +147,7 @@ def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) 
         groups |= {"Output bearing": _bearing(reducer), "Interfaces": _interfaces(reducer)}
     advance()
     curves = (
-        life_curve(reducer, life, momentary, lasting[0], advance),
+        life_curve(reducer, life, momentary, for_life[0], advance),
         _efficiency_curve(reducer),
         _wind_up_curve(reducer),
     )
@@ -165,41 +165,48 @@ def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) 
 
 
 def momentary_torque(reducer: Reducer) -> tuple[float, RatedItem]:
-    """Compute the torque [N m] that is held once with a safety of 1, and the item that ends it.
+    """Compute the momentary torque [N m], with a safety factor of 1, and the item that limits it.
 
-    Forces go with the torque from those at the nominal torque.
+    Forces are in proportion to those at the nominal torque.
     """
     design = reducer.design
-    duty = steady(design.rated_torque, design.drive.speed)
-    stops = [item for item in rate_at_rated_load(reducer).items.values() if is_held_once(item.key)]
+    duty = constant_duty(design.rated_torque, design.drive.speed)
+    stops = [item for item in rate_at_rated_load(reducer).items.values() if is_momentary(item.key)]
     first = min(stops, key=lambda item: item.safety or 0.0)
     return duty.peak * (first.safety or 0.0), first
 
 
 def _ratings(
-    reducer: Reducer, life: float, lasting: tuple[float, RatedItem], once: tuple[float, RatedItem]
+    reducer: Reducer, life: float, for_life: tuple[float, RatedItem], momentarily: tuple[float, RatedItem]
 ) -> tuple[Quantity, ...]:
+    """Return the torques and the speed; the arguments are rated and momentary torque with their limiting items."""
     design = reducer.design
-    speed, way = design.drive.speed, "forwards" if design.ratio > 0 else "backwards"
-    at = f"{abs(speed) / RPM:.0f} rpm input"
+    speed, direction = design.drive.speed, "same" if design.ratio > 0 else "opposite"
+    condition = f"{abs(speed) / RPM:.0f} rpm input"
     by_bearings, bearing = rated_torque(reducer, speed, life, is_bearing_life)
-    (rated, weakest), (momentary, stop) = lasting, once
+    (rated, weakest), (momentary, stop) = for_life, momentarily
     return (
-        Quantity("ratio", "Reduction ratio", design.reduction, "1", note=f"input to output, turning {way}"),
-        Quantity("rated_torque", f"Rated torque, {life:g} h", rated, "N m", note=f"{at}, safety 1; by {weakest.name}"),
+        Quantity("ratio", "Reduction ratio", design.reduction, "1", note=f"input to output, {direction} direction"),
+        Quantity(
+            "rated_torque",
+            f"Rated torque, {life:g} h",
+            rated,
+            "N m",
+            note=f"{condition}, safety factor 1; limited by {weakest.name}",
+        ),
         Quantity(
             "bearing_torque",
-            "Torque by its bearings alone",
+            "Rated torque of the bearings alone",
             by_bearings,
             "N m",
-            note=f"{life:g} h, {at}; by {bearing.name}",
+            note=f"{life:g} h, {condition}; limited by {bearing.name}",
         ),
         Quantity(
             "momentary_torque",
             "Momentary torque",
             momentary,
             "N m",
-            note=f"once, safety 1; by {stop.name}",
+            note=f"emergency stop, safety factor 1; limited by {stop.name}",
         ),
         Quantity(
             "nominal_torque",
@@ -213,47 +220,62 @@ def _ratings(
 
 
 def _accuracy(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
-    quantities, at = static.quantities, f"{reducer.design.rated_torque:.4g} N m"
+    """Return backlash, lost motion, stiffness and transmission error."""
+    quantities, torque = static.quantities, f"{reducer.design.rated_torque:.4g} N m"
     error = quantities["output_peak_to_peak_loaded_forward_speed"]
     return (
-        _renamed(quantities["backlash"], "Backlash", "without load, mean of a turn"),
-        _renamed(quantities["lost_motion_ideal"], "Lost motion", f"at 3 % of {at}, both ways"),
-        _renamed(quantities["stiffness_ideal"], "Torsional stiffness", f"50 to 100 % of {at}, input locked"),
-        _renamed(error, "Transmission error, peak to peak", f"{at}, forward, slow"),
+        _with_name(quantities["backlash"], "Backlash", "without load, mean over a turn"),
+        _with_name(quantities["lost_motion_ideal"], "Lost motion", f"between -3 and 3 % of {torque}"),
+        _with_name(quantities["stiffness_ideal"], "Torsional stiffness", f"50 to 100 % of {torque}, input locked"),
+        _with_name(error, "Transmission error, peak to peak", f"{torque}, forward, slow"),
     )
 
 
 def _efficiency(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
+    """Return efficiencies, torques without load, and the temperature rise."""
     design = reducer.design
     quantities = static.quantities
-    at = f"{design.rated_torque:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm"
-    hot = rate_at_rated_load(reducer).items["temperature"]
+    condition = f"{design.rated_torque:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm"
+    housing = rate_at_rated_load(reducer).items["temperature"]
     ambient = design.service.ambient_temperature
     return (
-        _figure(reducer, "drive_efficiency_percent", "Efficiency", f"{at}, all bearings included"),
-        _renamed(quantities["efficiency"], "Efficiency of the contacts", f"{at}, without bearings of shaft and output"),
-        _renamed(quantities["back_driving_torque_rated"], "Back-driving torque", "against drive.torque_nm"),
-        _figure(reducer, "back_driving_torque_free_nm", "Back-driving torque, crank free", "without a motor, slowly"),
+        _figure(reducer, "drive_efficiency_percent", "Efficiency", f"{condition}, all bearings included"),
+        _with_name(
+            quantities["efficiency"], "Efficiency of the contacts", f"{condition}, without bearings of shaft and output"
+        ),
+        _with_name(quantities["back_driving_torque_rated"], "Back-driving torque", "against drive.torque_nm"),
+        _figure(
+            reducer, "back_driving_torque_free_nm", "Back-driving torque, crank free", "no torque on the crank, slow"
+        ),
         _figure(reducer, "no_load_torque_nm", "No-load running torque", f"on the crank, {_speed(reducer)}"),
-        _figure(reducer, "starting_torque_nm", "Starting torque", "on the crank, without a load"),
-        Quantity("temperature_rise", "Temperature rise", hot.value - ambient, "K", note=f"{at}, still air"),
+        _figure(reducer, "starting_torque_nm", "Starting torque", "on the crank, without load"),
+        Quantity("temperature_rise", "Temperature rise", housing.value - ambient, "K", note=f"{condition}, still air"),
     )
 
 
 def _speeds(reducer: Reducer) -> tuple[Quantity, ...]:
+    """Return the input speeds."""
     return (
         _figure(
-            reducer, "continuous_speed_rpm", "Input speed, all of the time", "nominal torque, S1, by heat, bearings"
+            reducer,
+            "continuous_speed_rpm",
+            "Continuous input speed",
+            "nominal torque, S1, limited by heat and bearings",
         ),
-        _figure(reducer, "intermittent_speed_rpm", "Input speed, a quarter of it", "nominal torque, S3 25 %"),
-        _figure(reducer, "largest_speed_rpm", "Largest input speed", "bearings, n d_m 300 000, grease"),
+        _figure(reducer, "intermittent_speed_rpm", "Intermittent input speed", "nominal torque, S3 25 %"),
+        _figure(
+            reducer,
+            "largest_speed_rpm",
+            "Maximum input speed",
+            "grease-lubricated bearings, n d_m 300 000 (half without a cage)",
+        ),
     )
 
 
 def _bearing(reducer: Reducer) -> tuple[Quantity, ...]:
-    """Compute what the output's flange carries; the spread of its stiffness is that of the balls' load."""
-    seat, torque = hub(reducer), f"beside {reducer.design.rated_torque:.4g} N m"
-    loose = seat.tilting_stiffness(USUAL) * ARCMINUTE
+    """Return the load limits of the output flange, and its tilting stiffness."""
+    seat, torque = output_bearings(reducer), f"in addition to {reducer.design.rated_torque:.4g} N m"
+    loose = seat.tilting_stiffness(USUAL_CLEARANCE) * ARCMINUTE
     bearings = f"2 x {seat.bearing.designation}, {1e3 * seat.spacing:.4g} mm apart"
     return (
         _figure(reducer, "output_tilting_capacity_nm", "Tilting moment", f"{torque}; {bearings}, ISO 281 and 76"),
@@ -261,18 +283,18 @@ def _bearing(reducer: Reducer) -> tuple[Quantity, ...]:
             reducer,
             "output_tilting_stiffness_nm_per_arcmin",
             "Tilting stiffness",
-            f"at half of it, Palmgren; {loose:.3g} with usual clearance, taken up",
+            f"at half the tilting moment, Palmgren; {loose:.3g} with the usual clearance, closed",
         ),
-        _figure(reducer, "output_radial_load_n", "Radial load", f"on the flange's face, {torque}"),
+        _figure(reducer, "output_radial_load_n", "Radial load", f"on the face of the flange, {torque}"),
         _figure(reducer, "output_axial_load_n", "Axial load", "alone, 0.25 C0 (SKF)"),
     )
 
 
 def _interfaces(reducer: Reducer) -> tuple[Quantity, ...]:
-    """List what motor, load and frame are bolted to [mm]."""
+    """Return the dimensions of the interfaces to motor, load and frame [mm]."""
     sizes = casing(reducer)
     motor, screws = sizes.motor, sizes.screws
-    coupled = f"shaft of {2e3 * motor.shaft:.4g} mm" if motor.shaft else "coupled to the journal"
+    coupled = f"shaft of {2e3 * motor.shaft:.4g} mm" if motor.shaft else "coupled to the input journal"
     return (
         Quantity("motor_circle", "Motor flange, bolt circle", 2e3 * motor.circle, "mm", note=_threads(4, motor.thread)),
         Quantity("motor_pilot", "Motor flange, pilot", 2e3 * motor.pilot, "mm", note=f"{motor.name}, {coupled}"),
@@ -295,25 +317,29 @@ def _interfaces(reducer: Reducer) -> tuple[Quantity, ...]:
 
 
 def _threads(count: int, thread: float) -> str:
+    """Format a number of threads of a diameter [m]."""
     return f"{count} x M{1e3 * thread:g}"
 
 
 def _speed(reducer: Reducer) -> str:
+    """Format the design's speed."""
     return f"{abs(reducer.design.drive.speed) / RPM:.0f} rpm"
 
 
 def _figure(reducer: Reducer, key: str, name: str, condition: str) -> Quantity:
-    """Compute a figure of the catalogue for a line of the sheet; one that cannot be computed says why."""
+    """Compute a figure of the catalogue for a line of the sheet; if that fails, its note says why."""
     computed = quantity(reducer, key)
     note = condition if math.isfinite(computed.value) else computed.note
     return Quantity(key, name, computed.value, computed.unit, note=note)
 
 
-def _renamed(quantity: Quantity, name: str, condition: str) -> Quantity:
+def _with_name(quantity: Quantity, name: str, condition: str) -> Quantity:
+    """Return a quantity with another name, and a condition as its note if it has none."""
     return Quantity(quantity.key, name, quantity.value, quantity.unit, note=quantity.note or condition)
 
 
 def _mass(reducer: Reducer) -> tuple[Quantity, ...]:
+    """Return masses, inertias and dimensions."""
     design = reducer.design
     gear, housing = design.gear, design.housing
     solids = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}
@@ -321,11 +347,11 @@ def _mass(reducer: Reducer) -> tuple[Quantity, ...]:
     mass = sum(solid.mass * count.get(name, 1) for name, solid in solids.items())
     length = axial_extent(reducer)
     return (
-        Quantity("mass", "Mass of the mechanism", mass, "kg", note="parts as drawn: no covers, no bearings' rings"),
+        Quantity("mass", "Mass of the mechanism", mass, "kg", note="parts as drawn, without covers and bearing rings"),
         Quantity("inertia", "Inertia of the mechanism", 1e4 * input_inertia(reducer), "kg cm2", note="at the input"),
         *(
             _figure(reducer, key, name, condition)
-            for key, (name, condition) in WHOLE.items()
+            for key, (name, condition) in DRIVE_FIGURES.items()
             if figure(key).exists(reducer)
         ),
         Quantity("outer_diameter", "Outer diameter", 2e3 * housing.outer_radius, "mm", note="ring"),
@@ -344,9 +370,9 @@ def _mass(reducer: Reducer) -> tuple[Quantity, ...]:
 
 
 def input_inertia(reducer: Reducer) -> float:
-    """Compute the inertia at the input [kg m2]: of crank, discs on their orbit, and what turns slowly over the ratio^2.
+    """Compute the inertia at the input [kg m2]: crank, discs on their orbit, and the slow parts over the ratio squared.
 
-    Pins that spin in a ring that is held are left out: some 1e-4 of it.
+    The spin of pins in a fixed ring is left out, about 1e-4 of the total.
     """
     design, masses = reducer.design, moving_masses(reducer)
     shaft, discs = masses[SHAFT], [masses[disc.part] for disc in reducer.mechanism.discs]
@@ -356,7 +382,7 @@ def input_inertia(reducer: Reducer) -> float:
 
 
 def axial_extent(reducer: Reducer) -> tuple[float, float]:
-    """Compute where the reducer begins and ends along z [m]."""
+    """Compute the ends of the mechanism along z [m]."""
     drawn = parts(reducer, VISUAL_CHORD_ERROR).values()
     ends = [end for solid in drawn for prism in solid.prisms for end in (prism.z0, prism.z1)]
     return min(ends), max(ends)
@@ -382,16 +408,16 @@ def life_curve(
     advance
         Called after each speed.
 
-    Speeds at which no torque lasts so long have no point.
+    Speeds at which no torque is rated for that life have no point.
     """
     points: list[tuple[float, float]] = []
-    for share in SPEEDS:
+    for share in SPEED_SHARES:
         speed = share * abs(reducer.design.drive.speed)
         with suppress(DesignError):
             torque = rated if share == 1.0 else 0.0
             if not torque:
                 guess = points[-1][1] if points else rated
-                torque, _ = rated_torque(reducer, speed, life, guess=guess, poses=FEW, exact=NEAR)
+                torque, _ = rated_torque(reducer, speed, life, guess=guess, poses=CURVE_POSES, exact=CURVE_RTOL)
             points.append((speed / RPM, min(torque, momentary)))
         advance()
     x, y = np.array(points).T
@@ -401,10 +427,13 @@ def life_curve(
 def _efficiency_curve(reducer: Reducer) -> Curve:
     """Compute the efficiency over the torque, all bearings included: their losses are a straight line of the torque."""
     design = reducer.design
-    torques, speed = np.array(TORQUES) * design.rated_torque, abs(design.drive.speed)
+    torques, speed = np.array(TORQUE_SHARES) * design.rated_torque, abs(design.drive.speed)
     ends = torques[[0, -1]]
     points = (DutyPoint(float(torque), speed, 1.0) for torque in ends)
-    lost = [sum(bearing_losses(reducer, loading(reducer, point, FEW, stops=False)).values()) for point in points]
+    lost = [
+        sum(bearing_losses(reducer, solve_loading(reducer, point, CURVE_POSES, stops=False)).values())
+        for point in points
+    ]
     shares = []
     for torque, in_bearings in zip(torques, np.interp(torques, ends, lost), strict=True):
         contacts = powers(reducer, float(torque))
@@ -416,20 +445,22 @@ def _efficiency_curve(reducer: Reducer) -> Curve:
 
 
 def _wind_up_curve(reducer: Reducer) -> Curve:
+    """Compute the turn of the output over its torque, with the input locked."""
     still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
     springs = springs_of(still, friction=False)
-    torques = reducer.design.rated_torque * np.array([*(-np.array(TURNS[::-1])), *TURNS])
+    torques = reducer.design.rated_torque * np.array([*(-np.array(TORSION_SHARES[::-1])), *TORSION_SHARES])
     turns = [float(loads(still, springs, float(torque)).output_turn.mean()) / ARCMINUTE for torque in torques]
     panel = "Torsion, input locked"
-    return Curve(panel, "mean of a turn", torques, np.array(turns), "output torque [N m]", "output turn [arcmin]")
+    return Curve(panel, "mean over a turn", torques, np.array(turns), "output torque [N m]", "output turn [arcmin]")
 
 
 def _notes(reducer: Reducer, life: float, static: Sheet) -> tuple[str, ...]:
+    """Return the assumptions of the sheet, a sentence each."""
     return (
-        f"Computed by cycloid_mj from the design {reducer.design.name}; nothing here is measured on a built drive.",
-        f"Rated torque: what bearings (ISO 281, 90 %), surfaces (pitting, shakedown), parts (Goodman) and heat "
-        f"bear for {life:g} h, and what is held once; wear is left out. Momentary torque: held once, by first yield, "
-        "dents, bent or sheared pins, or a jumped tooth. Both with a safety of 1.",
+        f"Computed by cycloid_mj from the design {reducer.design.name}; nothing was measured on a built drive.",
+        f"Rated torque: limited by bearings (ISO 281, 90 %), surfaces (pitting, shakedown), parts (Goodman) and heat "
+        f"for {life:g} h, and by the momentary torque; wear is left out. Momentary torque (emergency stop): limited by "
+        "first yield, dents, bent or sheared pins, or a skipped tooth. Both have a safety factor of 1.",
         _materials(reducer),
         f"Lubricant: {LUBRICANT}, to {reducer.design.service.grease_temperature:g} °C.",
         *(f"{sentence[0].upper()}{sentence[1:]}." for sentence in static.assumptions),
@@ -454,15 +485,15 @@ def datasheet_of(design: Named, life_h: float = 0.0) -> Datasheet:
     design
         A sound design, or the name of a preset or a file.
     life_h
-        Hours that the rated torque is for; by default the design's own.
+        Life for which the torque is rated [h]; by default that of the design.
 
     Raises
     ------
     UsageError
-        There is no such design.
+        The design does not exist.
     DesignError
-        The design cannot be read, its crank stands still, or nothing bears even the least torque for so long.
+        The design cannot be read, its crank does not turn, or no torque is rated for that life.
     RunError
-        No static balance was found, as where friction jams the reducer.
+        No static equilibrium was found, for example because friction jams the reducer.
     """
     return datasheet(Reducer(resolve(design)), life_h)

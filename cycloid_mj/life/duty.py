@@ -1,4 +1,4 @@
-"""What a reducer is asked for over its life: torques and speeds, each for a share of the time."""
+"""Duty cycles: torques and speeds, each for a share of the time."""
 
 import csv
 import math
@@ -11,8 +11,8 @@ from cycloid_mj.base.units import RPM
 
 COLUMNS = ("torque_nm", "speed_rpm", "share")
 
-FASTEST = 1e5
-"""Speed of a crank that no design reaches [rpm], as of ``drive.speed_rpm``."""
+MAX_SPEED = 1e5
+"""Upper limit of the speed of a crank [rpm], as of ``drive.speed_rpm``."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class DutyPoint:
 class Duty:
     """The points of a duty cycle, whose shares add up to 1, and the `peak` torque of an emergency stop [N m].
 
-    `peak_given` tells whether that torque was asked for, or is twice the largest of the cycle.
+    `peak_given` is whether the peak was specified; else it is twice the largest torque of the cycle.
     """
 
     points: tuple[DutyPoint, ...]
@@ -37,7 +37,7 @@ class Duty:
 
     @property
     def words(self) -> str:
-        """The cycle in words."""
+        """The duty cycle in words."""
         each = (f"{point.torque:g} N m at {point.speed / RPM:g} rpm, {point.share:.3g}" for point in self.points)
         if len(self.points) == 1:
             point = self.points[0]
@@ -45,72 +45,78 @@ class Duty:
         return "; ".join(each)
 
 
-def steady(torque: float, speed: float, peak: float | None = None) -> Duty:
-    """Make the duty of one torque [N m] and speed [rad/s] all the time; its peak is twice that unless it is given."""
+def constant_duty(torque: float, speed: float, peak: float | None = None) -> Duty:
+    """Return the duty cycle of a constant torque [N m] and speed [rad/s]; its peak defaults to twice the torque."""
     return _cycle((DutyPoint(abs(torque), abs(speed), 1.0),), peak)
 
 
 def _cycle(points: tuple[DutyPoint, ...], peak: float | None) -> Duty:
+    """Return the duty cycle of some points, its peak twice the largest torque unless it is specified."""
     if peak is not None:
         return Duty(points, peak)
     return Duty(points, 2.0 * max(abs(point.torque) for point in points), peak_given=False)
 
 
 def read_duty(path: Path, peak: float | None = None) -> Duty:
-    """Read a duty cycle of the columns torque_nm, speed_rpm and share; shares are taken as parts of their sum.
+    """Read a duty cycle from a CSV file with the columns torque_nm, speed_rpm and share.
 
-    A rest has the speed 0: its share counts, its torque does not.
+    Shares are relative to their sum. A rest has the speed 0: its share counts, its torque does not.
 
     Raises
     ------
     UsageError
-        The file is not there, or not of that form.
+        The file cannot be read or does not have that form.
     """
     try:
         with as_input(path).open(newline="", encoding="utf-8-sig") as file:
-            lines = [(number, _cells(line)) for number, line in enumerate(file, start=1) if _tells(line)]
+            lines = [(number, _cells(line)) for number, line in enumerate(file, start=1) if _has_values(line)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise UsageError(
-            f"cannot read the duty cycle {path}: {reason(error)}; give a CSV file of {','.join(COLUMNS)}"
+            f"cannot read the duty cycle {path}: {reason(error)}; expected CSV with the columns {','.join(COLUMNS)}"
         ) from error
     header = lines[0][1] if lines else []
     if any(column not in header for column in COLUMNS):
-        columns = ", ".join(header) if header else "an empty file"
-        raise UsageError(f"{path}: a duty cycle has the columns {','.join(COLUMNS)}; found {columns}")
+        columns = ", ".join(header) if header else "none"
+        raise UsageError(f"{path}: a duty cycle needs the columns {','.join(COLUMNS)}; the file has {columns}")
     if len(lines) == 1:
-        raise UsageError(f"{path}: the duty cycle has no points: give a line of {','.join(COLUMNS)} for each")
+        raise UsageError(f"{path}: the duty cycle has no points; add a line with {','.join(COLUMNS)} for each")
     points = [_point(f"{path}, line {number}", dict(zip(header, row, strict=False))) for number, row in lines[1:]]
-    whole = sum(point.share for point in points)
-    if not whole > 0.0:
-        raise UsageError(f"{path}: the shares add up to {whole:g}; give each point its part of the time")
+    total = sum(point.share for point in points)
+    if not total > 0.0:
+        raise UsageError(f"{path}: the shares add up to {total:g}; they must add up to more than 0")
     if not any(point.speed and point.share for point in points):
-        raise UsageError(f"{path}: the crank never turns; give a point with a speed_rpm other than 0")
-    return _cycle(tuple(DutyPoint(point.torque, point.speed, point.share / whole) for point in points), peak)
+        raise UsageError(f"{path}: the crank never turns; at least one point needs a speed_rpm other than 0")
+    return _cycle(tuple(DutyPoint(point.torque, point.speed, point.share / total) for point in points), peak)
 
 
-def _tells(line: str) -> bool:
+def _has_values(line: str) -> bool:
+    """Return whether a line is neither empty nor a comment."""
     return bool(line.strip()) and not line.startswith("#")
 
 
 def _cells(line: str) -> list[str]:
+    """Split a line of CSV into its cells."""
     return [cell.strip() for cell in next(csv.reader([line]))]
 
 
 def _point(where: str, row: dict[str, str]) -> DutyPoint:
+    """Convert a row to a point; raise UsageError with its line, `where`, if a value is not allowed."""
     values = {}
     for column in COLUMNS:
         text = row.get(column, "")
         try:
             values[column] = float(text)
         except ValueError as error:
-            raise UsageError(f"{where}: {column} is {text!r}; give a number") from error
+            raise UsageError(f"{where}: {column} is {text!r}, must be a number") from error
         if not math.isfinite(values[column]):
-            raise UsageError(f"{where}: {column} is {text!r}; give a finite number")
+            raise UsageError(f"{where}: {column} is {text!r}, must be a finite number")
     torque, speed, share = values.values()
-    if not abs(speed) < FASTEST:
-        raise UsageError(f"{where}: speed_rpm is {speed:g}; give one of less than {FASTEST:g}")
+    if not abs(speed) < MAX_SPEED:
+        raise UsageError(f"{where}: speed_rpm is {speed:g}, must be less than {MAX_SPEED:g}")
     if share < 0.0:
-        raise UsageError(f"{where}: share is {share:g}; give a part of the time of at least 0")
+        raise UsageError(f"{where}: share is {share:g}, must be at least 0")
     if torque == 0.0 and speed != 0.0:
-        raise UsageError(f"{where}: torque_nm is 0; give an idling drive a small torque, or a speed_rpm of 0")
+        raise UsageError(
+            f"{where}: torque_nm is 0; use a small torque for an idling drive, or a speed_rpm of 0 for a rest"
+        )
     return DutyPoint(abs(torque), abs(speed) * RPM, share)

@@ -1,4 +1,4 @@
-"""An emergency stop: the torque that is held once, without yield, dents, sheared or bent pins, or a jumped tooth."""
+"""Emergency stops: the torque without yield, dents, sheared or bent pins, or a skipped tooth."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -14,40 +14,40 @@ from cycloid_mj.statics import torque_at_pressure
 
 KINDS = {
     "peak_yield": (
-        "first yield, of plastics a lasting set",
+        "first yield, or permanent set of plastics",
         YIELD_PRESSURE,
         "surface_strength",
-        "p0 = 1.79 Y, below a line (Johnson 1985, 4.4); of plastics 4 k = 2.31 Y",
+        "p0 = 1.79 Y, below a line (Johnson 1985, 4.4); plastics 4 k = 2.31 Y",
     )
 }
 KINDS["peak_dents"] = (
-    "lasting dents",
+    "dents",
     HARDNESS_PRESSURE,
     "surface_tensile_strength",
-    "p0 = 2.84 S, Brinell's (ISO 18265)",
+    "p0 = 2.84 S, Brinell (ISO 18265)",
 )
-"""Pressures that are held once: what happens beyond, over which strength, and its source."""
+"""Pressure limits of an emergency stop: consequence, factor, strength that it multiplies, and source."""
 
 
-def peaks(reducer: Reducer, peak: float, worst: Loading) -> Iterator[RatedItem]:
-    """Rate a peak torque [N m] by what each part holds once; forces go with the torque of the worst loading."""
+def rate_emergency_stop(reducer: Reducer, peak: float, worst: Loading) -> Iterator[RatedItem]:
+    """Rate a peak torque [N m] of an emergency stop; forces are in proportion to those of the worst loading."""
     design = reducer.design
     torque = abs(worst.point.torque)
-    for key, (what, factor, kind_of_strength, source) in KINDS.items():
-        borne = {}
+    for key, (what, factor, strength_name, source) in KINDS.items():
+        limits = {}
         for kind in worst.pressures:
-            most = SHAKEDOWN_PRESSURE if reducer.contacts[kind].weaker_is_plastic else factor
+            limit_factor = SHAKEDOWN_PRESSURE if reducer.contacts[kind].weaker_is_plastic else factor
             if kind != "cam" or design.gear.bearing == "plain":
-                borne[kind] = most * min(getattr(part, kind_of_strength) for part in design.partners(kind))
+                limits[kind] = limit_factor * min(getattr(part, strength_name) for part in design.partners(kind))
             elif has_bare_rollers(reducer):  # a bought bearing has its static factor
-                borne[kind] = cam_pressure_limit(reducer, most, kind_of_strength)
-        if borne:
-            held, note = _held(worst, borne)
-            yield _torque_item(key, what, peak, held, source, note)
+                limits[kind] = cam_pressure_limit(reducer, limit_factor, strength_name)
+        if limits:
+            torque_limit, note = _torque_at_limits(worst, limits)
+            yield _torque_item(key, what, peak, torque_limit, source, note)
     output, material = design.output, design.material_of("output")
     radius, force = output.root_radius, float(worst.output.sum(axis=1).max()) * peak / torque
-    planes = 1 if output.support == "cantilever" else 2
-    shear, strength = force / (planes * math.pi * radius**2), material.yield_strength / math.sqrt(3.0)
+    sections = 1 if output.support == "cantilever" else 2
+    shear, strength = force / (sections * math.pi * radius**2), material.yield_strength / math.sqrt(3.0)
     yield RatedItem(
         "peak_pin_shear",
         "emergency stop, shear of an output pin",
@@ -57,42 +57,45 @@ def peaks(reducer: Reducer, peak: float, worst: Loading) -> Iterator[RatedItem]:
         strength / shear if shear else math.inf,
         None,
         "F/(n pi r^2) against Y/sqrt(3)",
-        f"{planes} x {1e3 * radius:.3g} mm radius; forces in proportion to the torque",
+        f"{sections} x {1e3 * radius:.3g} mm radius; forces in proportion to the torque",
     )
-    bent = 4.0 * float(pin_moment(reducer, worst.output).max()) * peak / torque / (math.pi * radius**3)
+    bending = 4.0 * float(pin_moment(reducer, worst.output).max()) * peak / torque / (math.pi * radius**3)
     yield RatedItem(
         "peak_pin_bending",
         "emergency stop, bending of an output pin",
-        1e-6 * bent,
+        1e-6 * bending,
         1e-6 * material.yield_strength,
         "MPa",
-        material.yield_strength / bent if bent else math.inf,
+        material.yield_strength / bending if bending else math.inf,
         None,
         "4 M/(pi r^3) against Y",
-        "nominal stress: a notch yields, and holds once; forces in proportion to the torque",
+        "nominal stress: a notch yields without failing; forces in proportion to the torque",
     )
     jump = torque / (design.lobes * worst.wind_up) if worst.wind_up else math.inf
     yield _torque_item(
         "peak_jump",
-        "jump of a tooth",
+        "skipped tooth",
         peak,
         jump,
-        "T = k/z: the top of a sine of one lobe's pitch, z lobes, that starts with the gear's stiffness k",
-        "assumed: the ring does not widen; k of all contacts and the cam at the largest load",
+        "T = k/z: maximum of a sine with the pitch of one of z lobes and the initial stiffness k of the disc",
+        "assumed: a rigid ring; k of all contacts and the cam at the largest load",
     )
 
 
-def _held(worst: Loading, borne: Mapping[str, float]) -> tuple[float, str]:
-    """Find the torque [N m] at which a kind of contact first has the pressure that it bears [Pa], and tell how."""
-    kind = min(borne, key=lambda one: borne[one] / worst.pressures[one])
+def _torque_at_limits(worst: Loading, limits: Mapping[str, float]) -> tuple[float, str]:
+    """Compute the torque [N m] at which a kind of contact first reaches its pressure limit [Pa], and the method."""
+    kind = min(limits, key=lambda name: limits[name] / worst.pressures[name])
     torque = math.copysign(worst.point.torque, worst.reducer.design.drive.speed)
-    guess = torque * (borne[kind] / worst.pressures[kind]) ** 2
+    guess = torque * (limits[kind] / worst.pressures[kind]) ** 2
     try:
-        held, kind = torque_at_pressure(worst.reducer, worst.springs, borne, guess)
+        at_limit, kind = torque_at_pressure(worst.reducer, worst.springs, limits, guess)
     except RunError:
-        return abs(guess), f"in {kind}; no balance was found there: the pressure goes with the root of the torque"
-    return abs(held), f"in {kind}, by its own balance"
+        return abs(
+            guess
+        ), f"in {kind}; no equilibrium was found there: the pressure is taken as the square root of the torque"
+    return abs(at_limit), f"in {kind}, by the equilibrium at that torque"
 
 
 def _torque_item(key: str, what: str, peak: float, torque: float, source: str, note: str) -> RatedItem:
+    """Return the item of a peak torque against a torque limit [N m]."""
     return RatedItem(key, f"emergency stop, {what}", peak, torque, "N m", torque / peak, None, source, note)

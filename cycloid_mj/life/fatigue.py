@@ -1,4 +1,4 @@
-"""Fatigue strength: what notch, surface, size and reliability leave of it, and Goodman's line.
+"""Fatigue strength: factors of notch, surface, size and reliability, and Goodman's line.
 
 Factors as in Budynas and Nisbett, Shigley's Mechanical Engineering Design (10th ed., 6-7 to 6-12).
 """
@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Literal
 
-ENDURANCE_SHARE, ENDURANCE_MOST = 0.5, 700e6
-"""Endurance limit of a polished bar in bending, over the tensile strength, and its most [Pa]."""
+ENDURANCE_SHARE, MAX_ENDURANCE = 0.5, 700e6
+"""Endurance limit of a polished bar in bending over the tensile strength, and its maximum [Pa]."""
 
 SURFACES = {"ground": (1.58, -0.085), "machined": (4.51, -0.265), "forged": (272.0, -0.995)}
 """a and b of the surface factor a S^b, S the tensile strength in MPa."""
 
-STANDING = 0.37
-"""A round bar that does not turn counts as one of this share of its diameter."""
+NON_ROTATING_SHARE = 0.37
+"""Equivalent diameter of a round bar that does not rotate over its diameter (Eq. 6-24)."""
 
 Stress = Literal["bending", "torsion"]
 
@@ -25,13 +25,13 @@ NEUBER: dict[Stress, tuple[float, ...]] = {
 }
 """Factors of sqrt(a) in powers of the tensile strength (Shigley, Eqs 6-35a and 6-35b)."""
 
-SCATTER = 0.08
-"""Standard deviation of endurance limits, over their mean."""
+ENDURANCE_SCATTER = 0.08
+"""Standard deviation of endurance limits over their mean."""
 
 
 @dataclass(frozen=True)
 class Fatigue:
-    """A cycle of stress against what bears it: `amplitude`, `mean`, `endurance` limit and `tensile` strength [Pa]."""
+    """A stress cycle and the strength: `amplitude`, `mean`, `endurance` limit and `tensile` strength [Pa]."""
 
     amplitude: float
     mean: float
@@ -41,12 +41,12 @@ class Fatigue:
     @property
     def safety(self) -> float:
         """Factor on the load at Goodman's line, 1/(amplitude/endurance + mean/tensile); inf without a load."""
-        used = self.amplitude / self.endurance + max(self.mean, 0.0) / self.tensile
-        return 1.0 / used if used else math.inf
+        utilization = self.amplitude / self.endurance + max(self.mean, 0.0) / self.tensile
+        return 1.0 / utilization if utilization else math.inf
 
 
 def endurance_limit(
-    tensile: float, diameter: float, surface: str = "machined", reliability: float = 0.9, turns: bool = False
+    tensile: float, diameter: float, surface: str = "machined", reliability: float = 0.9, rotates: bool = False
 ) -> float:
     """Compute the endurance limit [Pa] of a steel part in bending.
 
@@ -55,26 +55,25 @@ def endurance_limit(
     tensile
         Tensile strength [Pa].
     diameter
-        Of the section [m].
+        Diameter of the section [m].
     surface
         One of `SURFACES`.
     reliability
-        Share of parts that last.
-    turns
-        Whether the bar turns under its load; else a smaller part of it sees the largest stress.
+        Share of parts that do not fail.
+    rotates
+        Whether the bar rotates under its load; else a smaller part of it has the largest stress.
     """
     factor, power = SURFACES[surface]
     finish = min(factor * (1e-6 * tensile) ** power, 1.0)
-    size = size_factor(diameter if turns else STANDING * diameter)
-    sure = 1.0 - SCATTER * NormalDist().inv_cdf(reliability)
-    return min(ENDURANCE_SHARE * tensile, ENDURANCE_MOST) * finish * size * sure
+    size = size_factor(diameter if rotates else NON_ROTATING_SHARE * diameter)
+    reliable = 1.0 - ENDURANCE_SCATTER * NormalDist().inv_cdf(reliability)
+    return min(ENDURANCE_SHARE * tensile, MAX_ENDURANCE) * finish * size * reliable
 
 
 def size_factor(diameter: float) -> float:
     """Compute the size factor of a round bar in bending: 1.24 d^-0.107 in mm, from 51 mm 1.51 d^-0.157, at most 1.
 
-    It is (d/7.62)^-0.107 of a specimen of 7.62 mm (Shigley, Eq. 6-20): a thinner bar is credited with no more than
-    that specimen.
+    It is (d/7.62)^-0.107 of a specimen of 7.62 mm (Shigley, Eq. 6-20): a thinner bar counts as that specimen.
     """
     millimetres = max(1e3 * diameter, 1.0)
     return float(min(1.24 * millimetres**-0.107 if millimetres <= 51.0 else 1.51 * millimetres**-0.157, 1.0))

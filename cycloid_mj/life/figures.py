@@ -1,4 +1,4 @@
-"""Figures of the catalogue that a rating computes, or that only a data sheet has: functions of a reducer."""
+"""Functions of the catalogue's figures that need a rating or belong to the data sheet."""
 
 import math
 
@@ -13,7 +13,7 @@ from cycloid_mj.parts.export.casing import bearing_width_of, seat_radius
 from cycloid_mj.reducer import Reducer, once
 
 KG_CM2 = 1e4
-"""Kilograms times square centimetres in a kg m2."""
+"""kg cm2 in a kg m2."""
 
 SPEED_FACTOR = 300.0
 """Speed [rpm] times mean diameter [m] of needle bearings with a cage, in grease, at C/P of about 8 (SKF, 2018)."""
@@ -21,7 +21,7 @@ SPEED_FACTOR = 300.0
 FULL_COMPLEMENT = 0.5
 """Share of that speed for rollers without a cage, which rub on each other (assumed; makers state a third to 0.6)."""
 
-INTERMITTENT = 0.25
+INTERMITTENT_SHARE = 0.25
 """Share of the time of an intermittent duty (S3 25 %)."""
 
 
@@ -57,7 +57,7 @@ def drive_inertia(reducer: Reducer) -> float:
 
 
 def largest_speed(reducer: Reducer) -> float:
-    """Compute the speed of the crank [rpm] that the bearings of cams and shaft bear with grease, by their size."""
+    """Compute the largest speed of the crank [rpm] for greased bearings of cams and shaft, by their size."""
     shaft, gear = reducer.design.shaft, reducer.design.gear
     seat = seat_radius(reducer, bearing_width_of(reducer))
     speeds = [SPEED_FACTOR / (shaft.radius + seat)]
@@ -71,25 +71,26 @@ def largest_speed(reducer: Reducer) -> float:
 
 
 def continuous_speed(reducer: Reducer) -> float:
-    """Compute the speed of the crank [rpm] that the housing bears by its heat at the nominal torque, all of the time.
+    """Compute the largest continuous speed of the crank [rpm] at the nominal torque, by heat and bearings.
 
-    Losses go with the speed; bearings may bear less.
+    Losses are taken as proportional to the speed.
     """
     return _speed_by_heat(reducer, 1.0)
 
 
 def intermittent_speed(reducer: Reducer) -> float:
-    """Compute the highest speed at the nominal torque during `INTERMITTENT` of the time (S3)."""
-    return _speed_by_heat(reducer, INTERMITTENT)
+    """Compute the largest speed at the nominal torque for `INTERMITTENT_SHARE` of the time (S3) [rpm]."""
+    return _speed_by_heat(reducer, INTERMITTENT_SHARE)
 
 
 def _speed_by_heat(reducer: Reducer, duty: float) -> float:
+    """Compute the largest speed of the crank [rpm] for a share of the time, by heat and bearings."""
     safety = rate_at_rated_load(reducer).items["temperature"].safety or math.inf
     return min(abs(reducer.design.drive.speed) / RPM * safety / duty, largest_speed(reducer))
 
 
 def life(reducer: Reducer) -> float:
-    """Compute the shortest life of all parts [h], wear left out; infinite where none ends."""
+    """Compute the shortest life of all parts without wear [h]; infinite if none is limited."""
     items = rate_at_rated_load(reducer).items.values()
     return min((item.life for item in items if item.decisive and item.life is not None), default=math.inf)
 
@@ -101,7 +102,7 @@ def bearing_life(reducer: Reducer) -> float:
 
 
 def least_safety(reducer: Reducer) -> float:
-    """Compute the least of all safeties [1]."""
+    """Compute the smallest safety factor [1]."""
     return min(item.safety for item in rate_at_rated_load(reducer).items.values() if item.safety is not None)
 
 
@@ -113,18 +114,18 @@ def drive_efficiency(reducer: Reducer) -> float:
 
 
 def temperature_rise(reducer: Reducer) -> float:
-    """Compute how much warmer than the surroundings the housing gets [K]."""
+    """Compute the temperature rise of the housing [K]."""
     return rate_at_rated_load(reducer).items["temperature"].value - reducer.design.service.ambient_temperature
 
 
 @once
 def momentary(reducer: Reducer) -> float:
-    """Compute the torque that is held once with a safety of 1 [N m]."""
+    """Compute the momentary torque, with a safety factor of 1 [N m]."""
     torque, _ = datasheet.momentary_torque(reducer)
     return torque
 
 
 def torque_for_life(reducer: Reducer) -> float:
-    """Compute the torque that all parts bear for the design's life at the rated speed, and that is held once [N m]."""
-    lasting, _ = rated_torque(reducer, reducer.design.drive.speed, reducer.design.service.life)
-    return min(lasting, momentary(reducer))
+    """Compute the rated torque for the design's life and speed, at most the momentary torque [N m]."""
+    rated, _ = rated_torque(reducer, reducer.design.drive.speed, reducer.design.service.life)
+    return min(rated, momentary(reducer))

@@ -1,4 +1,4 @@
-"""Heat: how warm the housing gets, what that does to the clearances, and what the materials bear."""
+"""Heat: temperature of the housing, thermal change of the clearances, and limits of grease, seals and materials."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -14,34 +14,34 @@ from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.drive import has_casing
 from cycloid_mj.reducer import Reducer
 
-HOTTEST = 120.0
-"""Service temperature [°C] of a material that is not of the library (assumed)."""
+USUAL_LIMIT = 120.0
+"""Assumed service temperature of a material that is not in the library [°C]."""
 
-GREASE = "service.grease_temperature_c, assumed: from 100 to 120 on greases are made for heat, its maker tells"
-SEALS = "service.seal_temperature_c, assumed: nitrile rubber lasts to some 100, FKM to 200, its maker tells"
-"""Where the limits of what seals and lubricates are from.
+GREASE = "service.grease_temperature_c, assumed: above 100 to 120 special greases are needed, see its data sheet"
+SEALS = "service.seal_temperature_c, assumed: nitrile rubber to about 100, FKM to 200, see its data sheet"
+"""Sources of the limits of grease and seals.
 
-"High-Temperature Lubricants", Machinery Lubrication 30674: 100 to 120 °C is where those begin; 10 K halve an oil's
-life. Grundfos, "Shaft Seals", p. 22: nitrile rubber to 100 °C (120 for short), FKM to 200 °C.
+"High-Temperature Lubricants", Machinery Lubrication 30674: they begin at 100 to 120 °C; 10 K halve the life of an oil.
+Grundfos, "Shaft Seals", p. 22: nitrile rubber to 100 °C (120 for a short time), FKM to 200 °C.
 """
 
 STILL_AIR = 8.0, 15.0
-"""What a housing gives to still air, from least to most [W/(m2 K)]."""
+"""Range of the heat transfer coefficient of a housing in still air [W/(m2 K)]."""
 
 REFERENCE = 20.0
-"""Temperature [°C] at which clearances are as drawn (ISO 1)."""
+"""Reference temperature of the clearances [°C] (ISO 1)."""
 
 
-def heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
-    """Rate the housing's temperature in still air, and the clearance that each kind of pair loses by it."""
+def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
+    """Rate the temperature of the housing in still air, and the clearance that each kind of pair loses by it."""
     design = reducer.design
     service = design.service
     losses = mean_losses(reducer, loadings)
     lost = sum(losses.values())
-    area = outside(reducer)
-    hot = service.ambient_temperature + lost / (service.film_coefficient * area)
-    limits = sorted(hottest(reducer), key=lambda one: one.hottest)
-    first = limits[0]
+    area = cooling_area(reducer)
+    temperature = service.ambient_temperature + lost / (service.film_coefficient * area)
+    limits = sorted(heat_limits(reducer), key=lambda limit: limit.temperature)
+    lowest = limits[0]
     yield RatedItem(
         "power_lost",
         "power lost",
@@ -52,28 +52,28 @@ def heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
         None,
         "friction of teeth, cam, output pins and seals, mu F d/2 of the bearings of shaft and output; mean of the duty",
         ", ".join(f"{part.replace('_', ' ')} {power:.3g} W" for part, power in losses.items())
-        + ("" if has_casing(reducer) else "; the output's bearing is left out: the drive has no covers to hold it"),
+        + ("" if has_casing(reducer) else "; without the output's bearing, as the drive has no covers"),
     )
     warm, cool = (service.ambient_temperature + lost / (film * area) for film in STILL_AIR)
-    rise, room = hot - service.ambient_temperature, first.hottest - service.ambient_temperature
+    rise, allowed_rise = temperature - service.ambient_temperature, lowest.temperature - service.ambient_temperature
     yield RatedItem(
         "temperature",
-        f"housing temperature, {first.name}",
-        hot,
-        first.hottest,
+        f"housing temperature, {lowest.name}",
+        temperature,
+        lowest.temperature,
         "°C",
-        room / rise if rise else math.inf,
+        allowed_rise / rise if rise else math.inf,
         None,
-        "dT = losses/(h A); safety of the rise",
-        f"{lost:.3g} W at h {service.film_coefficient:g} W/(m2 K) (assumed; {warm:.3g} to {cool:.3g} °C at 8 to 15) "
-        f"from {1e4 * area:.3g} cm2, the outside of {_outside_of(reducer)}; "
-        f"{service.ambient_temperature:g} °C around it; limits: "
-        f"{', '.join(f'{limit.hottest:g} °C {limit.name} ({limit.source})' for limit in limits)}",
+        "dT = losses/(h A); safety factor of the temperature rise",
+        f"{lost:.3g} W at h = {service.film_coefficient:g} W/(m2 K) (assumed; {warm:.3g} to {cool:.3g} °C at 8 to 15) "
+        f"on {1e4 * area:.3g} cm2, the outside of {_outside_of(reducer)}; "
+        f"ambient {service.ambient_temperature:g} °C; limits: "
+        f"{', '.join(f'{limit.temperature:g} °C {limit.name} ({limit.source})' for limit in limits)}",
     )
     for kind in design.pair_kinds:
-        grown = clearance_growth(reducer, kind) * (hot - REFERENCE)
+        grown = clearance_growth(reducer, kind) * (temperature - REFERENCE)
         clearance = getattr(design.clearance, kind)
-        materials = " on ".join(design.material_of(one).name or "unnamed" for one in PARTNERS[kind])
+        materials = " on ".join(design.material_of(part).name or "unnamed" for part in PARTNERS[kind])
         yield RatedItem(
             f"{kind}_hot_clearance",
             f"clearance of {kind.replace('_', ' ')} lost by heat",
@@ -82,8 +82,8 @@ def heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
             "um",
             clearance / -grown if grown < 0.0 else math.inf,
             None,
-            "both parts' thermal expansion from 20 °C; safety of the clearance",
-            f"all parts at the housing's {hot:.3g} °C (assumed); {materials}; less than nothing: it grows",
+            "thermal expansion of both parts from 20 °C; safety factor of the clearance",
+            f"all parts at the housing's {temperature:.3g} °C (assumed); {materials}; negative: the clearance grows",
         )
 
 
@@ -96,10 +96,10 @@ def mean_losses(reducer: Reducer, loadings: Sequence[Loading]) -> dict[str, floa
     return total
 
 
-def outside(reducer: Reducer) -> float:
-    """Compute what gives heat to the air [m2]: the outside of the covers, but for what motor and load are bolted to.
+def cooling_area(reducer: Reducer) -> float:
+    """Compute the area that gives heat to the air [m2]: the outside of the covers without the mounting faces.
 
-    Without covers, it is a cylinder round ring and output disc, both ends included.
+    Without covers, it is a cylinder around ring and output disc, with both ends.
     """
     design = reducer.design
     if has_casing(reducer):
@@ -111,13 +111,14 @@ def outside(reducer: Reducer) -> float:
 
 
 def _outside_of(reducer: Reducer) -> str:
+    """Name what `cooling_area` is the outside of."""
     return "the covers, without their flanges" if has_casing(reducer) else "ring and output disc"
 
 
 def clearance_growth(reducer: Reducer, kind: str) -> float:
-    """Compute how much the clearance of a kind of pair grows per kelvin [m/K]; the tightest place counts.
+    """Compute the growth of the clearance of a kind of pair per kelvin [m/K], at the tightest place.
 
-    Pins stand on the housing's circle, output pins on the output disc's, the gear grows from its centre:
+    Pins are on the housing's circle, output pins on that of the output disc, the disc expands from its centre:
     mesh a_h E - a_p rho - a_g (E - rho), output a_g r_h - a_o r_o - |a_g - a_o| R_o, others a_bore r - a_pin r.
     """
     design = reducer.design
@@ -144,15 +145,15 @@ def clearance_growth(reducer: Reducer, kind: str) -> float:
 
 @dataclass(frozen=True)
 class HeatLimit:
-    """What ends first when a reducer gets hot: its name, the temperature it bears [°C], and where that is from."""
+    """A limit of the temperature of the housing: what it protects, the temperature [°C], and the source."""
 
     name: str
-    hottest: float
+    temperature: float
     source: str
 
 
-def hottest(reducer: Reducer) -> Iterator[HeatLimit]:
-    """List what bears a temperature: grease, seals and every material of a part; `HOTTEST` where that is unknown."""
+def heat_limits(reducer: Reducer) -> Iterator[HeatLimit]:
+    """Yield the limits of grease, seals and every material of a part; `USUAL_LIMIT` where that is unknown."""
     design = reducer.design
     for name, temperature, source in (
         ("grease", design.service.grease_temperature, GREASE),
@@ -163,6 +164,6 @@ def hottest(reducer: Reducer) -> Iterator[HeatLimit]:
     parts: dict[str, list[str]] = {}
     for part in PARTS:
         parts.setdefault(design.material_of(part).name, []).append(part)
-    for material, made in parts.items():
-        entry, name = MATERIALS.get(material), f"{' and '.join(made)}, {material or 'a material without a name'}"
-        yield HeatLimit(name, entry.hottest, "library") if entry else HeatLimit(name, HOTTEST, "assumed")
+    for material, names in parts.items():
+        entry, name = MATERIALS.get(material), f"{' and '.join(names)}, {material or 'a material without a name'}"
+        yield HeatLimit(name, entry.hottest, "library") if entry else HeatLimit(name, USUAL_LIMIT, "assumed")

@@ -1,4 +1,4 @@
-"""The result of a rating: one item for each thing that can fail, the weakest first."""
+"""The result of a rating: an item for each failure mode, the weakest first."""
 
 import math
 from collections.abc import Mapping
@@ -9,29 +9,29 @@ from cycloid_mj.base.frame import Frame, framed
 from cycloid_mj.base.judgement import Judgement, judge
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.base.result import Table, plain
-from cycloid_mj.life.bearing_compliance import CamGive
-from cycloid_mj.life.duration import LONGEST, hours, plain_life, written
+from cycloid_mj.life.bearing_compliance import CamCompliance
+from cycloid_mj.life.duration import MAX_LIFE, finite_life, format_life, format_number
 
 INDICATIVE = ("_wear",)
-"""How the keys of items end that only warn: the coefficient of wear is known to within a factor of ten."""
+"""Endings of the keys of items that only warn: the coefficient of wear is known to within a factor of ten."""
 
 
 @dataclass(frozen=True)
 class RatedItem:
-    """One thing that can fail, or a figure that a designer asks for beside it.
+    """A failure mode of a part with its safety or life, or a figure without a limit.
 
     Attributes
     ----------
     key, name
-        For programs, and in words.
+        Key for programs, and name.
     value, limit, unit
-        What acts, and what is borne: not a number where there is no standard limit.
+        Load and limit; the limit is NaN where no standard states one.
     safety
-        Limit over value as its law counts it; None where a life stands instead.
+        Safety factor, limit over load by the law of the item; None where it has a life.
     life
-        Hours until it fails, by its law; None where a safety stands instead. Neither stands beside a mere figure.
+        Hours until it fails; None where it has a safety factor. A figure without a limit has neither.
     source
-        Formula and where it is from.
+        Formula and its source.
     note
         What is assumed.
     """
@@ -47,15 +47,15 @@ class RatedItem:
     note: str = ""
 
     def margin(self, life: float) -> float:
-        """Compute how far it is from failing: its safety, or its life over a required one [h]; 1 is just enough."""
+        """Return the safety factor, or the life over a required life [h]; 1 is just enough, infinite for a figure."""
         if self.safety is not None:
             return self.safety
         return math.inf if self.life is None else self.life / life
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the item to JSON values, which has its key beside it; what has no limit is None there.
+        """Convert the item to JSON values, without its key.
 
-        `unlimited` tells a life of more than `LONGEST` hours, or a safety without end, from what has none.
+        `unlimited` distinguishes a life of more than `MAX_LIFE` hours, or an infinite safety, from none.
         """
         return {
             "name": self.name,
@@ -63,7 +63,7 @@ class RatedItem:
             "unit": self.unit,
             "limit": self.limit,
             "safety": self.safety,
-            "life_h": plain_life(self.life),
+            "life_h": finite_life(self.life),
             "unlimited": self.unlimited,
             "source": self.source,
             "note": self.note,
@@ -71,7 +71,7 @@ class RatedItem:
 
     @property
     def decisive(self) -> bool:
-        """Whether the item decides what a drive is rated for: neither a mere figure nor wear."""
+        """Return whether the item limits the rated torque: neither a figure without a limit nor wear does."""
         return not (self.safety is None and self.life is None) and not self.key.endswith(INDICATIVE)
 
     def judgement(self, life: float) -> Judgement:
@@ -80,52 +80,52 @@ class RatedItem:
         return judge(None if figure else self.margin(life), self.decisive)
 
     @property
-    def load(self) -> str:
-        """What acts, with its unit."""
-        return f"{written(self.value)} {self.unit}"
+    def load_text(self) -> str:
+        """The load with its unit."""
+        return f"{format_number(self.value)} {self.unit}"
 
     @property
-    def borne(self) -> str:
-        """What is borne, with its unit; nothing where there is no standard limit."""
-        return "" if math.isnan(self.limit) else f"{written(self.limit)} {self.unit}"
+    def limit_text(self) -> str:
+        """The limit with its unit; empty where no standard states one."""
+        return "" if math.isnan(self.limit) else f"{format_number(self.limit)} {self.unit}"
 
     @property
     def verdict(self) -> str:
-        """Its safety, or its hours, in words; nothing for a mere figure."""
+        """Safety factor or life as text; empty for a figure without a limit."""
         if self.unlimited:
             return "unlimited"
         if self.safety is not None:
             return f"{self.safety:.3g}"
-        return "" if self.life is None else hours(self.life)
+        return "" if self.life is None else format_life(self.life)
 
     @property
     def unlimited(self) -> bool:
-        """Whether its safety has no end, or its life more hours than `LONGEST`."""
+        """Whether the safety factor is infinite, or the life longer than `MAX_LIFE`."""
         if self.safety is not None:
             return math.isinf(self.safety)
-        return self.life is not None and self.life > LONGEST
+        return self.life is not None and self.life > MAX_LIFE
 
 
 @dataclass(frozen=True, repr=False)
 class Rating(Presented):
-    """Items of one design under one duty.
+    """The rating of a design for a duty cycle.
 
     Attributes
     ----------
     design
-        Its name.
+        Name of the design.
     duty
-        In words.
+        The duty cycle in words.
     life
-        That is asked for [h].
+        Required life [h].
     items
         Key -> item, the weakest first.
     assumptions
-        What stands behind all of them, a sentence each.
-    cam_give
-        What the cam carries over the give of its bearing, where that was asked for.
+        Assumptions of all items, a sentence each.
+    cam_compliance
+        Cam load over the stiffness of its bearing, if requested.
     work
-        The most that a point of the duty took, see `Loading`.
+        Largest numerical work of a point of the duty, see `Loading`.
     """
 
     design: str
@@ -133,7 +133,7 @@ class Rating(Presented):
     life: float
     items: Mapping[str, RatedItem]
     assumptions: tuple[str, ...]
-    cam_give: CamGive | None = None
+    cam_compliance: CamCompliance | None = None
     work: float = 0.0
 
     @property
@@ -143,12 +143,12 @@ class Rating(Presented):
 
     @property
     def failing(self) -> list[RatedItem]:
-        """The items whose safety is below 1, or whose life is below the required one; the weakest first."""
+        """The items with a safety factor below 1 or a life below the required one; the weakest first."""
         return self._judged(Judgement.FAILED)
 
     @property
     def warnings(self) -> list[RatedItem]:
-        """The same of the items that only warn: wear."""
+        """The same for items that only warn: wear."""
         return self._judged(Judgement.WARNING)
 
     def _judged(self, judgement: Judgement) -> list[RatedItem]:
@@ -161,16 +161,19 @@ class Rating(Presented):
         return framed(rows, rows[0], {})
 
     def _items_json(self) -> dict[str, dict[str, Any]]:
+        """Convert the items to JSON values with their judgements, by key."""
         return {key: {**item.as_json(), "judgement": item.judgement(self.life)} for key, item in self.items.items()}
 
     @property
     def line(self) -> str:
-        """Design, and its weakest item."""
+        """The design and its weakest item."""
         return f"{self.design}; {self.weakest_line()}"
 
     def line_of(self, item: RatedItem) -> str:
         """Format an item in one line."""
-        what = "safety " + item.verdict if item.safety is not None else f"{item.verdict} of {self.life:g} h asked for"
+        what = (
+            "safety " + item.verdict if item.safety is not None else f"{item.verdict} of the required {self.life:g} h"
+        )
         return f"{item.name}: {what}"
 
     def weakest_line(self) -> str:
@@ -179,9 +182,10 @@ class Rating(Presented):
 
     def table(self) -> Table:
         """Tabulate the items as text."""
-        header = ("item", "load", "limit", "safety or hours", "formula and source", "assumption")
+        header = ("item", "load", "limit", "safety or life", "formula and source", "assumptions")
         rows = tuple(
-            (item.name, item.load, item.borne, item.verdict, item.source, item.note) for item in self.items.values()
+            (item.name, item.load_text, item.limit_text, item.verdict, item.source, item.note)
+            for item in self.items.values()
         )
         return Table(f"rating: {self.design}, {self.duty}, for {self.life:g} h", header, rows, words=(4, 5))
 
@@ -194,6 +198,6 @@ class Rating(Presented):
             "weakest": self.weakest.key,
             "items": self._items_json(),
             "assumptions": list(self.assumptions),
-            **({"cam_give": self.cam_give} if self.cam_give else {}),
+            **({"cam_give": self.cam_compliance} if self.cam_compliance else {}),
         }
         return dict(plain(content))

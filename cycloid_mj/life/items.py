@@ -1,20 +1,21 @@
-"""The rating of a design under a duty: every item, the weakest first."""
+"""The rating of a design for a duty cycle."""
 
+import warnings
 from collections.abc import Iterator
 
-from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.errors import CycloidWarning, DesignError
 from cycloid_mj.design import Named, material_limits, resolve
 from cycloid_mj.life.bearings import rate_bearings
-from cycloid_mj.life.cam import cam_give
-from cycloid_mj.life.duty import Duty, steady
-from cycloid_mj.life.emergency_stop import peaks
-from cycloid_mj.life.heat import heat
+from cycloid_mj.life.cam import rate_cam_compliance
+from cycloid_mj.life.duty import Duty, constant_duty
+from cycloid_mj.life.emergency_stop import rate_emergency_stop
+from cycloid_mj.life.heat import rate_heat
 from cycloid_mj.life.item import Rating
-from cycloid_mj.life.loading import POSES, loading
+from cycloid_mj.life.loading import POSES, solve_loading
 from cycloid_mj.life.ranges import StressRange
-from cycloid_mj.life.strength import strength
-from cycloid_mj.life.surfaces import surfaces
-from cycloid_mj.life.wear import wear
+from cycloid_mj.life.strength import rate_strength
+from cycloid_mj.life.surfaces import rate_surfaces
+from cycloid_mj.life.wear import rate_wear
 from cycloid_mj.reducer import Reducer, once
 
 
@@ -23,69 +24,77 @@ def rate(
     duty: Duty | None = None,
     life: float = 0.0,
     ranges: dict[str, StressRange] | None = None,
-    give: bool = False,
+    compliance: bool = False,
     poses: int = POSES,
     stops: bool = True,
+    give: bool | None = None,
 ) -> Rating:
-    """Rate a sound design under a duty for a life.
+    """Rate a design that can be built: life, safety factors, wear and heat of its parts.
 
     Parameters
     ----------
     design
-        A design, or the name of a preset or a file: what is rated.
+        A design, or the name of a preset or a file.
     duty
         Torques and speeds with their shares of the time; by default the nominal torque at the design's speed.
     life
-        Hours that are asked for; by default the design's own.
+        Required life [h]; by default that of the design.
     ranges
-        Part -> stress range of gear or ring that a study by finite elements found.
-    give
-        Whether the cam is solved over the stiffness that is assumed for it as well, see ``life.cam``.
+        Part -> stress range of disc or ring from a finite-element study.
+    compliance
+        Whether the cam load is also computed over the stiffness of its bearing, see ``life.cam``.
     poses
-        Crank angles; fewer are quicker and less exact: a tenth of them, 0.5 % of the margins.
+        Number of crank angles: with a tenth of them margins differ by 0.5 %.
     stops
         Whether emergency stops are rated, which takes half of the time.
+    give
+        Former name of `compliance`.
 
     Raises
     ------
     DesignError
         The crank does not turn.
     RunError
-        The drive cannot hold a torque of the duty.
+        No static equilibrium was found at a torque of the duty.
     """
+    if give is not None:
+        warnings.warn("rate(give=...) is now rate(compliance=...)", CycloidWarning, stacklevel=2)
+        compliance = give
     design = resolve(design)
     reducer = Reducer(design)
     life = life or design.service.life
-    duty = duty or steady(reducer.design.rated_torque, reducer.design.drive.speed)
+    duty = duty or constant_duty(reducer.design.rated_torque, reducer.design.drive.speed)
     turning = [point for point in duty.points if point.speed]
     if not turning:
-        raise DesignError("drive.speed_rpm is 0, but lives need a crank that turns: give another speed, such as 1640")
-    loadings = [loading(reducer, point, poses, stops) for point in turning]
-    worst = max(loadings, key=lambda one: abs(one.point.torque))
+        raise DesignError("drive.speed_rpm is 0, but a life needs a crank that turns: set another speed, such as 1640")
+    loadings = [solve_loading(reducer, point, poses, stops) for point in turning]
+    worst = max(loadings, key=lambda loading: abs(loading.point.torque))
     items = [
         *rate_bearings(reducer, loadings, duty.peak),
-        *surfaces(reducer, loadings),
-        *strength(reducer, worst, ranges),
-        *wear(reducer, loadings),
-        *heat(reducer, loadings),
-        *(peaks(reducer, duty.peak, worst) if stops else ()),
+        *rate_surfaces(reducer, loadings),
+        *rate_strength(reducer, worst, ranges),
+        *rate_wear(reducer, loadings),
+        *rate_heat(reducer, loadings),
+        *(rate_emergency_stop(reducer, duty.peak, worst) if stops else ()),
     ]
     ordered = sorted(items, key=lambda item: item.margin(life))
-    spread = cam_give(reducer, duty) if give else None
+    spread = rate_cam_compliance(reducer, duty) if compliance else None
     assumptions = *_assumptions(reducer, duty), *([spread.words] if spread else [])
-    by_key, work = {item.key: item for item in ordered}, max(one.work for one in loadings)
+    by_key, work = {item.key: item for item in ordered}, max(loading.work for loading in loadings)
     return Rating(reducer.design.name, duty.words, life, by_key, assumptions, spread, work)
 
 
 @once
 def rate_at_rated_load(reducer: Reducer) -> Rating:
-    """Rate a design at its nominal torque and speed for its own life, once for all who ask; errors as `rate`."""
+    """Rate a design at its nominal torque and speed for its own life, once per design; errors as `rate`."""
     return rate(reducer.design)
 
 
 def _assumptions(reducer: Reducer, duty: Duty) -> Iterator[str]:
-    yield "forces by statics with friction at the clearances of the design, a crank that turns evenly"
-    yield f"reliability {reducer.design.bearing.reliability:.0%} of bearings and of parts (bearing.reliability)"
-    yield f"peak torque {duty.peak:.4g} N m{'' if duty.peak_given else ', twice the largest of the duty (--peak-nm)'}"
-    yield "pitting has a standard curve for steel alone: other metals and plastics are not rated for it"
+    """Yield the assumptions of all items, a sentence each."""
+    yield "forces: statics with friction and the clearances of the design, at constant crank speed"
+    yield f"reliability of bearings and parts: {reducer.design.bearing.reliability:.0%} (bearing.reliability)"
+    yield f"peak torque: {duty.peak:.4g} N m{'' if duty.peak_given else ', twice the largest of the duty (--peak-nm)'}"
+    yield "pitting is rated for steel only: no standard has a curve for other metals and plastics"
+    yield "contacts that fit too closely for Hertz, such as pins in sockets, have no pressure rating"
     yield from material_limits(reducer.design)

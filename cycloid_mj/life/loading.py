@@ -1,4 +1,4 @@
-"""What a reducer's parts carry over a turn at one point of its duty: statics with friction and the gear's inertia."""
+"""Loads on the parts over a turn at one point of a duty cycle: statics with friction and the disc's inertia force."""
 
 import math
 from dataclasses import dataclass
@@ -18,23 +18,23 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import Loads, Springs, loads, peak_pressure, powers, springs_of
 from cycloid_mj.statics.bearings import reactions
 from cycloid_mj.statics.peaks import is_narrow
-from cycloid_mj.statics.springs import POSES as ALL_ROUND
+from cycloid_mj.statics.springs import POSES as POWER_POSES
 from cycloid_mj.statics.springs import turn_evenly
 
 POSES = 181
-"""Crank angles of a loading; its powers need no more than the usual ones."""
+"""Default number of crank angles; powers need no more than those of the statics."""
 
-UNWOUND = 0.01
-"""Torque that takes up the play, as a share of the load: the wind-up is counted from there."""
+PRELOAD_SHARE = 0.01
+"""Torque that closes the clearances, over the load: wind-up is measured from there."""
 
 
 SECTORS = 72
-"""Parts of a turn into which a worn surface is divided: 5 deg each, an eighth of what a pin's contact passes over."""
+"""Sectors of a turn into which a worn surface is divided, 5 deg each."""
 
 
 @dataclass(frozen=True)
-class Rub:
-    """How one kind of contact slides.
+class Sliding:
+    """Sliding of one kind of contact.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Rub:
     pressure_speed
         Largest p v on the projected face [Pa m/s].
     speed
-        Mean sliding speed of the contacts that carry [m/s].
+        Mean sliding speed of the loaded contacts [m/s].
     density
         Largest F v, averaged over time, at one place of the worn surface, per length along its section [W/m]: over its
         width, the rate at which that place wears.
@@ -56,26 +56,26 @@ class Rub:
 
 
 FAR, NEAR = -2, -1
-"""Of a shaft's forces: those of the bearing far from the gear, and next to it."""
+"""Places of the two bearings among a shaft's forces: far from the discs, and next to them."""
 
 
 @dataclass(frozen=True, eq=False)
 class Loading:
-    """Loads at m crank angles that cover N - 1 turns of the crank evenly: one of the output, after which all repeats.
+    """Loads at m crank angles, evenly spaced over the N - 1 turns of the crank after which all repeats.
 
     Attributes
     ----------
     point
         Torque, speed and share of the time.
     reducer, springs
-        The reducer at that speed, and its springs at the crank angles.
+        The reducer at that speed, and its contact springs at the crank angles.
     crank
-        Angles [rad], shape (m,).
+        Crank angles [rad], shape (m,).
     cam
-        Size of each cam's force on its disc [N], shape (m, discs).
+        Magnitude of each cam's force on its disc [N], shape (m, discs).
     shaft
-        Forces on the shaft in its own frame [N], shape (m, places, 2), at `places` along z [m]: cams and counterweight,
-        then what the two bearings answer with, the one far from the gear first.
+        Forces on the shaft in its own frame [N], shape (m, s, 2), at `stations` along z [m], shape (s,): cams and
+        counterweight, then the reactions of the two bearings, that of the far one first.
     output
         Force of each disc on each output pin [N], shape (m, discs, pins).
     on_output
@@ -84,16 +84,16 @@ class Loading:
         Largest force on a tooth [N].
     pressures
         Largest Hertz pressure by kind of pair [Pa]; none of a kind that fits too closely for Hertz, or carries nothing.
-    rubs
-        How the contacts that slide do so, by kind of pair.
+    sliding
+        Sliding by kind of pair, of the contacts that slide.
     losses
-        Friction of teeth, cam, output pins and seals [W].
+        Power lost in teeth, cam, output pins and seals [W].
     crank_torque
-        On the crank [N m].
+        Torque on the crank [N m].
     wind_up
-        Turn of the gear by the load, without the play [rad].
+        Turn of the disc by the load, without clearances [rad]; NaN where it was not solved for.
     work
-        Of the balances at the load, see `Loads`.
+        Numerical work of the equilibria, see `Loads`.
     """
 
     point: DutyPoint
@@ -102,12 +102,12 @@ class Loading:
     crank: Array
     cam: Array
     shaft: Array
-    places: Array
+    stations: Array
     output: Array
     on_output: Array
     teeth: float
     pressures: dict[str, float]
-    rubs: dict[str, Rub]
+    sliding: dict[str, Sliding]
     losses: dict[str, float]
     crank_torque: float
     wind_up: float
@@ -137,63 +137,68 @@ def speed_past_ring(reducer: Reducer, speed: float) -> float:
     return relative_speed(reducer, speed, ("shaft", "housing"))
 
 
-def loading(reducer: Reducer, point: DutyPoint, poses: int = POSES, stops: bool = True) -> Loading:
-    """Solve one point of a duty at some crank angles; the signs of torque and speed do not matter: the load brakes.
+def solve_loading(reducer: Reducer, point: DutyPoint, poses: int = POSES, stops: bool = True) -> Loading:
+    """Solve the loads at one point of a duty cycle; the load brakes, whatever the signs of torque and speed.
 
-    Without `stops`, the wind-up is not solved for, and is NaN: emergency stops alone need it.
+    Parameters
+    ----------
+    reducer, point, poses
+        The reducer of a sound design, a point of its duty, and the number of crank angles.
+    stops
+        Whether the wind-up is solved for, which only emergency stops need.
 
     Raises
     ------
     RunError
-        There is no balance: the drive cannot hold that torque.
+        No static equilibrium was found.
     """
     design = reducer.design
     speed = math.copysign(point.speed, design.drive.speed)
-    at = reducer.but(drive={"speed": speed})
+    turning = reducer.but(drive={"speed": speed})
     crank = design.lobes * turn_evenly(reducer, poses)
-    springs, torque = springs_of(at, crank), math.copysign(abs(point.torque), speed)
+    springs, torque = springs_of(turning, crank), math.copysign(abs(point.torque), speed)
     try:
-        contact_loads = loads(at, springs, torque)
-        power = powers(at, abs(point.torque), turn_evenly(reducer, min(poses, ALL_ROUND)))
-        unwound = loads(at, springs, UNWOUND * torque) if stops else None
+        contact_loads = loads(turning, springs, torque)
+        power = powers(turning, abs(point.torque), turn_evenly(reducer, min(poses, POWER_POSES)))
+        closed = loads(turning, springs, PRELOAD_SHARE * torque) if stops else None
     except RunError as error:
         condition = f"{abs(point.torque):.4g} N m at {point.speed / RPM:.4g} rpm"
-        raise RunError(f"{design.name} does not hold {condition}: {error}; rate it at another torque") from error
+        raise RunError(f"{design.name}: no equilibrium at {condition}: {error}; rate it at another torque") from error
     cam = contact_loads.cam.reshape(poses, -1, 2)
     shaft = shaft_measures(reducer)
-    places, forces = _shaft_forces(at, shaft, springs.crank, cam)
+    stations, forces = _shaft_forces(turning, shaft, springs.crank, cam)
     return Loading(
         point=point,
-        reducer=at,
+        reducer=turning,
         springs=springs,
         crank=springs.crank,
         cam=magnitudes(cam),
         shaft=forces,
-        places=places,
+        stations=stations,
         output=contact_loads.output.reshape(poses, cam.shape[1], -1),
-        on_output=reactions(at, springs, contact_loads).output.force,
+        on_output=reactions(turning, springs, contact_loads).output.force,
         teeth=float(contact_loads.teeth.max()),
         pressures={
-            kind: peak_pressure(at, springs, contact_loads, kind)
+            kind: peak_pressure(turning, springs, contact_loads, kind)
             for kind in design.pair_kinds
-            if is_narrow(at, springs, contact_loads, kind)
+            if is_narrow(turning, springs, contact_loads, kind)
         },
-        rubs=_rubs(at, springs, contact_loads),
+        sliding=_sliding(turning, springs, contact_loads),
         losses=dict(power.friction),
         crank_torque=power.crank / abs(speed),
-        wind_up=abs(float((contact_loads.departures - unwound.departures)[:, 2].mean()))
-        / (design.output.pin_circle_radius * (1.0 - UNWOUND))
-        if unwound
+        wind_up=abs(float((contact_loads.departures - closed.departures)[:, 2].mean()))
+        / (design.output.pin_circle_radius * (1.0 - PRELOAD_SHARE))
+        if closed
         else math.nan,
         work=contact_loads.work,
     )
 
 
-def _rubs(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Rub]:
-    """Collect how teeth, output pins or plain rollers and a plain cam slide; a pin slips where it is the easier.
+def _sliding(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Sliding]:
+    """Compute the sliding of teeth, output pins or plain rollers, and a plain cam; a pin slips where friction is less.
 
-    Sleeves and rollers turn on their pins, and their bores wear alike all round. Flanks of the disc, sockets, holes and
-    the disc's bore wear where the load presses.
+    Sleeves and rollers turn on their pins, so that their bores wear evenly. Flanks of the disc, sockets, holes and the
+    disc's bore wear where the load presses.
     """
     design, output, ring = reducer.design, reducer.design.output, reducer.design.ring
     slip, count = np.abs(springs.slip), springs.teeth
@@ -202,57 +207,57 @@ def _rubs(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str,
     towards = np.arctan2(push[..., 1], push[..., 0])
     teeth, on_teeth = contact_loads.teeth, slip[:, :count]
     seat = design.seat_pair
-    rubs: dict[str, Rub] = {}
+    sliding: dict[str, Sliding] = {}
     if not (seat and design.mesh_friction < design.friction_of(design.tooth_pair)):
         at_pin = np.tile(profile.pin_angles(reducer.tooth_profile), ring.halves)
         along = springs.crank[:, None, None] + np.array(reducer.phases)[:, None] + at_pin
-        density = _densest(teeth * on_teeth, along.reshape(teeth.shape), _flank_lengths(reducer))
-        rubs[design.tooth_pair] = _rub(reducer, design.tooth_pair, teeth, on_teeth, ring.pin_radius, density)
+        density = _largest_density(teeth * on_teeth, along.reshape(teeth.shape), _flank_lengths(reducer))
+        sliding[design.tooth_pair] = _sliding_of(reducer, design.tooth_pair, teeth, on_teeth, ring.pin_radius, density)
     elif seat == "pin_sleeve":
         in_bore = on_teeth * ring.sleeve_bore_radius / ring.pin_radius
         around = 2.0 * math.pi * ring.sleeve_bore_radius * teeth.shape[1]
         density = float((teeth * in_bore).sum(axis=1).mean()) / around
-        rubs[seat] = _rub(reducer, seat, teeth, in_bore, ring.sleeve_bore_radius, density)
+        sliding[seat] = _sliding_of(reducer, seat, teeth, in_bore, ring.sleeve_bore_radius, density)
     else:
         around = 2.0 * math.pi * ring.pin_radius * teeth.shape[1]
         azimuth = np.tile(profile.pin_angles(reducer.tooth_profile), discs * ring.halves)
-        density = _densest(teeth * on_teeth, towards[:, :count] + azimuth, _evenly(around), steady=False)
-        rubs[seat] = _rub(reducer, seat, teeth, on_teeth, ring.pin_radius, density)
+        density = _largest_density(teeth * on_teeth, towards[:, :count] + azimuth, _equal_sectors(around), steady=False)
+        sliding[seat] = _sliding_of(reducer, seat, teeth, on_teeth, ring.pin_radius, density)
     pressed, on_pins = contact_loads.output, slip[:, count:]
     if not output.rollers:
         around = 2.0 * math.pi * output.hole_radius * pressed.shape[1]
         azimuth = np.tile(2.0 * math.pi * np.arange(output.pins) / output.pins, discs)
         in_disc = towards[:, count:] + springs.crank[:, np.newaxis] / design.lobes
-        density = _densest(pressed * on_pins, in_disc + azimuth, _evenly(around))
-        rubs["output"] = _rub(reducer, "output", pressed, on_pins, output.pin_radius, density)
+        density = _largest_density(pressed * on_pins, in_disc + azimuth, _equal_sectors(around))
+        sliding["output"] = _sliding_of(reducer, "output", pressed, on_pins, output.pin_radius, density)
     elif not output.has_needles:
         on_core = on_pins * output.root_radius / output.pin_radius
         around = 2.0 * math.pi * output.root_radius * pressed.shape[1]
         density = float((pressed * on_core).sum(axis=1).mean()) / around
-        rubs["output_roller"] = _rub(reducer, "output", pressed, on_core, output.root_radius, density)
+        sliding["output_roller"] = _sliding_of(reducer, "output", pressed, on_core, output.root_radius, density)
     if design.gear.bearing == "plain":
         cam = contact_loads.cam
         force = magnitudes(cam)
         speed = np.full_like(force, design.gear.bore_radius * relative_speed(reducer, design.drive.speed))
         around = 2.0 * math.pi * design.gear.bore_radius * discs
         at = np.arctan2(cam[..., 1], cam[..., 0]) + springs.crank[:, np.newaxis] / design.lobes
-        density = _densest(force * speed, at, _evenly(around))
-        rubs["cam"] = _rub(reducer, "cam", force, speed, design.gear.bore_radius, density)
-    return rubs
+        density = _largest_density(force * speed, at, _equal_sectors(around))
+        sliding["cam"] = _sliding_of(reducer, "cam", force, speed, design.gear.bore_radius, density)
+    return sliding
 
 
-def _rub(reducer: Reducer, kind: str, force: Array, speed: Array, radius: float, density: float) -> Rub:
-    """Return how contacts of a kind under forces [N] slide at speeds [m/s], shapes (m, n), on pins of a radius [m]."""
-    rubbed, carries = force * speed, force > 0.0
-    return Rub(
-        power=float(rubbed.sum(axis=1).mean()),
-        pressure_speed=float(rubbed.max()) / (2.0 * radius * reducer.design.line_length(kind)),
-        speed=float(speed[carries].mean()) if carries.any() else 0.0,
+def _sliding_of(reducer: Reducer, kind: str, force: Array, speed: Array, radius: float, density: float) -> Sliding:
+    """Return the sliding of contacts under forces [N] at speeds [m/s], shapes (m, n), on pins of a radius [m]."""
+    power, loaded = force * speed, force > 0.0
+    return Sliding(
+        power=float(power.sum(axis=1).mean()),
+        pressure_speed=float(power.max()) / (2.0 * radius * reducer.design.line_length(kind)),
+        speed=float(speed[loaded].mean()) if loaded.any() else 0.0,
         density=density,
     )
 
 
-def _densest(power: Array, angle: Array, lengths: Array, steady: bool = True) -> float:
+def _largest_density(power: Array, angle: Array, lengths: Array, steady: bool = True) -> float:
     """Compute the largest mean power per length [W/m] on a surface that is divided by an angle.
 
     Parameters
@@ -260,9 +265,9 @@ def _densest(power: Array, angle: Array, lengths: Array, steady: bool = True) ->
     power
         F v of each contact at each crank angle [W], shape (m, n).
     angle
-        Where each is on the surface [rad], shape (m, n); surfaces alike that repeat are laid on each other.
+        Position of each on its surface [rad], shape (m, n); like surfaces are superposed.
     lengths
-        Of all these surfaces together in each of `SECTORS` of a turn [m], shape (SECTORS,).
+        Length of all these surfaces together in each of the `SECTORS` [m], shape (SECTORS,).
     steady
         Whether each contact passes through all angles at one speed: then each sector has its share of the time, and not
         as much as the crank angles happen to give it.
@@ -276,8 +281,8 @@ def _densest(power: Array, angle: Array, lengths: Array, steady: bool = True) ->
     return float((mean / lengths).max())
 
 
-def _evenly(length: float) -> Array:
-    """Divide a length [m] into `SECTORS`."""
+def _equal_sectors(length: float) -> Array:
+    """Divide a length [m] into equal `SECTORS`, shape (SECTORS,)."""
     return np.full(SECTORS, length / SECTORS)
 
 
@@ -293,27 +298,27 @@ def _flank_lengths(reducer: Reducer) -> Array:
 
 
 def _shaft_forces(reducer: Reducer, shaft: ShaftDimensions, crank: Array, cam: Array) -> tuple[Array, Array]:
-    """Compute places along the shaft (p,) [m] and the forces there in its frame, shape (m, p, 2) [N].
+    """Compute stations along the shaft (p,) [m] and the forces there in its frame, shape (m, p, 2) [N].
 
-    The loads are each disc on its cam (m, discs, 2) and the unbalance of the shaft itself; two bearings hold it as a
-    beam.
+    The loads are the force of each disc on its cam (m, discs, 2) and the unbalance of the shaft; two bearings support
+    it as a beam.
     """
     cosine, sine = np.cos(crank)[:, np.newaxis], np.sin(crank)[:, np.newaxis]
     x, y = cam[..., 0], cam[..., 1]
-    turned = np.stack([-(cosine * x + sine * y), -(cosine * y - sine * x)], axis=-1)
+    on_cams = np.stack([-(cosine * x + sine * y), -(cosine * y - sine * x)], axis=-1)
     properties = mass_properties(crank_solid(reducer))
-    flung = np.broadcast_to(
+    unbalance = np.broadcast_to(
         properties.mass * properties.centroid[:2] * reducer.design.drive.speed**2, (len(crank), 1, 2)
     )
     far, near = (0.5 * sum(ends) for ends in shaft.bearings)
-    acting = np.array([*reducer.design.gear.disc_planes, 0.5 * sum(shaft.counterweight)])
-    applied = np.concatenate([turned, flung], axis=1)
-    at_near = -np.einsum("p,mpx->mx", (acting - far) / (near - far), applied)
+    loaded = np.array([*reducer.design.gear.disc_planes, 0.5 * sum(shaft.counterweight)])
+    applied = np.concatenate([on_cams, unbalance], axis=1)
+    at_near = -np.einsum("p,mpx->mx", (loaded - far) / (near - far), applied)
     at_far = -applied.sum(axis=1) - at_near
-    return np.array([*acting, far, near]), np.concatenate([applied, at_far[:, None], at_near[:, None]], axis=1)
+    return np.array([*loaded, far, near]), np.concatenate([applied, at_far[:, None], at_near[:, None]], axis=1)
 
 
-def bending(loading: Loading, place: float) -> Array:
-    """Compute the bending moment [N m] at a place along the shaft [m], in its frame, shape (m, 2)."""
-    arm = np.maximum(loading.places - place, 0.0)
+def bending_moment(loading: Loading, station: float) -> Array:
+    """Compute the bending moment of the shaft [N m] at a station along it [m], in its frame, shape (m, 2)."""
+    arm = np.maximum(loading.stations - station, 0.0)
     return np.asarray(np.einsum("p,mpx->mx", arm, loading.shaft))

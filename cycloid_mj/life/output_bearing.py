@@ -1,9 +1,9 @@
-"""What the output's flange carries beside the torque: tilting moment, radial and axial load, by the hub's two bearings.
+"""Load limits of the output flange in addition to the torque: tilting moment, radial and axial load.
 
-Covers and bearings are those of ``parts.export.casing``. Both bearings are rigid rings a distance apart on a rigid hub;
-they carry what the discs put on the output as well, and the shaft whose bearing is in the hub. Their ratings are of a
-catalogue (``design.stock``); the balls that give under a moment are estimated: 0.3 (D - d) thick, as many as go in at
-an angle of 195 deg between the rings (Harris, Rolling Bearing Analysis, Conrad's assembly).
+Covers and bearings are those of ``parts.export.casing``. Both bearings are rigid rings at a distance on a rigid hub;
+they also carry the forces of the discs on the output, and of the shaft where its bearing is in the hub. Load ratings
+are from a catalogue (``design.stock``). Balls, for the tilting stiffness, are estimated: 0.3 (D - d) in diameter, as
+many as fill 195 deg between the rings (Conrad assembly; Harris, Rolling Bearing Analysis).
 """
 
 import math
@@ -15,24 +15,24 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.design.stock import StockBearing
 from cycloid_mj.life import rolling
-from cycloid_mj.life.duty import steady
-from cycloid_mj.life.loading import FAR, Loading, loading
+from cycloid_mj.life.duty import constant_duty
+from cycloid_mj.life.loading import FAR, Loading, solve_loading
 from cycloid_mj.life.rolling import magnitudes
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics.bearings import Planes
 
-BALL_SHARE, FILLED = 0.3, math.radians(195.0)
+BALL_SHARE, FILLED_ANGLE = 0.3, math.radians(195.0)
 """Diameter of balls over D - d, and the angle between the rings that they fill."""
 
-AXIAL_SHARE = 0.25
-"""Axial load on a deep groove bearing of diameter series 8 over its static rating, at most (SKF, 2018)."""
+MAX_AXIAL_SHARE = 0.25
+"""Largest axial load on a deep groove bearing of diameter series 8 over its static rating (SKF, 2018)."""
 
-EVEN, USUAL = 4.37, 5.0
-"""Z Q/F of the ball that bears the most: without clearance (NSK E728g, 5.1), and usual (Stribeck)."""
+NO_CLEARANCE, USUAL_CLEARANCE = 4.37, 5.0
+"""Z Q/F of the most loaded ball: without clearance (NSK E728g, 5.1), and with the usual one (Stribeck)."""
 
-APPROACH = 0.44
-"""Of both rings at a ball in um, (Q^2/D)^(1/3) in N and mm (Palmgren; NSK E728g, 5)."""
+PALMGREN_APPROACH = 0.44
+"""Approach of both rings at a ball in um over (Q^2/D)^(1/3) in N and mm (Palmgren; NSK E728g, 5)."""
 
 
 @dataclass(frozen=True)
@@ -45,24 +45,24 @@ class BallRow:
 
 
 @dataclass(frozen=True, eq=False)
-class Hub:
+class OutputBearings:
     """The two bearings of the output.
 
     Attributes
     ----------
     bearing, row
-        Of which there are two, and its balls.
+        The bearing of which there are two, and its balls.
     spacing
-        Of their middles [m].
+        Distance of their middles [m].
     lever
-        From the outer one's middle to the flange's face [m].
+        Distance from the middle of the outer bearing to the flange's face [m].
     dynamic, static
-        Load ratings of one [N].
-    bears
-        Radial load that one supports [N]: standing, and for the life of the design at the speed of its output, where
-        it is multiplied by the service factor, as in a rating.
+        Load ratings of one bearing [N].
+    capacity
+        Radial load limit of one bearing [N]: standing, and for the life of the design at the speed of its output, where
+        the load is multiplied by the service factor, as in a rating.
     own
-        Largest force on each that discs and shaft put there at the nominal torque [N], the inner one first.
+        Largest force of discs and shaft on each at the nominal torque [N], the inner one first.
     """
 
     bearing: StockBearing
@@ -71,111 +71,114 @@ class Hub:
     lever: float
     dynamic: float
     static: float
-    bears: float
+    capacity: float
     own: tuple[float, float]
 
     @property
     def moment(self) -> float:
-        """Tilting moment that both bear beside the nominal torque [N m]: force times spacing."""
-        return self.spacing * max(self.bears - max(self.own), 0.0)
+        """Tilting moment limit in addition to the nominal torque [N m]: force times spacing."""
+        return self.spacing * max(self.capacity - max(self.own), 0.0)
 
     @property
     def radial(self) -> float:
-        """Radial load on the flange's face that both bear beside the nominal torque [N]."""
-        inner, outer = (max(self.bears - own, 0.0) for own in self.own)
+        """Limit of a radial load on the flange's face in addition to the nominal torque [N]."""
+        inner, outer = (max(self.capacity - own, 0.0) for own in self.own)
         return min(inner * self.spacing / self.lever, outer * self.spacing / (self.spacing + self.lever))
 
     @property
     def axial(self) -> float:
-        """Axial load on the flange alone [N]: one bearing holds it."""
-        return AXIAL_SHARE * self.static
+        """Limit of an axial load alone [N], which one bearing carries."""
+        return MAX_AXIAL_SHARE * self.static
 
-    def tilting_stiffness(self, share: float = EVEN) -> float:
-        """Compute the moment over the tilt that it makes [N m/rad], at half of what is borne; `share` is Z Q/F."""
+    def tilting_stiffness(self, share: float = NO_CLEARANCE) -> float:
+        """Compute the tilting stiffness [N m/rad] at half of the moment limit; `share` is Z Q/F."""
         force = 0.5 * self.moment / self.spacing
         pressed = share * force / self.row.balls
-        approach = 1e-6 * APPROACH * (pressed**2 / (1e3 * self.row.diameter)) ** (1.0 / 3.0)
+        approach = 1e-6 * PALMGREN_APPROACH * (pressed**2 / (1e3 * self.row.diameter)) ** (1.0 / 3.0)
         return force * self.spacing**2 / (2.0 * approach) if force else 0.0
 
 
 def balls_of(bearing: StockBearing) -> BallRow:
-    """Estimate the balls of a deep groove bearing from its sizes."""
+    """Estimate the balls of a deep groove bearing from its dimensions."""
     size, pitch = BALL_SHARE * (bearing.outside - bearing.bore), 0.5 * (bearing.outside + bearing.bore)
-    return BallRow(int(FILLED / (2.0 * math.asin(size / pitch))) + 1, size, pitch)
+    return BallRow(int(FILLED_ANGLE / (2.0 * math.asin(size / pitch))) + 1, size, pitch)
 
 
 @once
-def hub(reducer: Reducer) -> Hub:
-    """Rate the bearings of the output's hub, beside the nominal torque.
+def output_bearings(reducer: Reducer) -> OutputBearings:
+    """Compute the load limits of the bearings of the output's hub in addition to the nominal torque.
 
     Raises
     ------
     DesignError
-        The casing has no room.
+        The covers do not fit.
     RunError
-        No static balance was found.
+        No static equilibrium was found.
     """
     sizes, design = casing(reducer), reducer.design
     row = balls_of(sizes.hub)
     dynamic, static = sizes.hub.dynamic, sizes.hub.static
     inner, outer = (0.5 * sum(ends) for ends in sizes.bearings)
     speed = abs(design.drive.speed) / design.reduction
-    lasts = rolling.load_for_life(dynamic, design.service.life, speed, design.bearing.reliability)
-    lasts /= design.bearing.service_factor
-    return Hub(
+    for_life = rolling.load_for_life(dynamic, design.service.life, speed, design.bearing.reliability)
+    for_life /= design.bearing.service_factor
+    return OutputBearings(
         bearing=sizes.hub,
         row=row,
         spacing=outer - inner,
         lever=sizes.ends[1] - outer,
         dynamic=dynamic,
         static=static,
-        bears=min(lasts, static),
-        own=_own(reducer),
+        capacity=min(for_life, static),
+        own=_own_forces(reducer),
     )
 
 
-def held_by_hub(reducer: Reducer, one: Loading) -> tuple[Array, Array]:
-    """Compute what each bearing of the hub holds [N], (m, 2), the inner one first: discs, and the shaft in the hub.
+def output_bearing_forces(reducer: Reducer, loading: Loading) -> tuple[Array, Array]:
+    """Compute the forces on the inner and the outer bearing of the hub [N], shape (m, 2) each.
+
+    They are the reactions to the discs, and to the shaft where its bearing is in the hub.
 
     Raises
     ------
     DesignError
-        The casing has no room.
+        The covers do not fit.
     """
-    sizes, planes = casing(reducer), reducer.design.gear.disc_planes
+    sizes, planes = casing(reducer), list(reducer.design.gear.disc_planes)
     inner, outer = (0.5 * sum(ends) for ends in sizes.bearings)
-    forces, places = one.on_output, [*planes]
+    forces = loading.on_output
     if sizes.far:
-        cosine, sine = np.cos(one.crank), np.sin(one.crank)
-        x, y = one.shaft[:, FAR].T  # what the bearing answers with, in the shaft's frame
+        cosine, sine = np.cos(loading.crank), np.sin(loading.crank)
+        x, y = loading.shaft[:, FAR].T  # the reaction of the bearing, in the shaft's frame
         on_hub = -np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=1)
-        forces, places = np.concatenate([forces, on_hub[:, np.newaxis]], axis=1), [*places, 0.5 * sum(sizes.far)]
-    return Planes(forces, np.array(places)).held_at(inner, outer)
+        forces = np.concatenate([forces, on_hub[:, np.newaxis]], axis=1)
+        planes.append(0.5 * sum(sizes.far))
+    return Planes(forces, np.array(planes)).held_at(inner, outer)
 
 
-def _own(reducer: Reducer) -> tuple[float, float]:
-    """Compute the largest forces on both bearings by what discs and shaft put there at the nominal torque [N]."""
+def _own_forces(reducer: Reducer) -> tuple[float, float]:
+    """Compute the largest forces of discs and shaft on both bearings at the nominal torque [N]."""
     design = reducer.design
-    at_rated = loading(reducer, steady(design.rated_torque, design.drive.speed).points[0])
-    inner, outer = (float(magnitudes(force).max()) for force in held_by_hub(reducer, at_rated))
+    at_rated = solve_loading(reducer, constant_duty(design.rated_torque, design.drive.speed).points[0])
+    inner, outer = (float(magnitudes(force).max()) for force in output_bearing_forces(reducer, at_rated))
     return inner, outer
 
 
 def tilting_moment(reducer: Reducer) -> float:
-    """Compute the tilting moment on the flange that its bearings bear [N m]; errors as `hub`."""
-    return hub(reducer).moment
+    """Compute the limit of the tilting moment on the flange [N m]; errors as `output_bearings`."""
+    return output_bearings(reducer).moment
 
 
 def tilting_stiffness(reducer: Reducer) -> float:
-    """Compute the tilting stiffness of the output's bearings [N m/arcmin]; errors as `hub`."""
-    return hub(reducer).tilting_stiffness() * ARCMINUTE
+    """Compute the tilting stiffness of the output's bearings [N m/arcmin]; errors as `output_bearings`."""
+    return output_bearings(reducer).tilting_stiffness() * ARCMINUTE
 
 
 def radial_load(reducer: Reducer) -> float:
-    """Compute the radial load on the flange's face that its bearings bear [N]; errors as `hub`."""
-    return hub(reducer).radial
+    """Compute the limit of the radial load on the flange's face [N]; errors as `output_bearings`."""
+    return output_bearings(reducer).radial
 
 
 def axial_load(reducer: Reducer) -> float:
-    """Compute the axial load on the flange that its bearings bear [N]; errors as `hub`."""
-    return hub(reducer).axial
+    """Compute the limit of the axial load on the flange [N]; errors as `output_bearings`."""
+    return output_bearings(reducer).axial

@@ -1,4 +1,4 @@
-"""The stress ranges that a study by finite elements has found, read from its result file."""
+"""Stress ranges from the result file of a finite-element study."""
 
 import json
 import math
@@ -15,7 +15,7 @@ RESULT = "stress.json"
 
 @dataclass(frozen=True)
 class StressRange:
-    """Stress over a turn at the worst node of a part: `amplitude` and `mean` [Pa], under a `load` [N m]."""
+    """Stress at the worst node of a part over a turn: `amplitude` and `mean` [Pa], under a `load` [N m]."""
 
     amplitude: float
     mean: float
@@ -23,30 +23,30 @@ class StressRange:
 
 
 def read_ranges(path: Path, reducer: Reducer) -> dict[str, StressRange]:
-    """Collect the stress ranges of a design's parts by part, from the folder or result file of ``cycloid-mj stress``.
+    """Read the stress ranges of a design's parts by part, from the folder or result file of ``cycloid-mj stress``.
 
     Raises
     ------
     UsageError
-        There is no such file, it is no result of ``stress``, or it has no loaded study of that design.
+        The file does not exist, is no result of ``stress``, or has no study of that design under load.
     """
     design = reducer.design
     file = path / RESULT if path.is_dir() else path
     try:
         content = json.loads(as_input(file).read_text(encoding="utf-8"))
-        studies = {str(one["design"]): one for one in content["designs"]}
+        studies = {str(study["design"]): study for study in content["designs"]}
     except (OSError, UnicodeDecodeError) as error:
         raise UsageError(
-            f"cannot read {file}: {reason(error)}; give the folder that cycloid-mj stress wrote, which has {RESULT}"
+            f"cannot read {file}: {reason(error)}; specify the folder that cycloid-mj stress wrote, with {RESULT}"
         ) from error
     except (ValueError, KeyError, TypeError) as error:
-        raise UsageError(f"{file} is no result of cycloid-mj stress: it has no designs") from error
+        raise UsageError(f"{file} is not a result of cycloid-mj stress: it has no designs") from error
     if design.name not in studies:
-        raise UsageError(f"{file} has no study of {design.name}, but of {', '.join(studies) or 'none'}")
+        raise UsageError(f"{file} has no study of {design.name}; it has {', '.join(studies) or 'none'}")
     study = studies[design.name]
     load = _number(study.get("load_nm"))
     if not load:
-        raise UsageError(f"{file} is of a run without load, which wears nothing out: give stress a --load-nm")
+        raise UsageError(f"{file} is a study without load; run cycloid-mj stress with --load-nm")
     ranges = {
         str(part.get("part")): StressRange(1e6 * amplitude, 1e6 * mean, abs(load))
         for part in study.get("parts", [])
@@ -56,9 +56,10 @@ def read_ranges(path: Path, reducer: Reducer) -> dict[str, StressRange]:
         and math.isfinite(mean := _number(values.get("mean_mpa")))
     }
     if not ranges:
-        raise UsageError(f"{file} has no stress ranges: make it anew with cycloid-mj stress --design {design.name}")
+        raise UsageError(f"{file} has no stress ranges; run cycloid-mj stress --design {design.name} again")
     return ranges
 
 
 def _number(value: Any) -> float:
+    """Convert a JSON value to a number; NaN if it is none."""
     return float(value) if isinstance(value, int | float) else math.nan

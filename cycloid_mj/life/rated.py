@@ -1,11 +1,11 @@
-"""Rated torque for a given life, as makers state it."""
+"""Rated torque for a given life, as manufacturers state it."""
 
 import math
 from collections.abc import Callable, Iterable
 
 from cycloid_mj.base.errors import CycloidError, DesignError
 from cycloid_mj.base.units import RPM
-from cycloid_mj.life.duty import steady
+from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.items import rate
 from cycloid_mj.life.loading import POSES
@@ -13,18 +13,20 @@ from cycloid_mj.life.rolling import EXPONENT
 from cycloid_mj.life.surfaces import PITTING_LIFE, SET_POWER
 from cycloid_mj.reducer import Reducer
 
-LOWEST, HIGHEST = 1e-3, 1e2
-"""Torques between which the rated one is looked for, over that of the drive."""
+MIN_TORQUE, MAX_TORQUE = 1e-3, 1e2
+"""Range of the search for the rated torque, over the nominal torque."""
 
-STRIDE = 2.0
-"""Factor from torque to torque where the law of an item leads nowhere."""
+BRACKET_FACTOR = 2.0
+"""Factor between torques while only one end of the bracket is known."""
 
-EXACT = 5e-4
+TORQUE_RTOL = 5e-4
 """Relative accuracy of the rated torque."""
 
 BEARINGS = "cam_bearing", "shaft_bearing", "output_bearing", "output_rollers"
-STOPS, STANDING, WEAR = "peak_", "_static", "_wear"
-"""How the keys of bearings and of what is held once begin or end, and that of wear (known to a decade)."""
+"""Beginnings of the keys of bearings."""
+
+STOPS, STATIC, WEAR = "peak_", "_static", "_wear"
+"""Beginning of the keys of emergency stops, and endings of those of static factors and wear."""
 
 
 def rated_torque(
@@ -34,43 +36,57 @@ def rated_torque(
     counts: Callable[[str], bool] | None = None,
     guess: float = 0.0,
     poses: int = POSES,
-    exact: float = EXACT,
+    exact: float = TORQUE_RTOL,
     stops: bool = False,
 ) -> tuple[float, RatedItem]:
-    """Compute the torque [N m] that everything bears for a life [h] at a crank's speed [rad/s], and what decides it.
+    """Compute the rated torque [N m] for a life at a speed of the crank, and the item that limits it.
 
-    `counts` tells of an item's key whether it does: by default all but emergency stops and wear. The search begins at
-    a `guess` [N m], by default the drive's torque, goes on where the weakest item's law leads, and ends a hundred times
-    above and a thousand times below that. Fewer `poses` are quicker and less exact, as of `rate`; `exact` is relative.
-    With `stops` emergency stops are rated, which `counts` may ask for.
+    The search is a secant iteration along the law of the weakest item, in a bracket (bisection of the logarithm where
+    it leaves the bracket).
+
+    Parameters
+    ----------
+    reducer
+        The reducer of a sound design.
+    speed, life
+        Speed of the crank [rad/s], and life [h].
+    counts
+        Returns for the key of an item whether it limits the torque; by default all but emergency stops, static factors
+        and wear do.
+    guess
+        Torque at which the search starts [N m]; by default the nominal torque.
+    poses, exact
+        Number of crank angles, as of `rate`, and relative accuracy.
+    stops
+        Whether emergency stops are rated, for a `counts` that includes them.
 
     Raises
     ------
     DesignError
-        No torque in that range is borne for so long.
+        No torque between `MIN_TORQUE` and `MAX_TORQUE` times the nominal torque is rated for that life.
     """
     design = reducer.design
-    at, low, high = guess or design.rated_torque, 0.0, math.inf
+    torque, low, high = guess or design.rated_torque, 0.0, math.inf
     decides = counts or _counts
     weakest: RatedItem | None = None
-    while high > LOWEST * design.rated_torque:
-        bears, item = _torque_borne(reducer, at, speed, life, decides, poses, stops)
-        if abs(bears / at - 1.0) <= exact and item:
-            return bears, item
-        if bears >= at and item:
-            low, weakest = at, item
+    while high > MIN_TORQUE * design.rated_torque:
+        limit, item = _torque_by_law(reducer, torque, speed, life, decides, poses, stops)
+        if abs(limit / torque - 1.0) <= exact and item:
+            return limit, item
+        if limit >= torque and item:
+            low, weakest = torque, item
         else:
-            high = at
-        if weakest and (high < low * (1.0 + exact) or low > HIGHEST * design.rated_torque):
+            high = torque
+        if weakest and (high < low * (1.0 + exact) or low > MAX_TORQUE * design.rated_torque):
             return low, weakest
-        at = bears if low < bears < high else _between(low, high)
+        torque = limit if low < limit < high else _bracketed(low, high)
     raise DesignError(
-        f"{design.name}: no torque down to {at:.3g} N m is borne for {life:g} h at {speed / RPM:.4g} "
-        "rpm; rate it to see what fails"
+        f"{design.name}: no torque down to {torque:.3g} N m is rated for {life:g} h at {speed / RPM:.4g} rpm; "
+        "`cycloid-mj rate` shows what fails"
     )
 
 
-def _torque_borne(
+def _torque_by_law(
     reducer: Reducer,
     torque: float,
     speed: float,
@@ -79,30 +95,33 @@ def _torque_borne(
     poses: int,
     stops: bool,
 ) -> tuple[float, RatedItem | None]:
-    """Compute what is borne by the law of the item that is weakest at a torque [N m]; 0 where none is held at all."""
+    """Compute the torque limit [N m] by the law of the weakest item at a torque; 0 if no equilibrium is found there."""
     try:
-        items = rate(reducer.design, steady(torque, speed), life, poses=poses, stops=stops).items.values()
+        items = rate(reducer.design, constant_duty(torque, speed), life, poses=poses, stops=stops).items.values()
     except CycloidError:
         return 0.0, None
     return weakest_torque((item for item in items if decides(item.key)), torque, life)
 
 
-def _between(low: float, high: float) -> float:
-    """Return a torque between one that is borne and one that is not, or beyond the one that is known."""
+def _bracketed(low: float, high: float) -> float:
+    """Return the next torque within a bracket, whose lower end may be 0 and upper end infinite."""
     if not low:
-        return high / STRIDE
-    return math.sqrt(low * high) if math.isfinite(high) else STRIDE * low
+        return high / BRACKET_FACTOR
+    return math.sqrt(low * high) if math.isfinite(high) else BRACKET_FACTOR * low
 
 
 def weakest_torque(items: Iterable[RatedItem], torque: float, life: float) -> tuple[float, RatedItem]:
-    """Compute the torque [N m] at which the first of some items would fail by its law, as rated at one, and that item.
+    """Compute the torque [N m] at which the first of some items fails by its law, and that item.
 
-    The laws are those of loads in proportion to the torque (docs/rating.md): from far off it is an estimate.
+    The laws are for loads in proportion to the torque (docs/rating.md); far from the torque at which the items were
+    rated, the result is an estimate.
     """
-    return min(((_borne(item, torque, life), item) for item in items), key=lambda one: one[0])
+    limits = ((_limit_by_law(item, torque, life), item) for item in items)
+    return min(limits, key=lambda pair: pair[0])
 
 
-def _borne(item: RatedItem, torque: float, life: float) -> float:
+def _limit_by_law(item: RatedItem, torque: float, life: float) -> float:
+    """Compute the torque [N m] at which an item that was rated at a torque is just enough for a life [h]."""
     margin = item.margin(life)
     if item.safety is None:
         power = 2.0 * (SET_POWER if item.key.endswith("_set") else PITTING_LIFE[1])
@@ -112,16 +131,15 @@ def _borne(item: RatedItem, torque: float, life: float) -> float:
 
 
 def _counts(key: str) -> bool:
-    return not is_held_once(key) and not key.endswith(WEAR)
+    """Return whether an item limits the rated torque by default."""
+    return not is_momentary(key) and not key.endswith(WEAR)
 
 
-def is_held_once(key: str) -> bool:
-    """Tell whether an item, by its key, is about an emergency stop: it does not decide the rated torque."""
-    return key.startswith(STOPS) or key.endswith(STANDING)
+def is_momentary(key: str) -> bool:
+    """Return whether an item, by its key, limits the momentary torque: emergency stops and static factors."""
+    return key.startswith(STOPS) or key.endswith(STATIC)
 
 
 def is_bearing_life(key: str) -> bool:
-    """Tell whether an item, by its key, is the life of a bearing."""
-    return key.startswith(("cam_bearing", "shaft_bearing", "output_bearing", "output_rollers")) and not key.endswith(
-        "_static"
-    )
+    """Return whether an item, by its key, is the life of a bearing."""
+    return key.startswith(BEARINGS) and not key.endswith(STATIC)

@@ -1,4 +1,4 @@
-"""Fatigue of parts: roots of output pins, shoulders of the shaft, walls of gear and ring."""
+"""Fatigue of parts: roots of output pins, shoulders of the shaft, walls of disc and ring."""
 
 import math
 from collections.abc import Iterator
@@ -11,29 +11,31 @@ from cycloid_mj.base.names import family
 from cycloid_mj.checks.strength import Wall, walls
 from cycloid_mj.life.fatigue import Fatigue, Stress, endurance_limit, notch_factor
 from cycloid_mj.life.item import RatedItem
-from cycloid_mj.life.loading import Loading, bending
+from cycloid_mj.life.loading import Loading, bending_moment
 from cycloid_mj.life.ranges import StressRange
 from cycloid_mj.life.surfaces import SOFTEST_STEEL
 from cycloid_mj.parts.crank import shaft_measures
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.shoulder import BENDING, TORSION, root_arms, shoulder_factor
 
-ANGLES = np.linspace(0.0, math.pi, 36, endpoint=False)
-"""Directions around the shaft in which fibres are looked at [rad]."""
+FIBRE_ANGLES = np.linspace(0.0, math.pi, 36, endpoint=False)
+"""Angles around the shaft of the fibres whose stress is computed [rad]."""
 
 SHOULDER_STRESSES: tuple[tuple[Any, Stress], ...] = ((BENDING, "bending"), (TORSION, "torsion"))
 """Terms of the shape factor of a shoulder, and the stress that they are for."""
 
-STUDIED = {"gear": "gear web", "ring": "ring and its ligaments"}
-"""Parts whose stress range comes from a study by finite elements where there is one: its name there -> in words."""
+STUDIED = {"gear": "disc web", "ring": "ring and its ligaments"}
+"""Parts whose stress range comes from a finite-element study if there is one: name in the study -> words."""
 
 HOLED = {"gear": "gear", "housing": "ring"}
-MADE = {studied: part for part, studied in HOLED.items()}
-"""Part of a wall -> its name in that study, and the other way round."""
+PART_OF = {studied: part for part, studied in HOLED.items()}
+"""Part of a wall -> its name in that study, and the inverse."""
 
 
-def strength(reducer: Reducer, worst: Loading, ranges: dict[str, StressRange] | None = None) -> Iterator[RatedItem]:
-    """Rate every part against endless repetition of the largest load; `ranges` are those of a study, by part."""
+def rate_strength(
+    reducer: Reducer, worst: Loading, ranges: dict[str, StressRange] | None = None
+) -> Iterator[RatedItem]:
+    """Rate every part for unlimited repetition of the largest load; `ranges` are those of a study, by part."""
     yield output_pin(reducer, worst.output)
     yield _shoulder(reducer, worst)
     torque = abs(worst.point.torque)
@@ -46,9 +48,9 @@ def strength(reducer: Reducer, worst: Loading, ranges: dict[str, StressRange] | 
 
 
 def output_pin(reducer: Reducer, force: Array) -> RatedItem:
-    """Rate the root of an output pin under the forces of the discs on it [N], shape (..., discs, pins), which pulsate.
+    """Rate the root of an output pin under the pulsating forces of the discs on it [N], shape (..., discs, pins).
 
-    A cantilever of the output disc, or a beam clamped at both ends; under a roller it is the core that bends.
+    The pin is a cantilever of the output disc, or a beam clamped at both ends; inside a roller its core bends.
     """
     design = reducer.design
     material, radius, fillet = design.material_of("output"), design.output.root_radius, design.output.root_fillet
@@ -56,9 +58,12 @@ def output_pin(reducer: Reducer, force: Array) -> RatedItem:
     nominal = 4.0 * moment / (math.pi * radius**3)
     shape = shoulder_factor(radius, fillet, math.inf, BENDING)
     notch = design.service.notch_factor or notch_factor(shape, fillet, material.tensile_strength)
-    half = 0.5 * notch * nominal
+    amplitude = 0.5 * notch * nominal
     fatigue = Fatigue(
-        half, half, _endurance(reducer, material.tensile_strength, 2.0 * radius), material.tensile_strength
+        amplitude,
+        amplitude,
+        _endurance(reducer, material.tensile_strength, 2.0 * radius),
+        material.tensile_strength,
     )
     support = "a cantilever" if design.output.support == "cantilever" else "a beam clamped at both ends"
     source = "of the design file" if design.service.notch_factor else f"from its fillet of {1e3 * fillet:.3g} mm"
@@ -78,16 +83,16 @@ def output_pin(reducer: Reducer, force: Array) -> RatedItem:
 def pin_moment(reducer: Reducer, force: Array) -> Array:
     """Compute the bending moment at the root of each pin [N m], shape (..., pins), of forces [N] (..., discs, pins).
 
-    Each disc presses in its middle, see ``stress.notch.root_arms``; of two roots the larger moment.
+    Each disc presses at its middle plane, see ``statics.shoulder.root_arms``; of two roots the larger moment counts.
     """
     return np.asarray(np.einsum("rd,...dp->...rp", root_arms(reducer), force).max(axis=-2))
 
 
 def _shoulder(reducer: Reducer, worst: Loading) -> RatedItem:
-    """Rate the shaft's weakest shoulder; in its own frame the load stands nearly still: its ripple is the amplitude."""
+    """Rate the weakest shoulder of the shaft; in its frame the load is nearly constant, its ripple the amplitude."""
     design = reducer.design
     shaft, material, fillet = shaft_measures(reducer), design.material_of("shaft"), design.shaft.shoulder_fillet
-    around = np.stack([np.cos(ANGLES), np.sin(ANGLES)], axis=1)
+    directions = np.stack([np.cos(FIBRE_ANGLES), np.sin(FIBRE_ANGLES)], axis=1)
     section = 4.0 / (math.pi * shaft.radius**3)
     endurance = _endurance(reducer, material.tensile_strength, 2.0 * shaft.radius)
     rated: list[tuple[float, RatedItem]] = []
@@ -98,32 +103,32 @@ def _shoulder(reducer: Reducer, worst: Loading) -> RatedItem:
             )
             for terms, stress in SHOULDER_STRESSES
         ]
-        bent = factors[0] * section * bending(worst, shoulder.z) @ around.T
+        bent = factors[0] * section * bending_moment(worst, shoulder.z) @ directions.T
         shear = factors[1] * 0.5 * section * worst.crank_torque
         high, low = bent.max(axis=0), bent.min(axis=0)
         amplitude = 0.5 * (high - low)
         mean = np.hypot(0.5 * (high + low), math.sqrt(3.0) * shear)
-        used = int(np.argmax(amplitude / endurance + mean / material.tensile_strength))
-        fatigue = Fatigue(float(amplitude[used]), float(mean[used]), endurance, material.tensile_strength)
+        weakest = int(np.argmax(amplitude / endurance + mean / material.tensile_strength))
+        fatigue = Fatigue(float(amplitude[weakest]), float(mean[weakest]), endurance, material.tensile_strength)
         item = RatedItem(
             "shaft_fatigue",
             f"shaft, {shoulder.name}, fatigue",
-            1e-6 * float(mean[used] + amplitude[used]),
+            1e-6 * float(mean[weakest] + amplitude[weakest]),
             1e-6 * endurance,
             "MPa",
             fatigue.safety,
             None,
-            "Goodman, notch factors of DIN 743-2, a ripple on a load that turns with the shaft",
+            "Goodman, notch factors of DIN 743-2, ripple of a load that turns with the shaft",
             f"fillet of {1e3 * fillet:.3g} mm, notch factors {factors[0]:.3g} in bending, {factors[1]:.3g} in torsion; "
             f"{_limit_source(reducer, 'shaft')}",
         )
         rated.append((fatigue.safety, item))
-    return min(rated, key=lambda one: one[0])[1]
+    return min(rated, key=lambda pair: pair[0])[1]
 
 
 def _studied(reducer: Reducer, part: str, stress_range: StressRange, torque: float) -> RatedItem:
-    """Rate a part by the range of stress at its worst node, which a study by finite elements found over a turn."""
-    material = reducer.design.material_of(MADE[family(part)])
+    """Rate a part by the stress range at its worst node over a turn, from a finite-element study."""
+    material = reducer.design.material_of(PART_OF[family(part)])
     scale = torque / stress_range.load
     endurance = _endurance(reducer, material.tensile_strength, 0.0)
     fatigue = Fatigue(scale * stress_range.amplitude, scale * stress_range.mean, endurance, material.tensile_strength)
@@ -136,32 +141,35 @@ def _studied(reducer: Reducer, part: str, stress_range: StressRange, torque: flo
         "MPa",
         fatigue.safety,
         None,
-        "Goodman, range of stress of the worst node over a turn, by finite elements",
-        f"stress study at {stress_range.load:.4g} N m{scaled}; {_limit_source(reducer, MADE[family(part)])}",
+        "Goodman, stress range at the worst node over a turn, by finite elements",
+        f"stress study at {stress_range.load:.4g} N m{scaled}; {_limit_source(reducer, PART_OF[family(part)])}",
     )
 
 
 def _wall(reducer: Reducer, wall: Wall, worst: Loading) -> RatedItem:
-    """Rate a wall as a beam clamped at both ends of the hole beside it, with the pin's force in the middle."""
+    """Rate a wall as a beam clamped at both ends of the adjacent hole, with the pin's force in the middle."""
     design = reducer.design
     material = design.material_of(wall.part)
     by_tooth = wall.kind == design.tooth_pair
     force = worst.teeth if by_tooth else float(worst.output.max())
     span = 2.0 * (design.ring.pin_radius if by_tooth else design.output.hole_radius)
     width = design.line_length(wall.kind)
-    bent = 0.75 * force * span / (width * wall.thickness**2)
-    sheared = math.sqrt(3.0) * 0.75 * force / (width * wall.thickness)
-    half = 0.5 * max(bent, sheared)
-    safety = Fatigue(
-        half, half, _endurance(reducer, material.tensile_strength, wall.thickness), material.tensile_strength
+    bending = 0.75 * force * span / (width * wall.thickness**2)
+    shear = math.sqrt(3.0) * 0.75 * force / (width * wall.thickness)
+    amplitude = 0.5 * max(bending, shear)
+    fatigue = Fatigue(
+        amplitude,
+        amplitude,
+        _endurance(reducer, material.tensile_strength, wall.thickness),
+        material.tensile_strength,
     )
     return RatedItem(
         f"{wall.name}_fatigue",
         f"wall {wall.where}, fatigue",
-        2e-6 * half,
-        1e-6 * safety.endurance,
+        2e-6 * amplitude,
+        1e-6 * fatigue.endurance,
         "MPa",
-        safety.safety,
+        fatigue.safety,
         None,
         "Goodman, pulsating; clamped beam, 6 (F l/8)/(w t^2), or its shear, sqrt(3) 1.5 F/(2 w t)",
         f"assumed: l {1e3 * span:.3g} mm, the hole, t {1e3 * wall.thickness:.3g} mm; or --stress; "
@@ -170,16 +178,17 @@ def _wall(reducer: Reducer, wall: Wall, worst: Loading) -> RatedItem:
 
 
 def _endurance(reducer: Reducer, tensile: float, thickness: float) -> float:
+    """Return the endurance limit of the design file, or of a part by its tensile strength [Pa] and thickness [m]."""
     service, bearing = reducer.design.service, reducer.design.bearing
     return service.endurance_limit or endurance_limit(tensile, thickness, service.surface, bearing.reliability)
 
 
 def _limit_source(reducer: Reducer, part: str) -> str:
-    """Tell where the endurance limit of a part is from."""
+    """Return the source of the endurance limit of a part."""
     design = reducer.design
     service, material = design.service, design.material_of(part)
     if service.endurance_limit:
-        return "endurance limit of the design file"
+        return "endurance limit from the design file"
     if material.youngs_modulus < SOFTEST_STEEL:
-        return f"endurance limit by strength as of steel: a guess for {material.name or 'this material'}"
+        return f"endurance limit estimated as for steel: uncertain for {material.name or 'this material'}"
     return f"endurance limit by strength, {service.surface}, size, {design.bearing.reliability:.0%} (Shigley 6-7)"

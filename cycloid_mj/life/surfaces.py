@@ -1,63 +1,63 @@
-"""Surfaces under Hertz's pressure: of metals first yield, shakedown and pitting, of plastics a lasting set."""
+"""Surfaces under Hertz pressure: first yield, shakedown and pitting of metals, permanent set of plastics."""
 
 import math
 from collections.abc import Iterator, Sequence
 
 from cycloid_mj.design import Material
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
-from cycloid_mj.life.duration import written
+from cycloid_mj.life.duration import format_number
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading, relative_speed, speed_past_ring
 from cycloid_mj.reducer import Reducer
 
 SOFTEST_STEEL = 1e11
-"""Young's modulus [Pa] of what counts as steel: curves of pitting and endurance limits are steel's alone."""
+"""Young's modulus from which a material counts as steel [Pa]: pitting and endurance limits are for steel only."""
 
 PITTING = 2.22e6, 200e6
 """Allowable pressure at 10^7 loads, S_c = 2.22 HB + 200 MPa: through-hardened steel, grade 1 (AGMA 2001-D04, 10.3)."""
 
-HARDEST = 1240e6
-"""The same of carburised steel, grade 1 [Pa], at 55 to 64 HRC: harder steel is not credited more."""
+MAX_PITTING_PRESSURE = 1240e6
+"""Allowable pressure of carburised steel, grade 1 [Pa], at 55 to 64 HRC: harder steel is not credited more."""
 
 PITTING_LIFE = 2.466, 0.056
 """Stress-cycle factor Z_N = 2.466 n^-0.056 (AGMA 2001-D04, Fig. 17), for every number of loads.
 
-Beyond 10^7 loads this is the lower branch of the figure: for drives that must run smoothly, with little pitting.
+Above 10^7 loads this is the lower branch of the figure, for smooth running with little pitting.
 """
 
 UPPER_BRANCH = 1.4488, 0.023
-"""Z_N = 1.4488 n^-0.023, the upper branch of that figure beyond 10^7 loads: for general use, as a spread."""
+"""Z_N = 1.4488 n^-0.023, the upper branch of that figure above 10^7 loads, for general use; stated as a spread."""
 
 UPPER_FROM = 1e7
-"""Loads from which on the branches part."""
+"""Number of loads from which the branches differ."""
 
 BRINELL = 3.45
 """Tensile strength of steel per Brinell hardness [MPa] (ISO 18265)."""
 
 SET_SHARE, SET_POWER = 2500.0 / 2850.0, math.log10(2500.0 / 1300.0) / 3.0
-"""Share of a plastic's short strength that is left after 1 h of load, and the power of the hours by which it falls.
+"""Strength of a plastic after 1 h of load over its short-term strength, and the power by which it decreases.
 
-As its modulus does in creep: Hostaform C 9021 (POM) has 2850 MPa in a short test, 2500 after 1 h and 1300 after 1000 h
-(ISO 527, ISO 899-1); other plastics are taken to creep alike. After 6000 h 39 % are left.
+It follows the creep modulus: Hostaform C 9021 (POM) has 2850 MPa in a short test, 2500 after 1 h and 1300 after 1000 h
+(ISO 527, ISO 899-1); other plastics are assumed to creep alike. After 6000 h 39 % remain.
 """
 
-FEWEST = 1e4
-"""Loads from which on that curve is drawn."""
+MIN_CYCLES = 1e4
+"""Number of loads from which the curve of Z_N is defined."""
 
 NAMES = {
     "pin_gear": "teeth on pins",
-    "tooth": "gear on internal gear",
+    "tooth": "disc on internal gear",
     "pin_socket": "pins in sockets",
     "pin_sleeve": "sleeves on their pins",
     "output": "output pins in holes",
 }
 
 
-def surfaces(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
-    """Rate the pressures of teeth, holes and seats: yield and shakedown by the worst, pitting by Miner's sum.
+def rate_surfaces(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
+    """Rate the pressures of teeth, holes and seats: yield and shakedown by the largest, pitting by Miner's sum.
 
-    Where the weaker surface is a plastic, it is the hours until its pressure leaves a lasting set: a first yield inside
-    ends nothing there.
+    Where the weaker surface is a plastic, the item is the time until the pressure leaves a permanent set: first yield
+    inside does no harm there. Contacts that fit too closely for Hertz are left out.
     """
     for kind, name in NAMES.items():
         if any(kind not in loading.pressures for loading in loadings):
@@ -81,52 +81,53 @@ def surfaces(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIte
                 limit / pressure,
                 None,
                 source,
-                f"Hertz's p0; Y {1e-6 * strength:.4g} MPa of the weaker partner",
+                f"Hertz p0; Y = {1e-6 * strength:.4g} MPa of the weaker material",
             )
         if all(part.youngs_modulus >= SOFTEST_STEEL for part in reducer.design.partners(kind)):
             yield _pitting(reducer, loadings, kind, pressure)
 
 
 def _set(reducer: Reducer, loadings: Sequence[Loading], kind: str, strength: float) -> RatedItem:
-    """Rate a plastic by the hours that its pressures may stand until they leave a set; Miner's sum over the duty."""
+    """Rate a plastic by the time until its pressures leave a permanent set, by Miner's sum over the duty cycle."""
     limit = SHAKEDOWN_PRESSURE * strength
     damage = sum(loading.point.share / set_hours(loading.pressures[kind], limit) for loading in loadings)
     return RatedItem(
         f"{kind}_set",
-        f"{NAMES[kind]}, lasting set of the plastic",
+        f"{NAMES[kind]}, permanent set of the plastic",
         1e-6 * max(loading.pressures[kind] for loading in loadings),
         1e-6 * limit,
         "MPa",
         None,
         1.0 / damage if damage else math.inf,
-        "p0 = 4 k = 2.31 Y; Y falls with the hours under load as the creep modulus of POM does (ISO 899-1)",
-        f"Y {1e-6 * strength:.4g} MPa of a short load at 23 °C; the load is taken to stand on one place all the time",
+        "p0 = 4 k = 2.31 Y; Y decreases with the time under load as the creep modulus of POM (ISO 899-1)",
+        f"Y = {1e-6 * strength:.4g} MPa for a short load at 23 °C; the load is assumed to act on one place always",
     )
 
 
 def set_hours(pressure: float, limit: float) -> float:
-    """Compute the hours after which a pressure [Pa] leaves a lasting set, by the limit of a short load [Pa]."""
+    """Compute the time after which a pressure [Pa] leaves a permanent set [h], by the limit for a short load [Pa]."""
     return float((SET_SHARE * limit / pressure) ** (1.0 / SET_POWER))
 
 
 def _pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pressure: float) -> RatedItem:
-    allowed, source = min(map(pitting_limit, reducer.design.partners(kind)), key=lambda one: one[0])
+    """Rate steel surfaces by the time until they pit, by Miner's sum over the duty cycle."""
+    allowed, source = min(map(pitting_limit, reducer.design.partners(kind)), key=lambda limit: limit[0])
     damage, least_damage, hourly, on_pins = 0.0, 0.0, 0.0, 0.0
     for loading in loadings:
-        loads = _turns_an_hour(relative_speed(reducer, loading.point.speed)) * loading.point.share
+        loads = _turns_per_hour(relative_speed(reducer, loading.point.speed)) * loading.point.share
         hourly += loads
-        on_pins += _turns_an_hour(speed_past_ring(reducer, loading.point.speed)) * loading.point.share
+        on_pins += _turns_per_hour(speed_past_ring(reducer, loading.point.speed)) * loading.point.share
         damage += loads / pitting_cycles(loading.pressures[kind], allowed)
-        least_damage += loads / most_pitting_cycles(loading.pressures[kind], allowed)
+        least_damage += loads / upper_pitting_cycles(loading.pressures[kind], allowed)
     life = 1.0 / damage
     note = (
-        f"{hourly:.0f} loads an hour on each lobe and hole, one a turn of the crank against the gear, {on_pins:.0f} "
-        f"on each place of the ring; {source}"
+        f"{hourly:.0f} loads per hour on each lobe and hole (one per turn of crank against disc), {on_pins:.0f} "
+        f"on each tooth of the ring; {source}"
     )
     if damage > least_damage:
-        note += f"; {written(1.0 / least_damage)} h by the upper branch of Z_N beyond 10^7 loads (general use)"
-    if life * hourly < FEWEST:
-        note += "; below 10^4 loads the curve is drawn on"
+        note += f"; {format_number(1.0 / least_damage)} h by the upper branch of Z_N above 10^7 loads (general use)"
+    if life * hourly < MIN_CYCLES:
+        note += "; below 10^4 loads the curve is extrapolated"
     return RatedItem(
         f"{kind}_pitting",
         f"{NAMES[kind]}, pitting",
@@ -140,12 +141,13 @@ def _pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pressure:
     )
 
 
-def _turns_an_hour(speed: float) -> float:
+def _turns_per_hour(speed: float) -> float:
+    """Convert a speed [rad/s] to turns per hour."""
     return speed / (2.0 * math.pi) * 3600.0
 
 
 def pitting_limit(material: Material) -> tuple[float, str]:
-    """Return the pressure [Pa] that a steel withstands for 10^7 cycles without pitting, and where it is from."""
+    """Return the pressure [Pa] that a steel withstands for 10^7 cycles without pitting, and its source."""
     if material.endurance_pressure:
         return material.endurance_pressure, f"S_c of {material.name or 'the design file'}"
     hardness = 1e-6 * material.tensile_strength / BRINELL
@@ -155,17 +157,17 @@ def pitting_limit(material: Material) -> tuple[float, str]:
 def pitting_pressure(tensile: float) -> float:
     """Compute the pressure [Pa] that a steel of a tensile strength [Pa] withstands for 10^7 cycles without pitting."""
     slope, base = PITTING
-    return min(slope * 1e-6 * tensile / BRINELL + base, HARDEST)
+    return min(slope * 1e-6 * tensile / BRINELL + base, MAX_PITTING_PRESSURE)
 
 
 def pitting_cycles(pressure: float, allowed: float) -> float:
-    """Compute the number of load cycles until pitting at a pressure [Pa], by what is allowed for 10^7 [Pa]."""
+    """Compute the number of load cycles until pitting at a pressure [Pa], by the pressure allowed for 10^7 [Pa]."""
     factor, power = PITTING_LIFE
     return float((factor * allowed / pressure) ** (1.0 / power))
 
 
-def most_pitting_cycles(pressure: float, allowed: float) -> float:
-    """Compute the same by the upper branch of the figure beyond 10^7 cycles."""
+def upper_pitting_cycles(pressure: float, allowed: float) -> float:
+    """Compute the same by the upper branch of the figure above 10^7 cycles."""
     factor, power = UPPER_BRANCH
     cycles = pitting_cycles(pressure, allowed)
     return max(cycles, float((factor * allowed / pressure) ** (1.0 / power))) if cycles > UPPER_FROM else cycles

@@ -1,4 +1,4 @@
-"""Wear of what slides: p v, sliding distance, and the largest depth of wear by Archard's law."""
+"""Wear of sliding contacts: p v, sliding distance, and the largest depth of wear by Archard's law."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -23,26 +23,26 @@ MM3 = 1e9
 """Cubic millimetres in a cubic metre."""
 
 NAMES = {
-    "pin_gear": "gear on pins",
-    "tooth": "gear on internal gear",
+    "pin_gear": "disc on pins",
+    "tooth": "disc on internal gear",
     "pin_socket": "sockets by pins",
     "pin_sleeve": "sleeves by pins",
-    "output": "gear's holes by output pins",
+    "output": "output holes by output pins",
     "output_roller": "rollers of the output pins by their cores",
-    "cam": "gear's bore by the cam",
+    "cam": "disc's bore by the cam",
 }
 
 
-def wear(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
-    """Rate wear by Archard at the place that wears fastest, and state p v and the sliding distance."""
-    for kind in loadings[0].rubs:
+def rate_wear(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
+    """Rate wear at the place that wears fastest, and state p v and the sliding distance."""
+    for kind in loadings[0].sliding:
         coefficient, source = wear_coefficient(reducer, "output" if kind == "output_roller" else kind)
-        density = sum(loading.rubs[kind].density * loading.point.share for loading in loadings)
-        speed = sum(loading.rubs[kind].speed * loading.point.share for loading in loadings)
-        largest = max(loading.rubs[kind].pressure_speed for loading in loadings)
+        density = sum(loading.sliding[kind].density * loading.point.share for loading in loadings)
+        speed = sum(loading.sliding[kind].speed * loading.point.share for loading in loadings)
+        largest = max(loading.sliding[kind].pressure_speed for loading in loadings)
         depth = coefficient * density / reducer.design.gear.face_width * 3600.0 * HOURS
         limit = getattr(reducer.design.clearance, "output" if kind == "output_roller" else kind)
-        way = speed * 3.6 * HOURS
+        distance = speed * 3.6 * HOURS
         yield RatedItem(
             f"{kind}_wear",
             f"wear of {NAMES[kind]}, per {HOURS:.0f} h",
@@ -51,36 +51,36 @@ def wear(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
             "um",
             None,
             HOURS * limit / depth if depth else math.inf,
-            "Archard, k F s at the place that wears fastest, running one way; until it has lost the clearance",
+            "Archard, k F s at the place that wears fastest, running one way; until the clearance has doubled",
             f"k = {MM3 * coefficient:g} mm3/(N m), {source}; {MM3 * coefficient / 10.0:g} to "
-            f"{MM3 * coefficient * 10.0:g}: ten times the life to a tenth",
+            f"{MM3 * coefficient * 10.0:g} give ten times to a tenth of the life",
         )
         yield _figure(
             f"{kind}_way",
-            f"way that {NAMES[kind]} slides, per {HOURS:.0f} h",
-            way,
+            f"sliding distance of {NAMES[kind]}, per {HOURS:.0f} h",
+            distance,
             "km",
-            "mean sliding speed of the contacts that carry",
+            "mean sliding speed of the loaded contacts",
         )
         yield _figure(
             f"{kind}_pv",
             f"p v of {NAMES[kind]}",
             1e-6 * largest,
             "MPa m/s",
-            "largest F v/(2 r w), on the pin's projected face",
-            "no limit: it is the bearing material maker's to give",
+            "largest F v/(2 r w), on the projected area of the pin",
+            "no limit: see the data sheet of the material",
         )
 
 
 def _figure(key: str, name: str, value: float, unit: str, source: str, note: str = "") -> RatedItem:
+    """Return an item without a limit."""
     return RatedItem(key, name, value, math.nan, unit, None, None, source, note)
 
 
 def wear_coefficient(reducer: Reducer, kind: str) -> tuple[float, str]:
-    """Return the coefficient of wear of a kind of pair [m3/(N m)], and where it is from.
+    """Return the coefficient of wear of a kind of pair [m3/(N m)], and its source.
 
-    It is that of the design file; where that has the default, which is of metals, and a surface is a plastic, it is
-    `PLASTIC_WEAR`.
+    It is that of the design file, or `PLASTIC_WEAR` if the file has the default for metals and a surface is a plastic.
     """
     stated = reducer.design.service.wear_coefficient
     if stated != Service.model_fields["wear_coefficient"].default:

@@ -1,8 +1,8 @@
-"""Published cases of how long parts last, rows of `cycloid-mj validate`: bearings, a shaft in fatigue.
+"""Published cases of bearing life and fatigue, compared by `cycloid-mj validate`.
 
 Catalogues print no number of rollers, but two ratings of each bearing: C0 of ISO 76 gives Z L, and with that ISO 281
-gives C, which the split of Z L changes by its 36th root alone. Roller and pitch diameter follow from the circles that
-the needles touch.
+gives C, which depends on how Z L is split only by its 36th root. Roller and pitch diameter follow from the circles
+that the needles touch.
 """
 
 import math
@@ -17,8 +17,8 @@ from cycloid_mj.geometry.profile import CycloidGear
 from cycloid_mj.life import rolling
 from cycloid_mj.life.fatigue import Fatigue, endurance_limit
 
-NEEDLE_SHARE = 0.78
-"""Length of the needles of a cage over its width, assumed; 0.65 and 0.9 change C by 0.5 %."""
+NEEDLE_LENGTH_SHARE = 0.78
+"""Assumed length of the needles over the width of their cage; 0.65 and 0.9 change C by 0.5 %."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Cage:
     def rating(self) -> float:
         """Compute C by ISO 281 [N], with Z L from the catalogue's C0."""
         roller, pitch = 5e-4 * (self.outside - self.inside), 5e-4 * (self.outside + self.inside)
-        length = 1e-3 * NEEDLE_SHARE * self.width
+        length = 1e-3 * NEEDLE_LENGTH_SHARE * self.width
         return rolling.dynamic_capacity(
             self.static / rolling.static_capacity(1, roller, length, pitch), roller, length, pitch
         )
@@ -84,11 +84,11 @@ def fatigue_rows(quick: bool) -> list[ValidationRow]:
     diameter = 1.073 * INCH
     per_moment = 32.0 / (math.pi * diameter**3) * POUND * INCH
 
-    def mises(bent: float, twisted: float) -> float:
-        return per_moment * math.hypot(2.2 * bent, math.sqrt(3.0) * 0.5 * 1.8 * twisted)
+    def mises(bending: float, torsion: float) -> float:
+        return per_moment * math.hypot(2.2 * bending, math.sqrt(3.0) * 0.5 * 1.8 * torsion)
 
     fatigue = Fatigue(mises(600.0, 400.0), mises(500.0, 300.0), 30.0 * KPSI, 100.0 * KPSI)
-    limit = endurance_limit(1226e6, 22e-3, "machined", reliability=0.5, turns=True)
+    limit = endurance_limit(1226e6, 22e-3, "machined", reliability=0.5, rotates=True)
     return [
         relative("Goodman, a shaft of 1.073 in", fatigue.safety, 2.0, "1", source.format("7-1 (d)", 178), 1.0),
         relative("endurance limit, SAE 2340", limit / 1e6, 375.0, "MPa", source.format("7-2", 179), 1.0),

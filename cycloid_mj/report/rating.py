@@ -17,7 +17,7 @@ STYLES = {
 def rating_page(rating: Rating) -> str:
     """Return a rating as one HTML page."""
     states = [STYLES[item.judgement(rating.life)] for item in rating.items.values()]
-    table, give = rating.table(), rating.cam_give.table() if rating.cam_give else None
+    table, give = rating.table(), rating.cam_compliance.table() if rating.cam_compliance else None
     return (
         environment()
         .get_template("rating.html")

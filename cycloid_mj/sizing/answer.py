@@ -14,7 +14,7 @@ from cycloid_mj.design import Design, fits
 from cycloid_mj.figures import figure
 from cycloid_mj.life.datasheet import momentary_torque
 from cycloid_mj.life.figures import drive_length
-from cycloid_mj.life.rated import is_held_once, rated_torque
+from cycloid_mj.life.rated import is_momentary, rated_torque
 from cycloid_mj.parts.export.casing import casing, covers_fit
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.sizing.climb import GUESS, Budget, Step, climbed
@@ -681,7 +681,7 @@ def _figures(trial: TorqueTrial) -> Figures:
     speed, life = design.drive.speed, design.service.life
     about, _ = rated_torque(reducer, speed, life, guess=trial.torque, poses=FEW, exact=TOLD)
     lasting, _ = rated_torque(reducer, speed, life, guess=max(about, trial.torque), exact=TOLD)
-    stops = [item.safety or 0.0 for item in rating.items.values() if is_held_once(item.key)] if rating else [0.0]
+    stops = [item.safety or 0.0 for item in rating.items.values() if is_momentary(item.key)] if rating else [0.0]
     momentary = 2.0 * trial.torque * min(stops)
     if momentary < NEARLY * lasting:  # it ends the rated torque: told as the data sheet has it
         momentary, _ = momentary_torque(reducer)

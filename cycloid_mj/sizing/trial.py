@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, replace
 
 from cycloid_mj.base.errors import CycloidError
-from cycloid_mj.life.duty import steady
+from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.item import RatedItem, Rating
 from cycloid_mj.life.items import rate
 from cycloid_mj.life.loading import POSES
@@ -59,7 +59,7 @@ def tried(reducer: Reducer, torque: float, poses: int = FEW) -> TorqueTrial:
     at = reducer.but(drive={"torque": needed, "power": drive.power * needed / drive.torque})
     life = at.design.service.life
     try:
-        rating = rate(at.design, steady(torque, drive.speed), life, poses=poses)
+        rating = rate(at.design, constant_duty(torque, drive.speed), life, poses=poses)
     except CycloidError:
         return TorqueTrial(at, torque, None, NOT_HELD * torque, None, UNKNOWN_WORK)
     work = rating.work * at.design.ring.teeth

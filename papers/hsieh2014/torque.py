@@ -12,8 +12,8 @@ from cycloid_mj.base.units import ARCSECOND
 from cycloid_mj.comparison import settle_run
 from cycloid_mj.design import Design
 from cycloid_mj.life.duty import DutyPoint
-from cycloid_mj.life.emergency_stop import peaks
-from cycloid_mj.life.loading import loading
+from cycloid_mj.life.emergency_stop import rate_emergency_stop
+from cycloid_mj.life.loading import solve_loading
 from cycloid_mj.measure import Measurement
 from cycloid_mj.reducer import Reducer
 from hsieh2014.pictures import pictures
@@ -252,7 +252,7 @@ def _first_yield(design: Design) -> float:
     """Compute the torque on the output [N m] at which the first contact yields."""
     reducer = Reducer(design)
     point = DutyPoint(torque=design.rated_torque, speed=design.drive.speed, share=1.0)
-    items = peaks(reducer, design.rated_torque, loading(reducer, point))
+    items = rate_emergency_stop(reducer, design.rated_torque, solve_loading(reducer, point))
     return next(item.limit for item in items if item.key == "peak_yield")
 
 

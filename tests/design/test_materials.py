@@ -11,7 +11,7 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.checks import check, summary
 from cycloid_mj.design import PARTNERS, PARTS, PRESETS, Design, dump, loads, material_limits, override
 from cycloid_mj.design.materials import DEFAULT, MATERIALS, SOFTEST_METAL
-from cycloid_mj.life.duty import steady
+from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.items import rate
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.parts import mass_properties, parts
@@ -185,4 +185,4 @@ def test_limits_of_plastics_stand_beside_the_figures_that_rest_on_them() -> None
 
 
 def duty_of(design: Design, torque: float):
-    return steady(torque, design.drive.speed)
+    return constant_duty(torque, design.drive.speed)

@@ -11,9 +11,9 @@ from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.figures import figure
 from cycloid_mj.life import Duty, DutyPoint, rate, rolling
 from cycloid_mj.life.bearings import bearing_forces, bearing_load, bearing_losses, bearings_of
-from cycloid_mj.life.duty import steady
+from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.figures import FULL_COMPLEMENT, SPEED_FACTOR
-from cycloid_mj.life.loading import loading
+from cycloid_mj.life.loading import solve_loading
 from cycloid_mj.parts.export import cam_bearing
 from cycloid_mj.reducer import Reducer
 
@@ -99,7 +99,7 @@ def test_equivalent_load_has_the_exponent_of_its_bearing() -> None:
 def test_bearings_of_shaft_and_output_heat_the_housing() -> None:
     """mu F d/2 w by hand: 0.002, the mean force, the bore of 16 mm, 171.74 rad/s; all losses heat the housing."""
     reducer = Reducer(PIN)
-    one = loading(reducer, steady(PIN.rated_torque, PIN.drive.speed).points[0])
+    one = solve_loading(reducer, constant_duty(PIN.rated_torque, PIN.drive.speed).points[0])
     lost = bearing_losses(reducer, one)
     near = float(bearing_forces(reducer, "shaft_bearing_near", one).mean())
     assert near == pytest.approx(2276.0, rel=0.01)

@@ -20,7 +20,7 @@ from cycloid_mj.design import PRESETS
 from cycloid_mj.figures import figure
 from cycloid_mj.life import rate
 from cycloid_mj.life.datasheet import Datasheet, axial_extent, datasheet, input_inertia, life_curve
-from cycloid_mj.life.duty import steady
+from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.parts import mass_properties, parts
 from cycloid_mj.parts.cut import cut
@@ -48,7 +48,7 @@ def told(sheet: Datasheet) -> dict[str, Quantity]:
 def test_the_rated_torque_is_just_borne(sheet) -> None:
     """At that torque what decides it lasts as long as asked, and nothing but wear and stops is weaker."""
     torque = told(sheet)["rated_torque"].value
-    found = rate(PIN, steady(torque, PIN.drive.speed), sheet.life)
+    found = rate(PIN, constant_duty(torque, PIN.drive.speed), sheet.life)
     steadily = {key: item for key, item in found.items.items() if not key.startswith("peak_")}
     deciding = next(item for key, item in steadily.items() if not key.endswith(("_wear", "_pv", "_static")))
     assert deciding.key == "pin_gear_pitting"
@@ -92,7 +92,7 @@ def test_a_longer_life_is_asked_of_a_smaller_torque() -> None:
 
 
 def test_what_bears_nothing_for_so_long_says_so() -> None:
-    with pytest.raises(DesignError, match=r"no torque down to .* is borne for 1e\+20 h"):
+    with pytest.raises(DesignError, match=r"no torque down to .* is rated for 1e\+20 h"):
         rated_torque(Reducer(PIN), PIN.drive.speed, 1e20)
 
 
@@ -108,7 +108,7 @@ def test_the_rated_torque_is_held_once_as_well() -> None:
     for design in (soft, PIN):
         rated, momentary = (told(datasheet(Reducer(design), 10.0))[key] for key in ("rated_torque", "momentary_torque"))
         assert rated.value <= momentary.value
-        assert "safety 1" in rated.note
+        assert "safety factor 1" in rated.note
         assert "safety 1" in momentary.note
 
 

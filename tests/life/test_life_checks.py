@@ -9,9 +9,9 @@ from cycloid_mj.base.judgement import Judgement
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.life import rate
-from cycloid_mj.life.bearing_compliance import CamGive, Give
+from cycloid_mj.life.bearing_compliance import CamCase, CamCompliance
 from cycloid_mj.life.checks import check_design, checks_of_rating, life_checks, life_remedies
-from cycloid_mj.life.duty import steady
+from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.life.surfaces import set_hours
 from cycloid_mj.reducer import Reducer
@@ -47,7 +47,7 @@ def test_a_plastic_takes_a_set_as_its_creep_modulus_falls() -> None:
 def test_a_plastic_is_held_once_to_its_set() -> None:
     soft = override(PIN, {"gear_material.name": "POM", "drive.torque_nm": 0.1})
     items = rate(soft).items
-    at_it = rate(soft, steady(items["peak_yield"].limit, soft.drive.speed), give=False).items
+    at_it = rate(soft, constant_duty(items["peak_yield"].limit, soft.drive.speed)).items
     assert at_it["pin_gear_set"].value == pytest.approx(SHAKEDOWN_PRESSURE * 64.0, rel=2e-3)
 
 
@@ -57,7 +57,7 @@ def test_an_emergency_stop_is_the_same_whatever_the_load(name: str) -> None:
     design = PRESETS[name]
     capacity = sheet(Reducer(design)).quantities["capacity"].value
     for share in (0.03, 1.0):
-        stops = rate(design, steady(share * design.rated_torque, design.drive.speed), give=False).items
+        stops = rate(design, constant_duty(share * design.rated_torque, design.drive.speed)).items
         assert stops["peak_yield"].limit == pytest.approx(capacity, rel=0.005)
 
 
@@ -107,10 +107,10 @@ def test_a_longer_life_is_asked_for_by_the_design() -> None:
 
 def test_a_life_that_no_give_of_the_cam_ends_is_told_once() -> None:
     """It read "its life unlimited to unlimited"."""
-    rows = tuple(Give("as assumed", 1e9, load, life) for load, life in ((40.0, 1e12), (44.0, 2e12)))
-    assert "its life unlimited over the stiffness" in CamGive(rows).words
-    shorter = (*rows, Give("stiffer", 1e10, 50.0, 500.0))
-    assert "its life 500 h to unlimited over" in CamGive(shorter).words
+    rows = tuple(CamCase("as assumed", 1e9, load, life) for load, life in ((40.0, 1e12), (44.0, 2e12)))
+    assert "its life unlimited, over the range" in CamCompliance(rows).words
+    shorter = (*rows, CamCase("stiffer", 1e10, 50.0, 500.0))
+    assert "its life 500 h to unlimited, over" in CamCompliance(shorter).words
 
 
 def test_python_and_terminal_judge_alike() -> None:

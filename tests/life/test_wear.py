@@ -9,8 +9,8 @@ from cycloid_mj.design import PRESETS, override
 from cycloid_mj.geometry import profile
 from cycloid_mj.life import loading as life_loading
 from cycloid_mj.life import rate
-from cycloid_mj.life.duty import steady
-from cycloid_mj.life.loading import SECTORS, Loading, loading
+from cycloid_mj.life.duty import constant_duty
+from cycloid_mj.life.loading import SECTORS, Loading, solve_loading
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import powers
 
@@ -19,7 +19,7 @@ PIN = PRESETS["pin"]
 
 def loaded(reducer: Reducer, poses: int = 181) -> Loading:
     design = reducer.design
-    return loading(reducer, steady(design.rated_torque, design.drive.speed).points[0], poses, stops=False)
+    return solve_loading(reducer, constant_duty(design.rated_torque, design.drive.speed).points[0], poses, stops=False)
 
 
 def test_flank_is_divided_as_long_as_it_is() -> None:
@@ -37,9 +37,9 @@ def test_flank_is_divided_as_long_as_it_is() -> None:
 def test_densest_place_of_an_even_surface_is_its_mean() -> None:
     angle = np.linspace(0.0, 2.0 * math.pi, 10 * SECTORS, endpoint=False)[:, np.newaxis] + 1e-6
     power = np.full_like(angle, 3.0)
-    assert life_loading._densest(power, angle, np.full(SECTORS, 2.0 / SECTORS)) == pytest.approx(1.5)
+    assert life_loading._largest_density(power, angle, np.full(SECTORS, 2.0 / SECTORS)) == pytest.approx(1.5)
     half = np.where(angle < math.pi, 3.0, 0.0)  # one flank alone: twice the mean
-    assert life_loading._densest(half, angle, np.full(SECTORS, 2.0 / SECTORS)) == pytest.approx(1.5)
+    assert life_loading._largest_density(half, angle, np.full(SECTORS, 2.0 / SECTORS)) == pytest.approx(1.5)
     assert half.mean() / 2.0 == pytest.approx(0.75)
 
 
@@ -52,7 +52,7 @@ def test_holes_wear_pi_times_their_mean_under_a_half_sine() -> None:
         stiffness={"cam": 1e12},
         drive={"speed": 1.0},
     )
-    rub = loaded(Reducer(ideal), 721).rubs["output"]
+    rub = loaded(Reducer(ideal), 721).sliding["output"]
     around = 2.0 * math.pi * ideal.output.hole_radius * ideal.output.pins
     assert rub.density * around / rub.power == pytest.approx(math.pi, rel=0.02)
 
@@ -63,7 +63,7 @@ def test_flank_wears_where_its_contacts_dwell(name: str, times: float) -> None:
     reducer = Reducer(PRESETS[name])
     design = reducer.design
     length = profile.arc_length(reducer.gear_profile, 2.0 * math.pi, reducer.profile_offset) * design.gear.discs
-    coarse, fine = (loaded(reducer, poses).rubs["pin_gear"] for poses in (181, 721))
+    coarse, fine = (loaded(reducer, poses).sliding["pin_gear"] for poses in (181, 721))
     assert coarse.density * length / coarse.power == pytest.approx(times, rel=0.01)
     assert fine.density == pytest.approx(coarse.density, rel=0.03)
     item = rate(design, stops=False).items["pin_gear_wear"]
@@ -82,7 +82,7 @@ def test_sleeves_slip_at_their_bore() -> None:
     )
     ring, one = sleeved.design.ring, loaded(sleeved, 61)
     assert ring.pin_radius / ring.sleeve_bore_radius == pytest.approx(14.0 / 11.0)
-    rub = one.rubs["pin_sleeve"]
+    rub = one.sliding["pin_sleeve"]
     lost = powers(sleeved, sleeved.design.rated_torque).friction["teeth"]
     assert sleeved.design.friction_of("pin_sleeve") * rub.power == pytest.approx(lost, rel=1e-3)
     assert rub.density == pytest.approx(rub.power / (2.0 * math.pi * ring.sleeve_bore_radius * ring.teeth))
