@@ -93,7 +93,7 @@ def part_compliances(kind: str) -> dict[str, Any]:
     from cycloid_mj.stress.springs import part_springs
 
     springs = part_springs(Reducer(cm.load("printed").but(ring={"kind": kind})), read_mounts(MOUNTS))
-    return {"parts": dict(springs.given), "interval": springs.interval}
+    return {"parts": dict(springs.compliance), "interval": springs.interval}
 
 
 def rubbing() -> dict[str, Any]:

@@ -34,7 +34,7 @@ def outcome_of(studies: "Sequence[StressStudy]", place: Destination, figures: Se
     from cycloid_mj.base.frame import framed
     from cycloid_mj.figures import values_json
     from cycloid_mj.stress.figures import of_study
-    from cycloid_mj.stress.findings import BOUND
+    from cycloid_mj.stress.findings import MAX_CHANGE
 
     findings = [study.findings for study in studies]
     judged = stress_claims(studies)
@@ -62,12 +62,12 @@ def outcome_of(studies: "Sequence[StressStudy]", place: Destination, figures: Se
         ]
         + [
             (
-                f"{one.design} {part.part}: not converged to {100 * BOUND:g} % in one more refinement; run it "
+                f"{one.design} {part.part}: not converged to {100 * MAX_CHANGE:g} % in one more refinement; run it "
                 "without --quick, or use --solid"
             )
             for one in findings
             for part in one.parts
-            if not part.refinement.holds
+            if not part.refinement.converged
         ],
         tables=[*_tables(findings), *_claim_tables(judged)],
         notes=[*_notes(findings), *_claim_notes(judged, any(one.references for one in findings))],
@@ -149,14 +149,14 @@ def _tables(findings: "Iterable[StressFindings]") -> Iterator[Table]:
 
 def _notes(findings: "Sequence[StressFindings]") -> Iterator[str]:
     from cycloid_mj.stress.findings import ASSUMPTIONS
-    from cycloid_mj.stress.table import notes_beside
+    from cycloid_mj.stress.table import part_notes
 
     yield (
         "bulk: where the largest stress is on its plateau, at the distance d from narrow contacts; to 2d: its decrease"
     )
     for one in findings:
         for part in one.parts:
-            yield from notes_beside(part)
+            yield from part_notes(part)
         balance = ", ".join(f"{part.part} {100 * part.imbalance:.2g} %" for part in one.parts)
         yield f"{one.design}, force imbalance relative to the largest force: {balance}"
     yield from (f"assumed: {text}" for text in ASSUMPTIONS)

@@ -15,7 +15,7 @@ from cycloid_mj.base.units import MEGAPASCAL, MILLIMETRE
 from cycloid_mj.plots.comparison import COLORS
 from cycloid_mj.plots.style import BLACK, GREY, crank_axis, keys, sheet, styled
 from cycloid_mj.stress.field import StressMap
-from cycloid_mj.stress.findings import BOUND, StressFindings
+from cycloid_mj.stress.findings import MAX_CHANGE, StressFindings
 from cycloid_mj.stress.grid import Grid
 
 Entries = list[tuple[str, dict[str, Any]]]
@@ -125,13 +125,13 @@ def refinement_figure(findings: Sequence[StressFindings]) -> Figure:
                 markersize=4.0,
                 **_look(number),
             )
-    axes.axhspan(-100 * BOUND, 100 * BOUND, color="#EFEFEF", zorder=0)
+    axes.axhspan(-100 * MAX_CHANGE, 100 * MAX_CHANGE, color="#EFEFEF", zorder=0)
     axes.axhline(0.0, color=BLACK, linewidth=0.5)
     axes.set_xscale("log")
     axes.margins(x=0.05)
     axes.set_xlabel("unknowns")
     axes.set_ylabel("largest bulk stress relative to the finest grid [%]")
-    axes.set_title(f"Mesh refinement; allowed change per refinement: {100 * BOUND:g} % (grey)")
+    axes.set_title(f"Mesh refinement; allowed change per refinement: {100 * MAX_CHANGE:g} % (grey)")
     parts = dict.fromkeys(part.part for each in findings for part in each.parts)
     entries: Entries = [(each.design, {"color": _color(number)}) for number, each in enumerate(findings)]
     entries += [(TITLES[part], {"color": GREY, "marker": marks[part], **MARK}) for part in parts]

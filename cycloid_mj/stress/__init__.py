@@ -1,10 +1,10 @@
-"""Finite elements on every part under the loads of a logged run: ``PartLoads`` -> ``PartStress`` and ``StressMap``.
+"""Finite elements of each part under the loads of a logged run: ``PartLoads`` -> ``PartStress`` and ``StressMap``.
 
-A part is meshed once and factorised once; every crank angle is one right-hand side::
+A part is meshed and factorised once. Each crank angle is a right-hand side::
 
     settings = GridSettings(refinement=1.0)          # one number is a refinement study
     grid = part_grid(design, "gear", settings)       # planar, quadratic triangles; "shaft" is tetrahedra
-    found = solve(design, grid, loads)               # PartStress: maxima at each of the k angles
+    stress = solve(design, grid, loads)              # PartStress: maxima at each of the k angles
     picture = stress_map(design, grid, loads, 74)    # StressMap: fields at the angle of that index
     Path("gear.vtu").write_bytes(as_vtu(picture))
 
@@ -13,8 +13,8 @@ A part is meshed once and factorised once; every crank angle is one right-hand s
     ``settings.solid``), or "shaft" (3-D).
     ``focus`` refines around given contacts: rows (x, y, edge length) [m].
 ``solve(design, grid, loads)``
-    ``bulk_stress`` (k,) [Pa] is the largest von Mises stress farther than ``bulk_distance`` [m] from every loaded
-    patch (and from the sharp inner corners of the shaft), ``bulk_place`` (k, d) where it sits.
+    ``bulk_stress`` (k,) [Pa] is the largest von Mises stress farther than ``bulk_distance`` [m] from all loaded
+    patches (and from the sharp inner corners of the shaft), ``bulk_place`` (k, d) its position.
 """
 
 from importlib import import_module
@@ -47,7 +47,7 @@ _ORIGINS = {
     "part_grid": "part",
     "as_vtu": "vtu",
 }
-"""Module of each public name: notches and measures of the shaft are wanted where no finite element is."""
+"""Module of each public name; imported on use, since notches and shaft measures are needed without finite elements."""
 
 
 def __getattr__(name: str) -> Any:

@@ -1,8 +1,8 @@
-"""Where contact stress ends and bulk stress begins: the plateau of the largest stress against the distance.
+"""Distance at which contact stress ends and bulk stress begins: the plateau of the largest stress over the distance.
 
-Near a narrow patch stress falls as 1/distance (Flamant), so the largest stress beyond any one distance from the patches
-would tell that distance. What the part bears as a whole shows as a plateau of that largest stress, over a ladder of
-distances. Conformal patches, over which stress is spread, belong to the bulk; sharp inner corners do not.
+Near a narrow patch stress falls as 1/distance (Flamant), so the largest stress beyond a fixed distance from the patches
+would depend on that distance. The stress of the part itself is a plateau of that maximum over a ladder of distances.
+Conformal patches, over which stress is distributed, belong to the bulk; sharp inner corners do not.
 """
 
 from dataclasses import dataclass
@@ -15,37 +15,37 @@ from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.stress.case import LoadCase
 from cycloid_mj.stress.grid import Grid
 
-RUNG = np.sqrt(2.0)
+LADDER_RATIO = np.sqrt(2.0)
 """Ratio of neighbouring distances of the ladder."""
 
-OCTAVE = 2
-"""Rungs to twice the distance."""
+RUNGS_PER_OCTAVE = 2
+"""Rungs of the ladder to twice the distance."""
 
-FLAT = 0.05
-"""The largest stress stands on a plateau where it falls by less than this share to the next rung."""
+MAX_PLATEAU_DROP = 0.05
+"""Relative drop of the largest stress to the next rung below which it is on a plateau."""
 
 MOST_RUNGS = 16
 
 BANDS = np.append(0.35 ** np.arange(1, 5), 0.0)
-"""Shares of a part's largest stress: nodes are looked at from each down to the next until the largest are found."""
+"""Shares of a part's largest stress: nodes are searched from each down to the next until the maxima are known."""
 
 
 @dataclass(frozen=True)
 class Distances:
-    """How far each node of a part lies from narrow patches, at each of its k angles, and which lie at sharp corners.
+    """Distance of each node of a part from narrow patches at k angles, and which nodes are at sharp corners.
 
     Attributes
     ----------
     points
         Nodes (n, d) [m].
     outside
-        How far each node lies, along z, from the heights where contact forces act (n,) [m]; 0 in a plane.
+        Distance of each node along z from the heights at which contact forces act (n,) [m]; 0 in a plane.
     patches, ends
-        Centres of narrow patches (p, 2) [m] in the order of their angles, and where those of each angle begin (k + 1,).
+        Centres of narrow patches (p, 2) [m] in the order of their angles, and first index of each angle (k + 1,).
     at_corner
-        Whether each node lies so near to a sharp corner that it is never in the bulk (n,).
+        Whether each node is so near to a sharp corner that it is never in the bulk (n,).
     vertices
-        So many of the nodes, the first, are corners of elements.
+        Number of nodes, the first, that are corners of elements.
     """
 
     points: Array
@@ -83,20 +83,20 @@ def distances_of(grid: Grid, case: LoadCase) -> Distances:
 
 
 def ladder(distances: Distances, start: float) -> Array:
-    """Find the distances [m] (s,), from half the start on, beyond which something of the part is left at every angle.
+    """Return the distances [m] (s,), from half the start on, beyond which a part has nodes at each angle.
 
-    The last is the farthest such distance where that lies before the start.
+    If the farthest such distance is below the start, it is the last.
     """
-    rungs = start / 2.0 * RUNG ** np.arange(MOST_RUNGS)
+    rungs = start / 2.0 * LADDER_RATIO ** np.arange(MOST_RUNGS)
     kept = rungs[rungs <= distances.farthest()]
-    return kept if len(kept) > OCTAVE else np.append(kept, distances.farthest() * (1.0 - 1e-9))
+    return kept if len(kept) > RUNGS_PER_OCTAVE else np.append(kept, distances.farthest() * (1.0 - 1e-9))
 
 
 def largest(around: Distances, distances: Array, angle: int, stress: Array) -> tuple[Array, Integers]:
     """Compute the largest von Mises stress [Pa] (s,) beyond each distance at an angle, and its node (s,).
 
-    `stress` is that of all nodes, (n,). Those of the largest are looked at first, and others only for distances beyond
-    which none of these lies.
+    `stress` is that of all nodes, (n,). Nodes with the largest stress are searched first, and others only for distances
+    beyond which there is none of these.
     """
     chosen, missing = np.zeros(len(distances), np.int64), np.arange(len(distances))
     top = np.inf
@@ -113,14 +113,13 @@ def largest(around: Distances, distances: Array, angle: int, stress: Array) -> t
 
 
 def plateau(sizes: Array, first: int) -> int:
-    """Find the rung where the largest stresses (s,) of a turn stand on a plateau, from the first one on.
+    """Return the rung, from the first on, at which the largest stresses (s,) of a turn reach a plateau.
 
-    It is the first that the next one falls short of by less than `FLAT`; where there is none, the one before the
-    smallest fall.
+    It is the first rung with a drop below `MAX_PLATEAU_DROP` to the next, or that before the smallest drop.
     """
     first = min(first, len(sizes) - 1)
     falls = 1.0 - sizes[first + 1 :] / np.maximum(sizes[first:-1], np.finfo(float).tiny)
-    flat = np.flatnonzero(falls < FLAT)
+    flat = np.flatnonzero(falls < MAX_PLATEAU_DROP)
     if len(flat):
         return first + int(flat[0])
     return first + int(falls.argmin()) if len(falls) else first
@@ -128,5 +127,5 @@ def plateau(sizes: Array, first: int) -> int:
 
 def fall(sizes: Array, rung: int) -> float:
     """Compute how far the largest stress falls from a rung to twice its distance, as a share; 1 for nothing left."""
-    beyond = sizes[rung + OCTAVE] if rung + OCTAVE < len(sizes) else 0.0
+    beyond = sizes[rung + RUNGS_PER_OCTAVE] if rung + RUNGS_PER_OCTAVE < len(sizes) else 0.0
     return float(1.0 - beyond / sizes[rung]) if sizes[rung] > 0.0 else 0.0

@@ -19,14 +19,14 @@ from cycloid_mj.stress.region import material_of
 
 @dataclass(frozen=True)
 class Response:
-    """What a part answers to its loads at c angles.
+    """Response of a part to its loads at c angles.
 
     Attributes
     ----------
     forces, moved
-        Loads on its unknowns (n, c) [N] that it is in balance under, and displacements (n, c) [m].
+        Balanced loads on its unknowns (n, c) [N], and displacements (n, c) [m].
     imbalance
-        What was out of balance (c, r), as of ``elastic.balanced``.
+        Imbalance of the loads (c, r), as of ``elastic.balance_loads``.
     reaction
         Resultants of the supports (c, r), as of ``elastic.reactions``.
     moments
@@ -49,12 +49,11 @@ class LoadCase:
     body
         The factorised part.
     response
-        Answers the loads at the angles of given indices (c,).
+        Function from indices of angles (c,) to the response.
     angles
-        How many there are.
+        Number of angles.
     angle, points
-        Centres (p, 2) [m] of narrow patches, about which stress falls as 1/distance, and the index of the angle (p,) of
-        each.
+        Index of the angle (p,) and centre (p, 2) [m] of each narrow patch, about which stress falls as 1/distance.
     """
 
     body: ElasticBody
@@ -70,7 +69,7 @@ def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     A moment that is carried elsewhere is the support's: the output's load torque acts at its hub.
     """
     put = patches(grid if grid.section is None else grid.section.grid, loads)
-    pressed = put.loads if grid.section is None else _lifted(grid.section, loads)
+    pressed = put.loads if grid.section is None else _extrude_loads(grid.section, loads)
     part = elastic.body(grid, material_of(reducer, grid.part))
     mass, shares = elastic.mass_loads(part, grid.points), mass_coefficients(loads)
     of_pressed, imbalance = elastic.balancing(part, pressed)
@@ -89,8 +88,8 @@ def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     return LoadCase(part, response, len(loads.angle), put.angle, put.points)
 
 
-def _lifted(section: SectionGrid, loads: PartLoads) -> Any:
-    """Put the forces of each disc on a solid at the disc's own heights, sparse (n, k)."""
+def _extrude_loads(section: SectionGrid, loads: PartLoads) -> Any:
+    """Distribute the forces of each disc over its own heights on a solid, sparse (n, k)."""
     discs = np.array([disc_of(label) for label in loads.labels])
     lifted = [
         lift @ patches(section.grid, loads if len(section.lifts) == 1 else of_contacts(loads, discs == disc)).loads

@@ -1,6 +1,6 @@
-"""Stress of line contacts in closed form (Hertz), which stands beside the bulk stress of the finite elements.
+"""Stress of line contacts in closed form (Hertz), reported separately from the bulk stress of the finite elements.
 
-A grid that does not resolve a patch of some ten micrometres tells neither, so the two are stated apart.
+A grid that does not resolve a patch of some ten micrometres shows neither of them.
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress.loads import PartLoads
 from cycloid_mj.stress.region import material_of
 
-DEEPEST = 3.0
+MAX_DEPTH = 3.0
 """The largest von Mises stress of any material lies within this depth, in half widths."""
 
 
@@ -31,10 +31,10 @@ class LineStress:
 
 
 def line_stress(loads: PartLoads, reducer: Reducer) -> LineStress:
-    """Compute the stress of every contact of a part by Hertz, as far as he holds.
+    """Compute the stress of each contact of a part by Hertz, where his theory is valid.
 
-    A contact that is conformal where it is pressed most has no figures at all, else that of a lesser force would stand
-    for the largest.
+    A contact that is conformal at its largest force has no stress at any angle, since the value at a smaller force
+    would appear to be its largest.
     """
     worst = np.argmax(loads.pressure, axis=0)
     holds = loads.hertz & loads.hertz[worst, np.arange(len(loads.labels))]
@@ -58,6 +58,6 @@ def von_mises_below(depth: npt.ArrayLike, poisson: float) -> Array:
 
 @cache
 def largest_von_mises(poisson: float) -> tuple[float, float]:
-    """Find the largest von Mises stress below a line contact over p0, and its depth over b: 0.558 at 0.70 for 0.3."""
-    deepest = minimize_scalar(lambda z: -float(von_mises_below(z, poisson)), bounds=(0.0, DEEPEST), method="bounded")
+    """Compute the largest von Mises stress below a line contact over p0, and its depth over b (0.558, 0.7 for 0.3)."""
+    deepest = minimize_scalar(lambda z: -float(von_mises_below(z, poisson)), bounds=(0.0, MAX_DEPTH), method="bounded")
     return float(-deepest.fun), float(deepest.x)

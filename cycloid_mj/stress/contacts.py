@@ -1,6 +1,6 @@
-"""Contacts of each part along a crank turn: forces in the part's frame, where they act, and how sharply.
+"""Contacts of each part along a crank turn: forces in the part's frame, positions, and widths of their patches.
 
-Where a force acts is where its line of action, from force and moment, meets the surface that it presses on.
+A force acts where its line of action, from force and moment, intersects the surface on which it presses.
 """
 
 from collections.abc import Sequence
@@ -34,16 +34,16 @@ from cycloid_mj.reducer.sockets import wall_radius
 from cycloid_mj.stress.flank import lobe_lines, lobe_place
 from cycloid_mj.stress.turn import Turn
 
-WIDEST = np.pi / 3
+MAX_HALF_ANGLE = np.pi / 3
 """Largest half width of a patch [rad of the thinner body]; assumed.
 
-A cylinder in a hole with little clearance touches that arc, where Hertz's strip would be wider than the cylinder; and
-so does a roller bearing with its loaded half.
+A cylinder in a hole with little clearance touches that arc, where Hertz's strip would be wider than the cylinder. The
+same applies to the loaded half of a roller bearing.
 """
 
 
-NEGLIGIBLE = 1e-9
-"""A force below this share of the turn's largest is rounding and is left out."""
+FORCE_ROUNDING = 1e-9
+"""Force relative to the largest of the turn below which it is rounding and set to zero."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ class Action:
 
     def without_rounding(self) -> "Action":
         """Compute the action with negligible forces set to zero."""
-        return self.where(self.size > NEGLIGIBLE * np.max(self.size, initial=0.0))
+        return self.where(self.size > FORCE_ROUNDING * np.max(self.size, initial=0.0))
 
     def where(self, chosen: Mask) -> "Action":
         """Compute the action at the chosen samples (k,), and no force at the others."""
@@ -96,12 +96,12 @@ class Action:
         return self._on_circle(centre, radius, half_width, -1.0)
 
     def _on_circle(self, centre: Array, radius: float, half_width: Array | float, side: float) -> Array:
-        """Compute the middle of a patch of a half width [m] on a circle.
+        """Compute the middle of a patch with a half width [m] on a circle.
 
-        A narrow patch lies where the line of action meets the circle. The tractions of a wide one point in many
-        directions: for the same force they add up to more, and so does the moment of friction. Their resultant acts at
-        a larger radius (the friction radius of a journal bearing), where the line of action is met. A line that misses
-        the circle by rounding touches it.
+        A narrow patch is at the intersection of the line of action with the circle. The tractions of a wide patch have
+        many directions, so that for the same force their sum, and the moment of friction, is larger. The resultant then
+        acts at a larger radius (the friction radius of a journal bearing), which is intersected instead. A line that
+        misses the circle by rounding touches it.
         """
         along = self.direction
         out = self.foot - centre
@@ -116,12 +116,12 @@ class Action:
 class HertzStrip:
     """Hertz's line contact along a turn of k samples: peak `pressure` [Pa] (k,), `half_width` [m] (k,) of its strip.
 
-    `holds` (k,): whether he does; not where the contact is conformal, the numbers are then no more than formal.
+    `valid` (k,): whether his theory applies. It does not where the contact is conformal; the values are then formal.
     """
 
     pressure: Array
     half_width: Array
-    holds: Mask
+    valid: Mask
 
 
 @dataclass(frozen=True)
@@ -135,11 +135,11 @@ class PartContact:
     action
         The force on the part and its moment about the origin, in the part's frame.
     place
-        Where it acts [m], shape (k, 2); nan where there is no force.
+        Position of the force [m], shape (k, 2); NaN where there is no force.
     half_width
         Half width of its patch on the part [m], shape (k,): Hertz's, or that of a conformal contact.
     line
-        The line contact in it that bears most.
+        The line contact in it with the largest load.
     """
 
     name: str
@@ -161,8 +161,8 @@ class PartFrame:
         return turned(points - self.origin, -self.angle)
 
 
-def frame(turn: Turn, part: str) -> PartFrame:
-    """Return the frame of a part, that of its solid, as it moves."""
+def part_frame(turn: Turn, part: str) -> PartFrame:
+    """Return the moving frame of a part, which is that of its solid."""
     still = np.zeros_like(turn.angle)
     fixed = np.zeros((still.size, 2))
     if part in turn.reducer.gears:
@@ -185,21 +185,21 @@ def contacts(turn: Turn, part: str) -> list[PartContact]:
 
 
 def half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | float, radius: float) -> Array:
-    """Compute Hertz's half width [m] in a kind of pair under a force [N], by its relative curvature [1/m].
+    """Compute Hertz's half width [m] in a kind of pair under a force [N], from its relative curvature [1/m].
 
-    `radius` is that of the thinner body [m].
+    `radius` is the radius of the thinner body [m].
     """
     length, modulus = reducer.design.gear.face_width, reducer.contacts[kind].modulus
-    conformal = 4.0 * force / (np.pi * length * modulus * (WIDEST * radius) ** 2)
+    conformal = 4.0 * force / (np.pi * length * modulus * (MAX_HALF_ANGLE * radius) ** 2)
     bounded = np.maximum(curvature, np.maximum(conformal, np.finfo(float).tiny))
     return hertz_line_contact(force, length, bounded, modulus).half_width
 
 
-def line(reducer: Reducer, kind: str, force: Array, curvature: Array | float | None = None) -> HertzStrip:
-    """Compute the line contact that bears most of the force [N] (k,) on a pair of a kind.
+def line_contact(reducer: Reducer, kind: str, force: Array, curvature: Array | float | None = None) -> HertzStrip:
+    """Compute the most loaded line contact of a pair of a kind under forces [N] (k,).
 
-    `curvature` [1/m] is that of a tooth; other kinds have one of their own. It is the same line, and the same pressure,
-    that ``measure loads`` gives: of a rolling cam, that of the most loaded roller.
+    `curvature` [1/m] is that of a tooth; other kinds have a constant curvature. Line and pressure are those of
+    ``measure loads``: of a rolling cam, those of the most loaded roller.
     """
     contact = reducer.contacts[kind]
     bend = contact.curvature if curvature is None else curvature
@@ -244,7 +244,7 @@ def _discs(turn: Turn) -> range:
 
 def _disc(turn: Turn, disc: int) -> PartFrame:
     """Return the frame of a disc."""
-    return frame(turn, turn.reducer.gears[disc])
+    return part_frame(turn, turn.reducer.gears[disc])
 
 
 def _tooth_frame(turn: Turn, disc: int) -> PartFrame:
@@ -288,7 +288,7 @@ def _teeth(turn: Turn, part: str, disc: int) -> list[PartContact]:
         turn.reducer.gear_profile,
         turn.reducer.profile_offset,
     )
-    on_teeth, seat, phase = _tooth_frame(turn, disc), frame(turn, part), turn.reducer.phases[disc]
+    on_teeth, seat, phase = _tooth_frame(turn, disc), part_frame(turn, part), turn.reducer.phases[disc]
     lines, curvatures = lobe_lines(gear, turn["crank_angle"] + phase)
     ahead = on_teeth.angle + (turn["crank_angle"] + phase) / gear.lobes
     contacts = []
@@ -303,18 +303,19 @@ def _teeth(turn: Turn, part: str, disc: int) -> list[PartContact]:
         if part == "ring":
             place, action = place + on_teeth.origin, action.reaction()
         width = half_width(turn.reducer, "tooth", action.size, curvature, gear.pin_radius)
-        pressed = line(turn.reducer, "tooth", action.size, curvature)
+        pressed = line_contact(turn.reducer, "tooth", action.size, curvature)
         contacts.append(PartContact(_called(turn, name, disc), _in(seat, action), place, width, pressed))
     return contacts
 
 
 def _pin_on_gear(turn: Turn, pin: int, disc: int) -> PartContact:
+    """Return the contact of a ring pin with a disc, on the disc."""
     gear, seat, name = turn.reducer.gear_profile, _disc(turn, disc), numbered(PIN, pin + 1)
     action = _in(seat, _on_gear(turn, name, disc))
     place = action.on_hole(seat.sees(pin_centre(turn, pin)), gear.pin_radius + turn.reducer.deviations.pin_radius[pin])
     curvature = _pin_curvature(gear, pin, _tooth_frame(turn, disc).angle, turn.reducer.profile_offset)
     width = half_width(turn.reducer, "pin_gear", action.size, curvature, gear.pin_radius)
-    pressed = line(turn.reducer, "pin_gear", action.size, curvature)
+    pressed = line_contact(turn.reducer, "pin_gear", action.size, curvature)
     return PartContact(_called(turn, name, disc), action, place, width, pressed)
 
 
@@ -323,7 +324,7 @@ def _cam_in_bore(turn: Turn, disc: int) -> PartContact:
     radius = turn.reducer.design.gear.bore_radius + turn.reducer.design.clearance.cam
     width = _cam_width(turn, action)
     place = action.on_hole(np.zeros(2), radius, width)
-    return PartContact(_called(turn, CAM, disc), action, place, width, line(turn.reducer, "cam", action.size))
+    return PartContact(_called(turn, CAM, disc), action, place, width, line_contact(turn.reducer, "cam", action.size))
 
 
 def _holes(turn: Turn, disc: int) -> list[PartContact]:
@@ -336,51 +337,52 @@ def _holes(turn: Turn, disc: int) -> list[PartContact]:
         name = numbered(OUTPUT_PIN, number)
         action = _in(seat, _on_gear(turn, name, disc))
         width = _hole_width(turn, action)
-        place, pressed = action.on_hole(centre, radius, width), line(turn.reducer, "output", action.size)
+        place, pressed = action.on_hole(centre, radius, width), line_contact(turn.reducer, "output", action.size)
         contacts.append(PartContact(_called(turn, name, disc), action, place, width, pressed))
     return contacts
 
 
 def _of_output(turn: Turn) -> list[PartContact]:
     """List the output pins' contacts: on the pins themselves, or handed on by the bores of rollers to their cores."""
-    output, seat = turn.reducer.design.output, frame(turn, "output")
+    output, seat = turn.reducer.design.output, part_frame(turn, "output")
     radius = output.root_radius
     contacts = []
     for disc, (number, centre) in product(_discs(turn), enumerate(output_centres(turn.reducer), start=1)):
         name = numbered(OUTPUT_PIN, number)
         action = _in(seat, _on_gear(turn, name, disc).reaction())
-        width = np.full_like(action.size, WIDEST * radius) if output.rollers else _hole_width(turn, action)
-        place, pressed = action.on_disc(centre, radius, width), line(turn.reducer, "output", action.size)
+        width = np.full_like(action.size, MAX_HALF_ANGLE * radius) if output.rollers else _hole_width(turn, action)
+        place, pressed = action.on_disc(centre, radius, width), line_contact(turn.reducer, "output", action.size)
         contacts.append(PartContact(_called(turn, name, disc), action, place, width, pressed))
     return contacts
 
 
 def _of_shaft(turn: Turn) -> list[PartContact]:
-    gear, seat, errors = turn.reducer.design.gear, frame(turn, "shaft"), turn.reducer.deviations
+    """List the contacts of the shaft: its cams in the bores of the discs."""
+    gear, seat, errors = turn.reducer.design.gear, part_frame(turn, "shaft"), turn.reducer.deviations
     contacts = []
     for disc, phase in enumerate(turn.reducer.phases):
         action = _in(seat, _on_gear(turn, CAM, disc).reaction())
         width = _cam_width(turn, action)
         centre = (gear.eccentricity + errors.eccentricity) * unit(-phase) + errors.cam_place[disc]
-        place, pressed = action.on_disc(centre, gear.bore_radius, width), line(turn.reducer, "cam", action.size)
+        place, pressed = action.on_disc(centre, gear.bore_radius, width), line_contact(turn.reducer, "cam", action.size)
         contacts.append(PartContact(_called(turn, CAM, disc), action, place, width, pressed))
     return contacts
 
 
 def _of_pin(turn: Turn) -> list[PartContact]:
     """List the contacts of pin 1: each disc, and its socket, which carries all of them where the pin is pressed in."""
-    gear, seat, centre = turn.reducer.gear_profile, frame(turn, "pin_1"), np.zeros(2)
+    gear, seat, centre = turn.reducer.gear_profile, part_frame(turn, "pin_1"), np.zeros(2)
     radius, contacts, sockets = gear.pin_radius, [], []
     for disc, name in enumerate(turn.reducer.gears):
         pushed = _in(seat, _on_gear(turn, "pin_1", disc).reaction())
         curvature = _pin_curvature(gear, 0, _tooth_frame(turn, disc).angle, turn.reducer.profile_offset)
         narrow = half_width(turn.reducer, "pin_gear", pushed.size, curvature, radius)
-        pressed = line(turn.reducer, "pin_gear", pushed.size, curvature)
+        pressed = line_contact(turn.reducer, "pin_gear", pushed.size, curvature)
         contacts.append(PartContact(name, pushed, pushed.on_disc(centre, radius, narrow), narrow, pressed))
-        sockets.append(_in(seat, _by_socket(turn, 0, disc)))
+        sockets.append(_in(seat, _socket_force(turn, 0, disc)))
     free = turn.reducer.design.ring.has_sockets and turn.reducer.design.ring.has_pin_bodies
     for disc, held in enumerate(sockets[:1] if free else sockets):
-        wide, pressed = _socket_width(turn, held), line(turn.reducer, "pin_socket", held.size)
+        wide, pressed = _socket_width(turn, held), line_contact(turn.reducer, "pin_socket", held.size)
         name = SOCKET if free else _called(turn, SOCKET, disc)
         contacts.append(PartContact(name, held, held.on_disc(centre, radius, wide), wide, pressed))
     return contacts
@@ -392,7 +394,7 @@ def _socket(turn: Turn, pin: int, disc: int) -> PartContact:
     What a closed socket carries where the ring has no wall is left out: that is in its end plates.
     """
     ring = turn.reducer.design.ring
-    action = _by_socket(turn, pin, disc).reaction()
+    action = _socket_force(turn, pin, disc).reaction()
     centre, radius = ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth), ring.pin_radius
     centre = centre + turn.reducer.deviations.pin_place[pin]
     wall = radius + turn.reducer.design.socket_play
@@ -402,11 +404,11 @@ def _socket(turn: Turn, pin: int, disc: int) -> PartContact:
     place = action.on_hole(centre, wall, width)
     whole = ring.has_sockets and ring.has_pin_bodies
     name = numbered(SOCKET, pin + 1) if whole else _called(turn, numbered(SOCKET, pin + 1), disc)
-    return PartContact(name, action, place, width, line(turn.reducer, "pin_socket", action.size))
+    return PartContact(name, action, place, width, line_contact(turn.reducer, "pin_socket", action.size))
 
 
-def _by_socket(turn: Turn, pin: int, disc: int) -> Action:
-    """Compute the force of a socket on its pin, about the reducer's axis: where the pin is no body, that of a disc."""
+def _socket_force(turn: Turn, pin: int, disc: int) -> Action:
+    """Compute the force of a socket on its pin, about the reducer's axis; of a fixed pin, that of a disc."""
     if turn.reducer.design.ring.has_sockets and turn.reducer.design.ring.has_pin_bodies:
         return _logged(turn, numbered(SOCKET, pin + 1), pin_centre(turn, pin))
     return _on_gear(turn, numbered(PIN, pin + 1), disc)

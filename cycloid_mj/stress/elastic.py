@@ -20,39 +20,39 @@ from cycloid_mj.design.model import Material
 from cycloid_mj.stress.grid import Grid, mapping_of
 from cycloid_mj.stress.packages import package
 
-INDEPENDENT = 1e-6
-"""Supports hold a rigid motion whose share at them is larger than this, relatively."""
+MIN_SUPPORT_SHARE = 1e-6
+"""Smallest relative share of a rigid motion at the supports that fix it."""
 
-CHUNK = 32
-"""Right-hand sides solved at once: with more, the solver's copies need more memory than they save time."""
+MAX_RIGHT_HAND_SIDES = 32
+"""Right-hand sides solved together; more would need memory without saving time."""
 
 ORDERING = {2: "amd", 3: "metis"}
-"""How rslab orders the unknowns, by dimension: in a plane nested dissection takes longer than it saves."""
+"""Ordering of the unknowns in rslab by dimension: in a plane, nested dissection takes longer than it saves."""
 
 MASS_ORDER = 4
-"""Polynomials that the quadrature of the mass integrates exactly: products of two quadratic shape functions."""
+"""Degree of polynomials that the quadrature of the mass integrates exactly: products of quadratic shape functions."""
 
 
 @dataclass(frozen=True)
 class ElasticBody:
-    """A part ready to be solved.
+    """Assembled and factorised part.
 
     Attributes
     ----------
     hold
         Rows of the stiffness of the fixed unknowns, sparse (f, n) [N/m].
     fixed, free
-        Unknowns that are held at zero, and the others.
+        Unknowns that are fixed at zero, and the others.
     motions
         Rigid motions (n, r): along each axis [m], then turning about each axis through the origin [m/rad].
     mass
         Sparse mass matrix [kg] of the nodes, the same for each axis.
     loose
-        Columns of `motions` that no real support holds; out-of-balance loads along them are spread over the mass.
+        Columns of `motions` that no support fixes; out-of-balance loads along them are distributed over the mass.
     carried
-        The mass times these (n, l).
+        Mass matrix times these motions (n, l).
     factor
-        Solves the free unknowns for right-hand sides (n_free, c).
+        Function from right-hand sides (n_free, c) to the free unknowns.
     springs
         Sparse (n, n) [N/m] of elastic supports, or None.
     """
@@ -74,20 +74,20 @@ def body(grid: Grid, material: Material, springs: Any = None, loose: tuple[int, 
     Parameters
     ----------
     grid
-        Its grid; nodes in `held` do not move. Without them a planar part is free: three unknowns are fixed so that the
-        solution is unique, and since its loads are in balance they feel no force.
+        Its grid; nodes in `held` are fixed. Without such nodes a planar part is free: three unknowns are fixed so that
+        the solution is unique, and have no reaction since the loads are in balance.
     material
         Young's modulus, Poisson's ratio and density.
     springs
         Sparse (n, n) [N/m] of elastic supports, added to the stiffness.
     loose
-        Rigid motions that nothing real holds; by default all of a free part.
+        Rigid motions that no support fixes; by default all of a free part.
     """
     motions = rigid_motions(grid.points)
     if loose is None:
         loose = () if len(grid.held) or springs is not None else tuple(range(motions.shape[1]))
     fixed = np.union1d(unknowns(grid.held, grid.dimension), _pinned(motions, loose))
-    _require_hold(grid, motions, fixed, springs)
+    _require_supports(grid, motions, fixed, springs)
     free = np.setdiff1d(np.arange(grid.unknowns), fixed)
     assembler = _Assembler(grid)
     mass = _mass(grid, material.density, assembler)
@@ -106,11 +106,11 @@ def body(grid: Grid, material: Material, springs: Any = None, loose: tuple[int, 
     )
 
 
-def balanced(part: ElasticBody, loads: Array) -> tuple[Array, Array]:
-    """Spread what is out of balance in loads (n, c) [N] over the mass, as an acceleration along the loose motions.
+def balance_loads(part: ElasticBody, loads: Array) -> tuple[Array, Array]:
+    """Balance loads (n, c) [N] by an acceleration of the mass along the loose motions (d'Alembert).
 
-    Return the balanced loads and the imbalance (c, r) along all rigid motions: forces [N], moments [N m]; zero along
-    the motions that supports hold.
+    Return the balanced loads and the imbalance (c, r) along all rigid motions, forces [N] and moments [N m]; zero along
+    motions that supports fix.
     """
     accelerations, imbalance = balancing(part, loads)
     return loads - part.carried @ accelerations, imbalance
@@ -137,8 +137,8 @@ def weighed(mass: Any, fields: Array) -> Array:
 def displacements(part: ElasticBody, loads: Array) -> Array:
     """Solve for the displacements (n, c) [m] under loads (n, c) [N]."""
     moved = np.zeros(loads.shape)
-    for start in range(0, loads.shape[1], CHUNK):
-        some = slice(start, start + CHUNK)
+    for start in range(0, loads.shape[1], MAX_RIGHT_HAND_SIDES):
+        some = slice(start, start + MAX_RIGHT_HAND_SIDES)
         moved[part.free, some] = part.factor(np.ascontiguousarray(loads[part.free, some]))
     return moved
 
@@ -224,7 +224,7 @@ def stiffness(grid: Grid, material: Material, assembler: "_Assembler | None" = N
 
 
 def _split(matrix: Any, springs: Any, fixed: Integers, free: Integers) -> tuple[Any, Any]:
-    """Return the rows of the fixed unknowns, and the lower triangle of the free ones; the whole is then let go."""
+    """Return the rows of the fixed unknowns, and the lower triangle of the free unknowns; the full matrix is freed."""
     if springs is not None:
         matrix = matrix + springs
     return matrix[fixed], sparse.triu(matrix, format="csr")[free][:, free].T  # it is symmetric
@@ -271,29 +271,31 @@ def _pinned(motions: Array, loose: tuple[int, ...]) -> Integers:
     return np.array(chosen, np.int64)
 
 
-def _require_hold(grid: Grid, motions: Array, fixed: Integers, springs: Any) -> None:
-    """Raise CycloidError unless the part is in one piece and each of its rigid motions meets a support."""
+def _require_supports(grid: Grid, motions: Array, fixed: Integers, springs: Any) -> None:
+    """Raise CycloidError unless the part is connected and its supports fix all of its rigid motions."""
     cells = grid.mesh.t
     pairs = np.concatenate([np.stack([cells[0], corner]) for corner in cells[1:]], axis=1)
     graph = sparse.coo_matrix((np.ones(pairs.shape[1]), pairs), shape=(grid.mesh.nvertices,) * 2)
     pieces = csgraph.connected_components(graph, directed=False)[0]
     if pieces != 1:
-        raise CycloidError(f"the grid of the {grid.part} is in {pieces} pieces; check the design")
+        raise CycloidError(
+            f"the grid of the {grid.part} has {pieces} disconnected pieces; check the outline of the part in the design"
+        )
     scaled = motions / np.linalg.norm(motions, axis=0)
     hold = scaled[fixed].T @ scaled[fixed]
     if springs is not None:
         stiff = scaled.T @ (springs @ scaled)
         hold = hold + stiff / max(float(np.abs(stiff).max()), np.finfo(float).tiny)
     values = np.linalg.eigvalsh(hold) if len(hold) else np.zeros(1)
-    if not values[0] > INDEPENDENT**2 * max(values[-1], np.finfo(float).tiny):
+    if not values[0] > MIN_SUPPORT_SHARE**2 * max(values[-1], np.finfo(float).tiny):
         raise CycloidError(
-            f"the support of the {grid.part} is singular: it leaves a rigid motion free; hold nodes that do not "
-            "lie in one point"
+            f"the support of the {grid.part} is singular: a rigid motion is free. Fix nodes that are not in a "
+            "single point"
         )
 
 
 def _factor(lower: Any, part: str, dimension: int) -> Callable[[Array], Array]:
-    """Factorise a symmetric matrix of this lower triangle: by rslab where it is installed (far faster), or SuperLU."""
+    """Factorise a symmetric matrix from its lower triangle, by rslab if installed (much faster), or SuperLU."""
     give_back()  # a factor needs its memory in one piece
     try:
         ldlt = importlib.import_module("rslab").ldlt

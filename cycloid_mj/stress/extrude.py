@@ -23,16 +23,16 @@ from cycloid_mj.stress.grid import Grid, GridSettings, SectionGrid, planar_grid,
 from cycloid_mj.stress.region import part_region
 
 COARSER = {"contact_edge": 3.0, "wide_edge": 2.0, "free_edge": 2.5, "inner_edge": 3.0, "turn": 2.0, "growth": 8.0}
-"""Settings of a section over those of a planar grid: a solid has fifteen unknowns and more for two of the plane."""
+"""Settings of a section relative to those of a planar grid: a solid has fifteen unknowns or more for two."""
 
 OUTPUT_SECTION = 0.8
-"""Refinement of the output's section: its stress is largest at the roots of its pins, not near their contacts."""
+"""Refinement of the output's section: its stress is largest at the roots of its pins, not near contacts."""
 
-LEAST_LAYERS = {"output": 4}
-"""Layers over the gear's width at least; of other parts two, so that forces are handed on at five heights or more."""
+MIN_LAYERS = {"output": 4}
+"""Smallest number of layers over the disc's width; of other parts two, so that forces act at five heights or more."""
 
 CORNER_DISTANCE = 0.5
-"""Share of the radius of the output pins' roots by which the bulk keeps off them, and off the rims of the hub."""
+"""Excluded distance of the bulk from the roots of the output pins and the rims of the hub, over the roots' radius."""
 
 _TETRAHEDRA = (((0, 0), (1, 0), (2, 0), (2, 1)), ((0, 0), (1, 0), (1, 1), (2, 1)), ((0, 0), (0, 1), (1, 1), (2, 1)))
 """Tetrahedra of a prism: (corner by rising number, bottom or top) of each of their corners."""
@@ -44,9 +44,9 @@ _NODE = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 def solid_grid(reducer: Reducer, part: str, settings: GridSettings) -> Grid:
     """Build the grid of a part other than the shaft as a solid body: "gear" (any disc), "ring", "output" or "pin_1".
 
-    Contact forces of a disc act evenly over its face width. The output is its disc with the pins on it, one body, and
-    the second disc that holds their other ends, if there is one; the bulk keeps off the roots of its pins, sharp inner
-    corners without their fillets, and off the faces of its rigid hubs.
+    Contact forces of a disc are uniform over its face width. The output is a single body of its disc with the pins, and
+    the second disc at their other ends, if there is one. The bulk excludes the roots of its pins, which are sharp inner
+    corners without their fillets, and the faces of its rigid hubs.
     """
     design = reducer.design
     length, gear = design.ring.pin_radius, design.gear
@@ -55,7 +55,7 @@ def solid_grid(reducer: Reducer, part: str, settings: GridSettings) -> Grid:
     settled = replace(settings, **coarse, refinement=share * settings.refinement)
     section = planar_grid(part_region(reducer, part), settled, length, section=True)
     layer = settings.layer_edge * length / settings.refinement
-    least = LEAST_LAYERS.get(part, 2)
+    least = MIN_LAYERS.get(part, 2)
     planes = (0.0,) if family(part) == GEAR else gear.disc_planes
     layer = min(layer, gear.face_width / least)
     discs = [_levels(plane - gear.face_width / 2, plane + gear.face_width / 2, layer) for plane in planes]
@@ -170,7 +170,7 @@ def _levels(z0: float, z1: float, layer: float) -> Array:
 
 
 def _within_pins(reducer: Reducer, section: Grid) -> Mask:
-    """Tell the triangles (m,) of the output's section that lie in its pins."""
+    """Return which triangles (m,) of the output's section are in its pins."""
     middle = section.points[section.cells[:, :3]].mean(axis=1)
     apart = np.linalg.norm(middle[:, np.newaxis] - output_centres(reducer), axis=2)
     return np.asarray(apart.min(axis=1) < reducer.design.output.root_radius)

@@ -1,4 +1,4 @@
-"""Stress of a part: maxima at every crank angle (``PartStress``) and whole fields at one (``StressMap``)."""
+"""Stress of a part: maxima at all crank angles (``PartStress``), and full fields at a single angle (``StressMap``)."""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
@@ -11,7 +11,7 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.design import Design
 from cycloid_mj.design.model import Material
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.stress.bulk import OCTAVE, Distances, distances_of, ladder, largest, plateau
+from cycloid_mj.stress.bulk import RUNGS_PER_OCTAVE, Distances, distances_of, ladder, largest, plateau
 from cycloid_mj.stress.case import LoadCase, Response
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.loads import PartLoads
@@ -19,9 +19,9 @@ from cycloid_mj.stress.part import part_case
 from cycloid_mj.stress.recover import Recovery, principal, recovery, stresses, von_mises
 from cycloid_mj.stress.region import material_of
 
-BLOCK, KEPT = 32, 2**25
-"""Angles worked on together at most: as many as are solved at once; and bytes of one of their fields at most, since
-larger arrays are taken from the system anew each time (`base.memory`)."""
+MAX_BLOCK_ANGLES, MAX_FIELD_BYTES = 32, 2**25
+"""Largest number of angles that are processed together, and of bytes of one of their fields: larger arrays are
+requested from the system each time (`base.memory`)."""
 
 
 @dataclass(frozen=True)
@@ -31,27 +31,27 @@ class PartStress:
     Attributes
     ----------
     part
-        Its name.
+        Name of the part.
     angle
         Crank angle [rad], (k,).
     bulk_stress, bulk_place
-        Largest von Mises stress [Pa] (k,) farther than `bulk_distance` from every narrow patch and sharp corner, and
-        where [m] (k, d).
+        Largest von Mises stress [Pa] (k,) farther than `bulk_distance` from all narrow patches and sharp corners,
+        and its position [m] (k, d).
     distances, stress_by_distance
         Distances [m] (s,), and the largest von Mises stress beyond each of them [Pa] (s, k).
     reaction
         Resultants of all supports on the part [N], [N m] (k, 3 or 6): forces, then moments about the origin. Those of
-        the auxiliary supports of a free part are zero but for rounding.
+        the auxiliary supports of a free part are zero except for rounding.
     imbalance
-        What was out of balance in the loads of a free part [N], [N m] (k, 3 or 6); it was spread over the mass.
+        Imbalance of the loads of a free part [N], [N m] (k, 3 or 6), which was distributed over the mass.
     moments
         Moments about x, y and z [N m] in the sections at the shaft's stations (k, s, 3); other parts have none.
     load
-        The largest contact force [N], to hold the imbalance against, (k,).
+        Largest contact force [N], as a reference for the imbalance, (k,).
     bulk_distance
-        Where the largest stress stands on its plateau [m].
+        Distance at which the largest stress reaches its plateau [m].
     unknowns
-        Displacements solved for.
+        Number of displacements.
     """
 
     part: str
@@ -68,8 +68,8 @@ class PartStress:
     unknowns: int
 
 
-CORNERS = (0.5, 1.0, 2.0)
-"""Multiples of the distance from sharp corners at which the bulk is told as well."""
+CORNER_DISTANCES = (0.5, 1.0, 2.0)
+"""Multiples of the distance from sharp corners at which the bulk stress is evaluated as well."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ def solve(
     loads: PartLoads,
     distance: float | None = None,
 ) -> PartStress:
-    """Compute the maxima of stress on a part at each crank angle of its loads, held in memory: for some angles.
+    """Compute the maxima of stress on a part at each crank angle of its loads.
 
     Parameters
     ----------
@@ -120,10 +120,10 @@ def solve(
     loads
         The loads on the same part.
     distance
-        Where bulk stress begins [m], as another solution found it; by default where the largest stress of all angles
-        stands on a plateau, from the grid's distance on.
+        Distance at which bulk stress begins [m], as of another solution; by default where the largest stress of all
+        angles reaches a plateau, from the grid's distance on.
 
-    Errors are those of `part_case`.
+    Raises as `part_case`.
     """
     reducer = Reducer(design)
     case = part_case(reducer, grid, loads)
@@ -135,10 +135,10 @@ def solve(
 
 
 @dataclass(frozen=True)
-class Loaded:
-    """A part under its loads, factorised once for its maxima and for any maps.
+class LoadedPart:
+    """A part under its loads, factorised once for its maxima and for all maps.
 
-    `operators` recover its stress, `material` is its own, `apart` tells how far its nodes are from narrow patches.
+    `operators` recover its stress, `material` is its own, `apart` has the distances of its nodes from narrow patches.
     """
 
     grid: Grid
@@ -153,30 +153,30 @@ class Loaded:
         return stresses(self.operators, moved, self.material)
 
 
-def loaded(reducer: Reducer, grid: Grid, loads: PartLoads) -> Loaded:
+def assemble_part(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadedPart:
     """Factorise a part under its loads; raises as ``solve``."""
     operators = recovery(grid)  # first: beside the factor its own needs would be the peak of memory
     case = part_case(reducer, grid, loads)
-    return Loaded(grid, loads, material_of(reducer, grid.part), operators, case, distances_of(grid, case))
+    return LoadedPart(grid, loads, material_of(reducer, grid.part), operators, case, distances_of(grid, case))
 
 
 Seen = Callable[[int, Array], None]
-"""Is shown the stress components (components, n) [Pa] at a crank angle of an index, in the order of the angles."""
+"""Function that receives index and stress components (components, n) [Pa] of each crank angle, in their order."""
 
 
 def unseen(index: int, stress: Array) -> None:
     """Ignore a state: the observer where there is none."""
 
 
-def maxima(part: Loaded, distance: float | None = None, seen: Seen = unseen) -> PartStress:
-    """Compute the maxima of stress at each crank angle, see ``solve``; what they are of is shown on the way."""
+def maxima(part: LoadedPart, distance: float | None = None, seen: Seen = unseen) -> PartStress:
+    """Compute the maxima of stress at each crank angle, as ``solve``; `seen` is called with the stress at each."""
     answers = _answers(part.case)
     return _maxima(part.grid, part.loads, part.apart, distance, answers, part.components, seen)
 
 
 def _answers(case: LoadCase) -> Iterator[Response]:
     """Yield what a part answers to its loads, a block of angles at a time."""
-    block = min(BLOCK, max(1, KEPT // case.body.motions[:, 0].nbytes - 1))
+    block = min(MAX_BLOCK_ANGLES, max(1, MAX_FIELD_BYTES // case.body.motions[:, 0].nbytes - 1))
     for start in range(0, case.angles, block):
         yield case.response(np.arange(start, min(start + block, case.angles)))
 
@@ -202,7 +202,7 @@ def _maxima(
         sizes, nodes = map(np.array, zip(*here, strict=True))
         maxima.append((sizes, nodes, answer.reaction, answer.imbalance, answer.moments))
     sizes, nodes, reaction, imbalance, moments = map(np.concatenate, zip(*maxima, strict=True))
-    rung = plateau(sizes.max(axis=0), OCTAVE) if distance is None else 0
+    rung = plateau(sizes.max(axis=0), RUNGS_PER_OCTAVE) if distance is None else 0
     return PartStress(
         part=grid.part,
         angle=np.array(loads.angle),
@@ -219,8 +219,8 @@ def _maxima(
     )
 
 
-def by_corner(part: Loaded, index: int, distance: float) -> tuple[tuple[float, float], ...]:
-    """Vary how far the bulk keeps off sharp corners, at the crank angle of an index, by `CORNERS`.
+def by_corner(part: LoadedPart, index: int, distance: float) -> tuple[tuple[float, float], ...]:
+    """Vary how far the bulk keeps off sharp corners, at the crank angle of an index, by `CORNER_DISTANCES`.
 
     The result is each distance from them [m] and the largest von Mises stress [Pa] of what lies beyond it, and beyond
     `distance` [m] of narrow patches; empty where the part has no such corners. A bulk that stays is one that the corner
@@ -231,7 +231,7 @@ def by_corner(part: Loaded, index: int, distance: float) -> tuple[tuple[float, f
         return ()
     stress = von_mises(part.components(part.case.response(np.array([index])).moved)[..., 0])
     bulk = []
-    for factor in CORNERS:
+    for factor in CORNER_DISTANCES:
         apart = distances_of(replace(grid, corner_distance=factor * grid.corner_distance), part.case)
         kept = min(distance, apart.farthest() * (1.0 - 1e-9))
         sizes, _ = largest(apart, np.array([kept]), index, stress)
@@ -260,11 +260,11 @@ def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distanc
     """
     reducer = Reducer(design)
     if not 0 <= index < len(loads.angle):
-        raise UsageError(f"the loads have no angle of index {index}; choose 0 to {len(loads.angle) - 1}")
-    return mapped(loaded(reducer, grid, loads), index, distance)
+        raise UsageError(f"the loads have no angle with index {index}; the index must be 0 to {len(loads.angle) - 1}")
+    return evaluate_map(assemble_part(reducer, grid, loads), index, distance)
 
 
-def mapped(part: Loaded, index: int, distance: float | None = None) -> StressMap:
+def evaluate_map(part: LoadedPart, index: int, distance: float | None = None) -> StressMap:
     """Compute the fields at the crank angle of an index; see ``stress_map``."""
     grid = part.grid
     moved = part.case.response(np.array([index])).moved

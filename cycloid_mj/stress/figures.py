@@ -1,4 +1,4 @@
-"""Figures of the catalogue that finite elements give: the largest stress of each kind of part in a run of its own."""
+"""Figures of the catalogue by finite elements: stress and contact pressure of each kind of part, from a run."""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -16,30 +16,30 @@ from cycloid_mj.reducer.sockets import require_one_ring
 from cycloid_mj.stress.findings import PartFindings, StressFindings
 from cycloid_mj.stress.loads import part_names
 from cycloid_mj.stress.mounts import Mounts
-from cycloid_mj.stress.part_compliance import given
+from cycloid_mj.stress.part_compliance import compute_part_compliance
 from cycloid_mj.stress.study import QUICK, part_study
 
-SAMPLES = 720
-"""Least samples of a run in a crank turn: two for each degree."""
+SAMPLES_PER_TURN = 720
+"""Smallest number of samples per crank turn of a run: two per degree."""
 
 
 def for_one_turn(design: Design, load: float | None = None) -> Design:
     """Return a design that runs from full speed for one settled turn.
 
-    The load [N m] is that given, else the design's own, or its rated torque where that is 0.
+    `load` is the torque [N m]; by default the design's own, or its rated torque if that is 0.
     """
     require_one_ring(Reducer(design), "stress by finite elements")
     load = load if load is not None else design.load.torque or round(design.rated_torque, 9)
     design = design.but(drive={"ramp": 0.0}, load={"torque": load})
     if design.drive.speed == 0.0:
         return design
-    rate = max(design.settings.log_rate, SAMPLES * abs(design.drive.speed) / (2.0 * math.pi))
+    rate = max(design.settings.log_rate, SAMPLES_PER_TURN * abs(design.drive.speed) / (2.0 * math.pi))
     reducer = Reducer(design)
     return design.steady(settling_time(reducer), 1.0 / reducer.share, samples=3.0, settings={"log_rate": rate})
 
 
 @once
-def _ran(reducer: Reducer) -> tuple[Reducer, Run]:
+def _run_for_one_turn(reducer: Reducer) -> tuple[Reducer, Run]:
     from cycloid_mj.dynamics.run import simulate
 
     design = for_one_turn(reducer.design)
@@ -47,8 +47,8 @@ def _ran(reducer: Reducer) -> tuple[Reducer, Run]:
 
 
 @once
-def _studied(reducer: Reducer, part: str) -> PartFindings:
-    ran, run = _ran(reducer)
+def _study_part(reducer: Reducer, part: str) -> PartFindings:
+    ran, run = _run_for_one_turn(reducer)
     return part_study(run, ran, part, QUICK).findings
 
 
@@ -59,7 +59,7 @@ def _stress(reducer: Reducer, kind: str) -> float:
 
 def _of_kind(reducer: Reducer, kind: str) -> list[PartFindings]:
     """Return the findings of all parts of a kind; errors as `stress_study`."""
-    return [_studied(reducer, part) for part in part_names(reducer) if names.family(part) == kind]
+    return [_study_part(reducer, part) for part in part_names(reducer) if names.family(part) == kind]
 
 
 def _largest(values: Iterable[float]) -> float:
@@ -97,19 +97,19 @@ shaft_stress, gear_stress, ring_stress, output_stress, pin_stress = (partial(_st
 
 
 def wind_up_by_part(reducer: Reducer, mounts: Mounts | None = None) -> dict[str, float]:
-    """Compute by how much each part turns the output per torque on it [rad/(N m)], under the design's own load.
+    """Compute the compliance of each part at the output [rad/(N m)], under the design's own load.
 
-    Beside the parts stands what mounts tell of a drawing, as in `part_compliance.given`.
+    Mounts add the seats of a drawing, as in `part_compliance.compute_part_compliance`.
 
     Raises
     ------
     CycloidError
-        The run cannot be followed, a part cannot be meshed, a package of the extra ``fem`` is missing, or mounts are
-        told of another kind of drive.
+        The run failed, a part does not mesh, a package of the extra ``fem`` is missing, or the mounts do not fit the
+        design.
     """
     smooth = reducer.but(friction=dict.fromkeys(Friction.model_fields, 0.0))
-    ran, run = _ran(smooth)
-    return given(run, ran, mounts=mounts)
+    ran, run = _run_for_one_turn(smooth)
+    return compute_part_compliance(run, ran, mounts=mounts)
 
 
 def of_study(findings: StressFindings) -> Mapping[str, Quantity]:

@@ -11,10 +11,10 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.statistics import rms
 from cycloid_mj.base.units import MEGAPASCAL, MILLIMETRE
 from cycloid_mj.stress.notch import Notch
-from cycloid_mj.stress.stress_range import Swing
+from cycloid_mj.stress.stress_range import StressRange
 
-BOUND = 0.03
-"""Largest change of a maximum under one more refinement for which it counts as found."""
+MAX_CHANGE = 0.03
+"""Largest relative change of a maximum with a finer grid for which it counts as converged."""
 
 ASSUMPTIONS = (
     "the turn is the last one of the run: where it begins the gear has turned on by one lobe, and the output with it; "
@@ -39,20 +39,20 @@ ASSUMPTIONS = (
 
 @dataclass(frozen=True)
 class Peak:
-    """A maximum of the von Mises stress.
+    """Maximum of the von Mises stress.
 
     Attributes
     ----------
     stress
-        [Pa]; not a number where there is none to give.
+        Stress [Pa]; NaN where there is none.
     angle
         Crank angle [rad].
     place
-        In the part's frame [m].
+        Position in the part's frame [m].
     contact
-        Name of the contact that it sits below; empty in the bulk.
+        Name of the contact above it; empty in the bulk.
     safety
-        Factor against yield.
+        Safety factor against yield.
     """
 
     stress: float
@@ -73,7 +73,7 @@ class Peak:
 
 
 def _finite(value: float) -> float | None:
-    """Return a number, or None for what JSON has no word for: the place of no force, the safety of no stress."""
+    """Return a number, or None for NaN and infinity, which JSON lacks: position and safety without a force."""
     return float(value) if np.isfinite(value) else None
 
 
@@ -101,9 +101,9 @@ class Refinement:
         return change / largest if largest > 0.0 else 0.0
 
     @property
-    def holds(self) -> bool:
-        """Whether one more refinement changes the maxima by less than `BOUND`."""
-        return self.change < BOUND
+    def converged(self) -> bool:
+        """Whether the refinement changes the maxima by less than `MAX_CHANGE`."""
+        return self.change < MAX_CHANGE
 
     def as_json(self) -> dict[str, Any]:
         """Convert the study of refinement to JSON values in MPa and degrees."""
@@ -113,8 +113,8 @@ class Refinement:
             "bulk_mpa": (self.stress / MEGAPASCAL).tolist(),
             "change": self.change,
             "scatter_rms": self.scatter,
-            "bound": BOUND,
-            "holds": self.holds,
+            "bound": MAX_CHANGE,
+            "holds": self.converged,
         }
 
 
@@ -125,53 +125,53 @@ class PartFindings:
     Attributes
     ----------
     part
-        Its name.
+        Name of the part.
     unknowns, dimension
-        Of its grid; 2 for plane stress, 3 for a solid body.
+        Number of unknowns and dimension of its grid: 2 for plane stress, 3 for a solid body.
     teeth
-        Of the ring: the mesh repeats so many times a turn.
+        Teeth of the ring, which are the mesh periods per turn.
     angle
         Crank angle [rad], shape (k,).
     bulk, contact
         Largest von Mises stress away from the contact patches, and below them by Hertz [Pa], shape (k,).
     bulk_peak, contact_peak
-        The maxima of the two.
+        Maxima of these.
     bulk_distance
-        From narrow patches, or from sharp inner corners, where the largest stress stands on its plateau [m].
+        Distance from narrow patches or sharp inner corners at which the largest stress reaches its plateau [m].
     sensitivity
-        Other distances at which the search for the plateau might begin [m], and the bulk stress [Pa] that it finds.
+        Other start distances of the search for the plateau [m], and the bulk stress [Pa] of each.
     choice
-        What the choice of where bulk begins may change, as a share: how far the largest stress falls from the plateau
-        to twice its distance, or changes from it to half or twice the distance from sharp corners, if that is more.
+        Relative uncertainty by the definition of bulk: drop of the largest stress from the plateau to twice its
+        distance, or its change with half or twice the distance from sharp corners, whichever is larger.
     by_distance
         Distances [m] (s,), and the largest stress of the turn beyond each [Pa] (s,).
     largest_pressure
-        Hertz's peak pressure [Pa], not a number where every contact is conformal; the same as ``measure loads`` gives.
+        Hertz's peak pressure [Pa], as of ``measure loads``; NaN where all contacts are conformal.
     shakedown
         Safety factor of that pressure against shakedown, 4 k (Johnson 1985, 9.2) of the part's surface, beyond which
-        rolling yields at every pass; not a number where every contact is conformal.
+        rolling yields at every pass; NaN where all contacts are conformal.
     largest_force
-        Of one contact [N].
+        Largest force of a contact [N].
     near_field
-        Stress that a half plane has at the bulk distance from the largest force on a narrow patch [Pa].
+        Stress of a half plane at the bulk distance from the largest force on a narrow patch [Pa].
     imbalance
-        What a free part's loads leave on its grid, as a share of the largest force, or of its moment at the part's
-        radius; it is spread over the mass.
+        Imbalance of a free part's loads, relative to the largest force, or its moment at the part's radius; it is
+        distributed over the mass.
     notches
-        Stress at fillets, of shaft and output.
+        Stress at the fillets of shaft and output.
     variants
-        Other supports of the part, and the largest bulk stress [Pa] under them at some crank angles.
+        Other supports of the part, and the largest bulk stress [Pa] with them at some crank angles.
     yield_strength
-        [Pa].
+        Yield strength [Pa].
     refinement
-        The maxima on other grids.
+        Maxima on a finer grid.
     wall
-        Time that it took [s].
-    swing
-        Stress over the turn at the node that fatigue finds worst; None of parts that have fillets instead.
+        Wall time [s].
+    stress_range
+        Stress range over the turn at the critical node for fatigue; None for parts with fillets instead.
     by_corner
         Distances from sharp corners [m], and the largest stress beyond each [Pa], at the crank angle of the bulk's
-        maximum; none where the part has no such corners.
+        maximum; empty where the part has no such corners.
     """
 
     part: str
@@ -197,22 +197,22 @@ class PartFindings:
     yield_strength: float
     refinement: Refinement
     wall: float
-    swing: Swing | None = None
+    stress_range: StressRange | None = None
     by_corner: tuple[tuple[float, float], ...] = ()
 
     @property
     def fillet(self) -> Notch | None:
-        """The most stressed of its notches; None where the part has none."""
+        """Notch with the largest stress; None without notches."""
         return max(self.notches, key=lambda notch: notch.stress, default=None)
 
     @property
     def governing(self) -> float:
-        """What its safety is of [Pa]: the largest stress of the bulk, or nominal times notch at a fillet."""
+        """Governing stress [Pa]: the larger of bulk stress and fillet stress (nominal stress times notch factor)."""
         return max(self.bulk_peak.stress, self.fillet.stress if self.fillet else 0.0)
 
     @property
     def safety(self) -> float:
-        """Against yield of the governing stress."""
+        """Safety factor of the governing stress against yield."""
         return self.yield_strength / self.governing if self.governing else math.inf
 
     def orders(self, orders: tuple[int, ...]) -> Array:
@@ -250,7 +250,7 @@ class PartFindings:
             "governing_mpa": _finite(self.governing / MEGAPASCAL),
             "safety_against_yield": _finite(self.safety),
             "notches": [notch.as_json(self.yield_strength) for notch in self.notches],
-            "range": None if self.swing is None else self.swing.as_json(),
+            "range": None if self.stress_range is None else self.stress_range.as_json(),
             "variants": [{"change": change, "bulk_mpa": size / MEGAPASCAL} for change, size in self.variants],
             "refinement": self.refinement.as_json(),
             "angle_deg": np.degrees(self.angle).tolist(),
@@ -262,10 +262,9 @@ class PartFindings:
 
 @dataclass(frozen=True)
 class Reference:
-    """What a paper has on the stress of a part.
+    """Published stress of a part.
 
-    `source` paper and figure, `below` the stress that it stays below [Pa], None where none is given, under a `load`
-    [N m].
+    `source` is paper and figure, `below` the upper limit of the stress [Pa], or None, under a `load` [N m].
     """
 
     source: str
@@ -282,8 +281,8 @@ class Reference:
 class StressFindings:
     """Stress of the parts of one design under one load.
 
-    `design` its name, `ring` its kind, `load` torque [N m], `log` the run's file, `yield_strength` [Pa], `parts`, the
-    `wall` time [s], and `references`, what a paper has on this design by part, under whichever load.
+    `design` is its name, `ring` the kind of its ring, `load` the torque [N m], `log` the run's file, `yield_strength`
+    in [Pa], `parts` their findings, `wall` the wall time [s], and `references` published stresses by part, at any load.
     """
 
     design: str
@@ -305,7 +304,7 @@ class StressFindings:
         return reference.below if reference and reference.load == self.load else None
 
     def __contains__(self, part: str) -> bool:
-        """Tell whether a part was studied."""
+        """Return whether a part was studied."""
         return any(each.part == part for each in self.parts)
 
     def as_json(self) -> dict[str, Any]:

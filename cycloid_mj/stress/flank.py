@@ -8,9 +8,9 @@ from cycloid_mj.base.array import Array, cross
 from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.geometry.profile import CycloidGear
 
-ROUNDS = 30
-FARTHEST = 0.5
-"""How far a place may lie from the ideal contact line it is sought from, as a share of a lobe's angle."""
+MAX_NEWTON_STEPS = 30
+MAX_LOBE_SHARE = 0.5
+"""Largest distance of the position from the ideal contact line, over the angle of a lobe."""
 
 
 def lobe_lines(gear: CycloidGear, crank_angle: Array) -> tuple[Array, Array]:
@@ -39,21 +39,21 @@ def lobe_place(
     turn: Array,
     offset: float,
 ) -> tuple[Array, Array]:
-    """Compute where a lobe's force presses on the flank [m] (k, 2), and the relative curvature there [1/m] (k,).
+    """Compute the position of a lobe's force on the flank [m] (k, 2), and the relative curvature there [1/m] (k,).
 
-    The force of a lobe is the sum of up to three lines; where the line of action of the sum meets the flank stands for
-    all of them. From the ideal line that it passes nearest to, Newton's method solves (outline(t) - foot) x n = 0.
+    The force of a lobe is the sum of up to three line contacts. Its position is where the line of action of the sum
+    intersects the flank: Newton's method solves (outline(t) - foot) x n = 0 from the nearest ideal contact line.
 
     Parameters
     ----------
     foot, along
         A point of the force's line of action [m], and the unit vector along the force, gear frame, (k, 2).
     lines, curvature
-        Of this lobe, from `lobe_lines`, (k, 3).
+        Ideal contact lines of this lobe, from `lobe_lines`, (k, 3).
     turn
-        Small angle [rad] (k,) by which the gear is ahead of the closed form.
+        Small angle [rad] (k,) by which the disc is ahead of the closed form.
     offset
-        Of the flank from the trochoid [m].
+        Offset of the flank from the trochoid [m].
     """
     starts = lines + turn[:, np.newaxis]
     missed = np.abs(_miss(gear, starts, foot[:, np.newaxis], along[:, np.newaxis], offset))
@@ -62,8 +62,8 @@ def lobe_place(
     rows, chosen = np.arange(len(starts)), np.argmin(missed, axis=1)
     start = np.where(np.isfinite(missed[rows, chosen]), starts[rows, chosen], np.nan)
     t = start
-    reach = FARTHEST * 2 * math.pi / gear.lobes
-    for _ in range(ROUNDS):
+    reach = MAX_LOBE_SHARE * 2 * math.pi / gear.lobes
+    for _ in range(MAX_NEWTON_STEPS):
         tangent = profile.arc_rate(gear, t, offset)[:, np.newaxis] * _ahead(gear, t)
         slope = cross(tangent, along)
         step = np.divide(_miss(gear, t, foot, along, offset), slope, out=np.zeros_like(t), where=slope != 0.0)

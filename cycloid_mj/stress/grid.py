@@ -16,55 +16,54 @@ from cycloid_mj.stress.packages import mesher, package
 from cycloid_mj.stress.region import Region
 
 BULK_DISTANCE = 0.5
-"""Where bulk begins: so far from every loaded patch, as a share of the ring's pin radius. The one definition."""
+"""Distance from loaded patches at which bulk begins, over the ring's pin radius."""
 
-CLAMPED = 0.25
-"""Edges of outlines at a clamped circle over its radius, however coarse the grid: a longer arc would cut into it."""
+MAX_CLAMPED_EDGE = 0.25
+"""Largest edge at a clamped circle over its radius: a longer arc would cut into the circle."""
 
-SHORTER = 0.5
-"""Edges of an outline where a curved one folded an element, over that element's longest."""
+FOLDED_EDGE = 0.5
+"""Edges of an outline next to a folded element, over that element's longest edge."""
 
-MENDED = 4
-"""Times that a grid is made anew so."""
+MAX_REMESHES = 4
+"""Largest number of remeshes with shorter edges."""
 
 DEPTH_GROWTH = 0.6
-"""How fast edges grow inwards on the whole, per length: slowly at first, within the bulk distance, then faster."""
+"""Mean growth of edges inwards, per length: slowly at first, within the bulk distance, then faster."""
 
 
 class FoldedError(CycloidError):
-    """Elements are turned inside out by curved edges: `places` (k, d + 1) [m], their middles and longest edges."""
+    """Curved edges fold elements: `folds` (k, d + 1) [m] are their middles and longest edges."""
 
     def __init__(self, part: str, corners: Array) -> None:
-        super().__init__(f"the {part} does not mesh: a curved edge folds its element; raise the refinement")
+        super().__init__(f"the {part} does not mesh: a curved edge folds its element. Increase the refinement")
         edges = np.linalg.norm(corners[:, :, np.newaxis] - corners[:, np.newaxis], axis=-1)
-        self.places: Array = np.column_stack([corners.mean(axis=1), edges.max(axis=(1, 2))])
+        self.folds: Array = np.column_stack([corners.mean(axis=1), edges.max(axis=(1, 2))])
 
 
 @dataclass(frozen=True)
 class GridSettings:
-    """How fine a grid is. Lengths are shares of the ring's pin radius.
+    """Settings of a grid. Lengths are shares of the ring's pin radius.
 
-    `refinement` divides all of them but `bulk_distance`, which must not change in a refinement study.
+    `refinement` divides all of them except `bulk_distance`, which must not change in a convergence study.
 
     Attributes
     ----------
     refinement
-        One number for a refinement study.
+        Refinement factor.
     contact_edge, wide_edge, free_edge, inner_edge
-        Edges of outlines that other parts touch along lines, or widely (the bore), of other outlines, and the longest
-        inside.
+        Edges of outlines with line contacts, with wide contacts (the bore), without contacts, and the longest inside.
     turn
-        Longest edge as a share of the radius of curvature.
+        Longest edge over the radius of curvature.
     growth
-        How edges grow inwards, as a power of the depth: the smaller it is, the slower at first.
+        Growth of the edges inwards as a power of the depth: the smaller, the slower at first.
     solid_edge
-        Longest edge of the tetrahedra of the shaft, as a share of its own radius.
+        Longest edge of the tetrahedra of the shaft, over its own radius.
     layer_edge
-        Highest layer of the other parts as solids.
+        Largest layer height of the other parts as solids.
     bulk_distance
         Distance from loaded patches beyond which stress counts as bulk.
     solid
-        Whether parts other than the shaft, which always is, are solid bodies too, on coarser sections.
+        Whether parts other than the shaft are solid bodies as well, on coarser sections.
     """
 
     refinement: float = 1.0
@@ -82,7 +81,7 @@ class GridSettings:
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
             if name != "solid" and not value > 0.0:
-                raise UsageError(f"the grid's {name} is {value}; it must be positive, e.g. 1")
+                raise UsageError(f"grid setting {name} = {value} is out of range: it must be more than 0, such as 1")
 
 
 @dataclass(frozen=True)
@@ -92,21 +91,21 @@ class Grid:
     Attributes
     ----------
     part
-        Its name.
+        Name of the part.
     mesh
         The scikit-fem mesh. Its nodes (`points`) are the vertices, then the middles of the edges.
     thickness
         Thickness of a planar part [m]; 1 for a solid one.
     loops
-        The outlines that other parts touch, each (e, 3): start, middle and end node of every edge, in order.
+        Outlines with contacts, each (e, 3): start, middle and end node of each edge, in order.
     held
-        Nodes that do not move; empty for a free part.
+        Fixed nodes; empty for a free part.
     bulk_distance
         Distance from loaded patches beyond which stress counts as bulk [m].
     keep_off, corner_distance
-        Points (n, d) [m] on sharp inner corners without their fillets, and how far the bulk always keeps off them [m].
+        Points (n, d) [m] on sharp inner corners without their fillets, and their distance that the bulk excludes [m].
     section
-        Of a solid that is drawn out along z: its planar grid, which contact forces act on; None of others.
+        Planar grid of an extruded solid, on which contact forces act; None for others.
     """
 
     part: str
@@ -164,36 +163,36 @@ class SectionGrid:
 def planar_grid(
     region: Region, settings: GridSettings, length: float, focus: npt.ArrayLike | None = None, section: bool = False
 ) -> Grid:
-    """Build the grid of any planar region; the lengths of the settings are shares of ``length`` [m].
+    """Build the grid of a planar region; lengths of the settings are shares of ``length`` [m].
 
-    Where an outline's curved edges fold elements beside them, they are made shorter. A section, to be drawn out along
-    z, keeps the mesher's order of vertices, by which its prisms are cut.
+    Where curved edges of an outline fold elements next to them, shorter edges are used. A section that is extruded
+    keeps the mesher's order of vertices, by which its prisms are divided.
 
     Raises
     ------
     CycloidError
         The region does not mesh, or a package of the extra ``fem`` is missing.
     """
-    places = np.zeros((0, 3)) if focus is None else np.asarray(focus, float).reshape(-1, 3)
-    places = np.concatenate([places, _clamped(region)])
-    for _ in range(MENDED):
+    folds = np.zeros((0, 3)) if focus is None else np.asarray(focus, float).reshape(-1, 3)
+    folds = np.concatenate([folds, _clamped(region)])
+    for _ in range(MAX_REMESHES):
         try:
-            return _planar_grid(region, settings, length, places, section)
+            return _planar_grid(region, settings, length, folds, section)
         except FoldedError as folded:
-            places = np.concatenate([places, folded.places * (1.0, 1.0, SHORTER)])
-    return _planar_grid(region, settings, length, places, section)
+            folds = np.concatenate([folds, folded.folds * (1.0, 1.0, FOLDED_EDGE)])
+    return _planar_grid(region, settings, length, folds, section)
 
 
-def _planar_grid(region: Region, settings: GridSettings, length: float, places: Array, section: bool) -> Grid:
-    """Build a grid with short edges of outlines at some places, rows (x, y, edge) [m]."""
+def _planar_grid(region: Region, settings: GridSettings, length: float, folds: Array, section: bool) -> Grid:
+    """Build a grid with short edges of outlines at some folds, rows (x, y, edge) [m]."""
     unit = length / settings.refinement
     loops = []
     for boundary in region.boundaries:
         edge = (
             unit * {"line": settings.contact_edge, "wide": settings.wide_edge, "": settings.free_edge}[boundary.touched]
         )
-        loops.append(divide(boundary.polygon, Sizing(edge, settings.turn / settings.refinement, edge / 10, places)))
-    points, triangles = _triangulated(region, loops, unit * settings.inner_edge, settings.growth)
+        loops.append(divide(boundary.polygon, Sizing(edge, settings.turn / settings.refinement, edge / 10, folds)))
+    points, triangles = _triangulate(region, loops, unit * settings.inner_edge, settings.growth)
     first = np.cumsum([0, *(len(loop.nodes) for loop in loops)])
     rings = [start + np.arange(len(loop.nodes)) for start, loop in zip(first, loops, strict=False)]
     ends = np.concatenate([np.column_stack([ring, np.roll(ring, -1)]) for ring in rings])
@@ -216,7 +215,7 @@ def _planar_grid(region: Region, settings: GridSettings, length: float, places: 
 def _clamped(region: Region) -> Array:
     """Compute the middles of clamped circles within a region and the edge length there, rows (x, y, edge) [m]."""
     circles = [each.polygon for each in region.boundaries if each.held and each.role == "inset"]
-    rows = [(*circle.mean(axis=0), CLAMPED * float(np.ptp(circle[:, 0])) / 2.0) for circle in circles]
+    rows = [(*circle.mean(axis=0), MAX_CLAMPED_EDGE * float(np.ptp(circle[:, 0])) / 2.0) for circle in circles]
     return np.array(rows).reshape(-1, 3)
 
 
@@ -245,7 +244,7 @@ def quadratic(
     mesh = (skfem.MeshTri2 if planar else skfem.MeshTet2).from_mesh(straight)
     nodes = middles_of(mesh, at[ends])
     if nodes.min(initial=0) < 0:
-        raise CycloidError(f"the {part} does not mesh: an edge of its outline is missing; change the refinement")
+        raise CycloidError(f"the {part} does not mesh: an edge of its outline is missing. Change the refinement")
     mesh.doflocs[:, nodes] = middles.T
     shape = mapping_of(mesh).detDF(np.eye(mesh.dim(), mesh.dim() + 1, 1))
     folded = np.any(shape * np.sign(shape[:, :1]) <= 0.0, axis=1)
@@ -255,10 +254,10 @@ def quadratic(
 
 
 def mapping_of(mesh: Any) -> Any:
-    """Return a mapping of a mesh from straight to curved elements, which is let go with all that it keeps.
+    """Return a temporary mapping of a mesh from straight to curved elements.
 
-    The mesh's own keeps its derivatives at all quadrature points that it is ever asked for: 75 MB of the peak that the
-    factor of the preset's finer output is.
+    The mesh's own mapping caches its derivatives at all quadrature points, which is 75 MB of the peak memory for the
+    finer output of the preset.
     """
     return package("skfem").MappingIsoparametric(mesh, mesh.elem(), mesh.bndelem)
 
@@ -280,14 +279,14 @@ def middles_of(mesh: Any, ends: Integers) -> Integers:
     known = np.sort(mesh.facets if mesh.dim() == 2 else mesh.edges, axis=0).astype(np.int64)
     key, wanted = known[0] * mesh.nvertices + known[1], np.sort(ends, axis=-1) @ np.array([mesh.nvertices, 1])
     order = np.argsort(key)
-    places = order[np.searchsorted(key[order], wanted).clip(max=len(order) - 1)]
-    return np.where(key[places] == wanted, mesh.nvertices + places, -1)
+    folds = order[np.searchsorted(key[order], wanted).clip(max=len(order) - 1)]
+    return np.where(key[folds] == wanted, mesh.nvertices + folds, -1)
 
 
-def _triangulated(
+def _triangulate(
     region: Region, loops: list[QuadraticOutline], inner_edge: float, growth: float
 ) -> tuple[Array, Integers]:
-    """Let gmsh fill the region; the loops' nodes come first, in order."""
+    """Mesh the region with gmsh; the nodes of the loops come first, in order."""
     with mesher(region.part, inner_edge) as gmsh:
         geo = gmsh.model.geo
         curves, edges = [], []
@@ -311,7 +310,7 @@ def _triangulated(
         tags, coordinates, _ = gmsh.model.mesh.getNodes()
         _, corners = gmsh.model.mesh.getElementsByType(2)
     if not len(corners):
-        raise CycloidError(f"the {region.part} does not mesh: an outline crosses itself or another; check the design")
+        raise CycloidError(f"the {region.part} does not mesh: an outline crosses itself or another. Check the design")
     index = np.zeros(int(tags.max()) + 1, np.int64)
     order = np.argsort(tags)
     index[tags[order].astype(np.int64)] = np.arange(len(tags))
@@ -322,7 +321,7 @@ def _triangulated(
 
 
 def _grow_inwards(field: Any, edges: list[int], longest: float, growth: float) -> None:
-    """Let edges grow with the distance from the outlines, up to the longest [mm]."""
+    """Set the size field: edges grow with the distance from the outlines, up to the longest [mm]."""
     extend = field.add("Extend")
     field.setNumbers(extend, "CurvesList", edges)
     field.setNumber(extend, "SizeMax", longest)

@@ -13,11 +13,11 @@ from cycloid_mj.base.names import GEAR, family, gears
 from cycloid_mj.base.record import Run
 from cycloid_mj.parts import MassProperties, body_solids, mass_properties
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.stress.contacts import Action, contacts, frame, total, turned
+from cycloid_mj.stress.contacts import Action, contacts, part_frame, total, turned
 from cycloid_mj.stress.turn import DEGREES, Turn, turn
 
 PARTS = ("shaft", "gear", "ring", "output", "pin_1")
-"""Parts in their order; of several discs each is one: gear_1, gear_2, ..."""
+"""Parts in their order; each of several discs is a part: gear_1, gear_2, ..."""
 
 
 @dataclass(frozen=True)
@@ -61,9 +61,9 @@ class PartLoads:
 
 
 def part_names(reducer: Reducer) -> tuple[str, ...]:
-    """Name the parts of a design whose stress can be asked for.
+    """Return the names of the parts of a design whose stress can be computed.
 
-    Sleeves take ring and pins out: the housing holds such pins beside the gear, which no load in the plane can tell.
+    With sleeves these are without ring and pins: the housing supports such pins next to the disc, out of the plane.
     """
     design = reducer.design
     left_out = {"ring", "pin_1"} if design.ring.has_sleeves else {"pin_1"} if design.ring.kind == "nonpin" else set()
@@ -74,10 +74,10 @@ def part_names(reducer: Reducer) -> tuple[str, ...]:
 def part_loads(run: Run, reducer: Reducer, part: str, angles: npt.ArrayLike = DEGREES) -> PartLoads:
     """Compute the loads on a part at crank angles [rad], shape (k,), from the forces that a run logged.
 
-    The samples nearest to the angles are taken, in the last turn of the settled hold. Each force, friction included,
-    acts where its line of action meets the surface it presses on; on a wide patch, so that its tractions have the
-    moment that was logged. The parts that move freely, gear and pin 1, have the acceleration that their logged forces
-    and gravity give them (d'Alembert), so they are in balance at every sample.
+    The samples nearest to the angles in the last turn of the settled hold are used. Each force, including friction,
+    acts where its line of action intersects the surface on which it presses; on a wide patch, so that its tractions
+    have the logged moment. Free parts, disc and pin 1, have the acceleration of their logged forces and gravity
+    (d'Alembert), so that they are in balance at each sample.
 
     Parameters
     ----------
@@ -91,9 +91,9 @@ def part_loads(run: Run, reducer: Reducer, part: str, angles: npt.ArrayLike = DE
     Raises
     ------
     UsageError
-        There is no such part in this design, or the design is not the one that ran.
+        The design has no such part, or is not the design that ran.
     LogError
-        The run carries no design or no forces, or its hold is too short or too coarse.
+        The run contains no design or no forces, or its hold is too short or too coarse.
     """
     require_part(reducer, part)
     sampled = turn(run, reducer, angles)
@@ -106,7 +106,7 @@ def part_loads(run: Run, reducer: Reducer, part: str, angles: npt.ArrayLike = DE
         half_width=np.stack([contact.half_width for contact in touching], axis=1),
         pressure=np.stack([contact.line.pressure for contact in touching], axis=1),
         strip=np.stack([contact.line.half_width for contact in touching], axis=1),
-        hertz=np.stack([contact.line.holds for contact in touching], axis=1),
+        hertz=np.stack([contact.line.valid for contact in touching], axis=1),
         labels=tuple(contact.name for contact in touching),
         **_motion(sampled, part, total(touching)),
     )
@@ -127,7 +127,12 @@ def _motion(turn: Turn, part: str, pushed: Action) -> dict[str, Array]:
     world = np.broadcast_to([environment.gravity_x, environment.gravity_y], (turn.angle.size, 2))
     # all is seen from the ring, where the world turns back
     world, about = turned(world, -turn.ring_angle), -turn.ring_speed
-    moved = {"body_force": turned(world, -frame(turn, part).angle), "spin": still, "spin_rate": still, "torque": still}
+    moved = {
+        "body_force": turned(world, -part_frame(turn, part).angle),
+        "spin": still,
+        "spin_rate": still,
+        "torque": still,
+    }
     if part == "ring":
         return moved
     body = mass_properties(body_solids(turn.reducer)[{"pin_1": "pin"}.get(part, part)])
@@ -159,4 +164,4 @@ def require_part(reducer: Reducer, part: str) -> None:
         if reducer.design.ring.has_sleeves and part in ("ring", "pin_1"):
             reason = " whose stress could be told (sleeved pins are held beside the gear, out of its plane)"
         names = ", ".join(part_names(reducer))
-        raise UsageError(f"the design {reducer.design.name!r} has no part {part!r}{reason}; there are {names}")
+        raise UsageError(f"the design {reducer.design.name!r} has no part {part!r}{reason}. Available: {names}")

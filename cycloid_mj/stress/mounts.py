@@ -1,8 +1,8 @@
-"""What holds output pins and crank in plates that give, as a drawing tells it and a design does not.
+"""Compliance of the seats of output pins and crank in elastic plates, from a drawing.
 
-A round part in the bore of a plate gives 1/(E w), w its width (Tate and Rosenfeld, NACA TN 1051, 1946). So a pin in its
-plates is a beam on a foundation of E per length (Winkler), and a crank a beam on two bearings, each of which sits in a
-bore and on the shaft. E is that of the housing: plates and shaft are taken to be of its material.
+A round part in the bore of a plate of width w has the compliance 1/(E w) (Tate and Rosenfeld, NACA TN 1051, 1946). So a
+pin in its plates is a beam on a foundation of E per length (Winkler), and a crank a beam on two bearings, each with a
+seat in its bore and on the shaft. E is that of the housing: plates and shaft are assumed to have its material.
 """
 
 from pathlib import Path
@@ -24,7 +24,7 @@ from cycloid_mj.reducer.bending import AXIAL_GAP, round_beam
 from cycloid_mj.stress.loads import PartLoads
 
 SLICES = 40
-"""Elements of each stretch of a pin: twice as many change its give by less than 0.1 %."""
+"""Elements of each section of a pin: twice as many change its compliance by less than 0.1 %."""
 
 
 Limits = tuple[
@@ -59,20 +59,20 @@ class CrankSeats(Section):
 
 
 class Printed(Section):
-    """What is printed: the least and the largest Young's modulus that it may have [Pa]."""
+    """Smallest and largest Young's modulus of the printed material [Pa]."""
 
     modulus: Limits = quantity(..., "the least and the largest Young's modulus", u.MEGAPASCAL)
 
     @model_validator(mode="after")
-    def _least_first(self) -> Self:
-        """Refuse limits the wrong way round."""
+    def _require_order(self) -> Self:
+        """Raise ValueError for limits in the wrong order."""
         if self.modulus[0] > self.modulus[1]:
-            raise ValueError("modulus_mpa has the least first, then the largest")
+            raise ValueError("modulus_mpa must be the smallest, then the largest modulus")
         return self
 
 
 class Mounts(Section):
-    """What a drawing tells beside the design; a table that is not there is not told."""
+    """Seats from a drawing; each table is optional."""
 
     studs: StudSeats | None = Field(default=None, description="seats of the output pins")
     crank: CrankSeats | None = Field(default=None, description="seats of the crank")
@@ -92,9 +92,9 @@ def read_mounts(path: Path) -> Mounts:
     try:
         tables = parse_toml(as_input(path).read_text(encoding="utf-8-sig"), str(path), "docs/bench.md shows one")
     except FileNotFoundError as error:
-        raise UsageError(f"there is no file of mounts {path}; docs/bench.md shows one") from error
+        raise UsageError(f"the file of mounts {path} does not exist; docs/printed-drive.md shows an example") from error
     except (OSError, ValueError) as error:
-        raise DesignError(f"cannot read the mounts {path}: {reason(error)}; give a TOML text file") from error
+        raise DesignError(f"cannot read the mounts {path}: {reason(error)}; use a TOML text file") from error
     return record(Mounts, tables, str(path))
 
 
@@ -105,36 +105,40 @@ def printed_of(reducer: Reducer, modulus: float) -> Reducer:
     return reducer.but(**{design.material_table(part): {"youngs_modulus": modulus} for part in alike})
 
 
-def studs_given(reducer: Reducer, studs: StudSeats, loads: PartLoads) -> dict[str, float]:
-    """Compute what the output pins give in their plates, and the second plate on them [rad/(N m)].
+def studs_compliance(reducer: Reducer, studs: StudSeats, loads: PartLoads) -> dict[str, float]:
+    """Compute the compliance of the output pins in their plates, and of the second plate on them [rad/(N m)].
 
-    The work of the loads of a disc, shape (k, m, 2), on pins whose far plate does not turn, and beside it, where that
-    is free, what the plate's turn adds: it carries the share s of the torque, which n pins hand back by their stiffness
-    K across, s^2/(n K r^2). Means over the k crank angles.
+    It is the work of the loads of a disc, shape (k, m, 2), on pins with a fixed far plate. A free far plate adds its
+    rotation: it carries the share s of the torque, which n pins with lateral stiffness K return, s^2/(n K r^2). Means
+    over the k crank angles.
 
     Raises
     ------
     UsageError
-        The pins are not held at both ends, or pass several discs.
+        The pins are not supported at both ends, or the drive has several discs.
     """
     design, output = reducer.design, reducer.design.output
     if output.support != "both_ends" or design.gear.discs > 1:
         raise UsageError(
-            f"the mounts tell studs in two plates, beside one disc; {design.name} has {design.gear.discs} disc(s) and "
-            f'output.support = "{output.support}": leave [studs] out, or set output.support=both_ends'
+            f"[studs] of the mounts needs two plates and one disc; {design.name} has {design.gear.discs} disc(s) and "
+            f'output.support = "{output.support}". Remove [studs], or set output.support=both_ends'
         )
     give, share, across = stud_stiffness(reducer, studs)
     work = give * np.mean(np.sum(loads.force**2, axis=(1, 2))) / design.load.torque**2
-    swing = share**2 / (output.pins * across * output.pin_circle_radius**2) if studs.far_plate_free else 0.0
-    return {"studs": float(work), "far_plate": swing}
+    rotation = share**2 / (output.pins * across * output.pin_circle_radius**2) if studs.far_plate_free else 0.0
+    return {"studs": float(work), "far_plate": rotation}
 
 
 def stud_stiffness(reducer: Reducer, studs: StudSeats) -> tuple[float, float, float]:
-    """Compute of an output pin in its plates: give, share of the far plate, stiffness across.
+    """Compute compliance, far-plate share and lateral stiffness of an output pin in its plates.
 
-    A Timoshenko beam of the pin's root on the foundations of both plates, under a load that is even over the disc's
-    width: its displacement there per force [m/N] at plates that stay, the share of the force that goes to the far
-    plate, and the force on that plate per displacement of it, without a load [N/m].
+    The pin is a Timoshenko beam on the foundations of both plates, under a uniform load over the disc's width.
+
+    Returns
+    -------
+    tuple
+        Displacement at the load per force with fixed plates [m/N], share of the force on the far plate, and force on
+        that plate per displacement of it [N/m].
     """
     design, width = reducer.design, reducer.design.gear.face_width
     # along the pin: seat, gap, disc, gap, seat; what is held, what is loaded
@@ -149,15 +153,17 @@ def stud_stiffness(reducer: Reducer, studs: StudSeats) -> tuple[float, float, fl
     spring, load = (_to_nodes(one) for one in (modulus * held, loaded / width))
     stiffness[np.arange(0, 2 * nodes, 2), np.arange(0, 2 * nodes, 2)] += spring
     far = np.where(np.arange(nodes) <= SLICES, spring, 0.0)
-    moved, pushed = np.linalg.solve(stiffness, np.stack([_on_places(load), _on_places(far)], axis=1))[::2].T
+    moved, pushed = np.linalg.solve(stiffness, np.stack([_displacement_loads(load), _displacement_loads(far)], axis=1))[
+        ::2
+    ].T
     return float(load @ moved), float(far @ moved), float(np.sum(far) - far @ pushed)
 
 
-def crank_give(reducer: Reducer, crank: CrankSeats) -> float:
-    """Compute by how much the cam moves aside per force on it [m/N]: seats, and the post as a Timoshenko beam.
+def crank_compliance(reducer: Reducer, crank: CrankSeats) -> float:
+    """Compute the lateral displacement of the cam per force [m/N]: seats, and the post as a Timoshenko beam.
 
-    Each bearing gives twice 1/(E w), in its bore and on the shaft, the cam's ring once; both bearings let the crank
-    tilt.
+    Each bearing has the compliance 2/(E w), of its bore and on the shaft, the cam's ring 1/(E w). Both bearings allow
+    the crank to tilt.
     """
     material, span = reducer.design.material_of("housing"), crank.to_hub + crank.to_housing
     on_hub, on_housing = crank.to_housing / span, crank.to_hub / span
@@ -179,10 +185,10 @@ def _beam_element(reducer: Reducer, length: float) -> Array:
 
 
 def _to_nodes(of_elements: Array) -> Array:
-    """Share what elements hold evenly between their two nodes, shape (n,) -> (n + 1,)."""
+    """Distribute values of elements equally to their two nodes, shape (n,) -> (n + 1,)."""
     return np.asarray(0.5 * (np.append(of_elements, 0.0) + np.append(0.0, of_elements)))
 
 
-def _on_places(of_nodes: Array) -> Array:
-    """Put forces on displacements, none on slopes, shape (n,) -> (2 n,)."""
+def _displacement_loads(of_nodes: Array) -> Array:
+    """Return loads on displacements and none on slopes, shape (n,) -> (2 n,)."""
     return np.stack([of_nodes, np.zeros_like(of_nodes)], axis=1).ravel()

@@ -1,7 +1,7 @@
-"""Stress at fillets: the nominal stress of a round section, times the notch factors of its shoulder.
+"""Stress at fillets: nominal stress of a round section times the notch factors of its shoulder.
 
-The grids have sharp inner corners, where stress grows without end under refinement; so the bulk keeps off them, and
-what a fillet makes of the nominal stress stands beside it.
+The grids have sharp inner corners, where stress diverges under refinement. The bulk therefore excludes them, and the
+stress of their fillets is computed separately.
 """
 
 import math
@@ -23,14 +23,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Notch:
-    """Stress at the fillet of a shoulder where it is largest in a turn.
+    """Largest stress of a turn at the fillet of a shoulder.
 
     Attributes
     ----------
     name
-        Which shoulder.
+        Name of the shoulder.
     radius, fillet
-        Of the thinner stretch, and of the fillet [m]; inf where the section has no notch.
+        Radii of the thinner section and of the fillet [m]; inf without a notch.
     angle
         Crank angle [rad].
     bending, torsion
@@ -76,9 +76,9 @@ class Notch:
 
 
 def output_roots(reducer: Reducer, loads: "PartLoads") -> tuple[Notch, ...]:
-    """List the most loaded root of the output's pins, which carry the force of each disc evenly over its width.
+    """Return the most loaded root of the output's pins, as a tuple of one; forces are uniform over a disc's width.
 
-    Their nominal bending stress is 4 M/(pi R^3), M of `root_arms`, R being the core's radius under a roller.
+    The nominal bending stress is 4 M/(pi R^3), with M by `root_arms` and the core radius R under a roller.
     """
     design = reducer.design
     discs = np.array([disc_of(label) for label in loads.labels])

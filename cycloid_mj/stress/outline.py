@@ -12,10 +12,10 @@ import numpy as np
 from cycloid_mj.base.array import Array, Mask
 
 CORNER = 0.15
-"""A polygon turns by more than this only at a corner of the part [rad]."""
+"""Angle between edges of a polygon above which it is a corner of the part [rad]."""
 
 GROWTH = 0.25
-"""How fast edges may grow along the outline and away from a focus, per length."""
+"""Growth of edges along the outline and away from a focus, per length."""
 
 _LEAST_EDGES = 12
 
@@ -48,9 +48,9 @@ class QuadraticOutline:
 
 def divide(polygon: Array, sizing: Sizing) -> QuadraticOutline:
     """Divide a closed polygon (n, 2) [m] into edges of the wanted lengths; each of its corners becomes a node."""
-    points, corner, radius = _dense(polygon, sizing)
+    points, corner, radius = _subdivide(polygon, sizing)
     arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1))])
-    size = _graded(_wanted(points, radius, sizing), arc)
+    size = _limit_growth(_wanted(points, radius, sizing), arc)
     closed = np.append(size, size[0])
     share = np.concatenate([[0.0], np.cumsum((1 / closed[1:] + 1 / closed[:-1]) / 2 * np.diff(arc))])
     ends = np.flatnonzero(corner) if corner.any() else np.array([0])
@@ -74,8 +74,8 @@ def _wanted(points: Array, radius: Array, sizing: Sizing) -> Array:
     return size
 
 
-def _dense(polygon: Array, sizing: Sizing) -> tuple[Array, Mask, Array]:
-    """Halve the polygon's edges until each is below half the wanted length; tell corners, and radii of curvature."""
+def _subdivide(polygon: Array, sizing: Sizing) -> tuple[Array, Mask, Array]:
+    """Halve the polygon's edges until each is below half the target length; return corners and curvature as well."""
     before, after = polygon - np.roll(polygon, 1, axis=0), np.roll(polygon, -1, axis=0) - polygon
     cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     turn = np.abs(np.arctan2(cross, np.sum(before * after, axis=1)))
@@ -96,8 +96,8 @@ def _dense(polygon: Array, sizing: Sizing) -> tuple[Array, Mask, Array]:
         radius = np.insert(radius, place, beyond[coarse])
 
 
-def _graded(size: Array, arc: Array) -> Array:
-    """Shorten edges so that they grow by no more than GROWTH along the closed outline, either way."""
+def _limit_growth(size: Array, arc: Array) -> Array:
+    """Limit the growth of edges along the closed outline to GROWTH in both directions."""
     twice, s = np.tile(size, 2), np.concatenate([arc[:-1], arc[:-1] + arc[-1]])
     ahead = np.minimum.accumulate(twice - GROWTH * s) + GROWTH * s
     back = np.minimum.accumulate((twice + GROWTH * s)[::-1])[::-1] - GROWTH * s

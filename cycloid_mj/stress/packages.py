@@ -45,15 +45,16 @@ def package(name: str) -> Any:
         return importlib.import_module(name)
     except (ImportError, OSError) as error:
         raise CycloidError(
-            f"stress needs the package {name} ({error}): install the extra with `pip install 'cycloid-mj[fem]'`"
+            f"stress needs the package {name} ({error}); install the extra with `pip install 'cycloid-mj[fem]'`"
         ) from error
 
 
 @contextmanager
 def mesher(part: str, coarsest: float) -> Iterator[Any]:
-    """Yield gmsh with an empty model of its own and fixed options, so that the same part gives the same grid.
+    """Yield gmsh with an empty model and fixed options, so that grids are reproducible.
 
-    No options file of the user is read, and one thread works: the order of many would decide the tetrahedra.
+    The user's options file is not read, and a single thread is used, since the order of several would change the
+    tetrahedra.
 
     ``coarsest`` is the longest edge [m].
 
@@ -78,7 +79,7 @@ def mesher(part: str, coarsest: float) -> Iterator[Any]:
         raise
     except Exception as error:
         raise CycloidError(
-            f"the {part} does not mesh ({str(error).strip()}): check its outline with `cycloid-mj export`, "
+            f"the {part} does not mesh ({str(error).strip()}). Check its outline with `cycloid-mj export`, "
             "or change the refinement"
         ) from error
     finally:

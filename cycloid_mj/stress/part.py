@@ -1,4 +1,4 @@
-"""Grid and loaded case of each part by its name: the one place that knows that the shaft is made in another way."""
+"""Grid and load case of each part by its name; the shaft has its own grid and loads."""
 
 import numpy.typing as npt
 

@@ -1,10 +1,8 @@
-"""Compliance of each part under a torque on the output at a held crank, by plane finite elements.
+"""Compliance of each part under a torque on the output with a locked crank, by plane finite elements.
 
-The forces on a part do work along its own displacements; half of it is stored in the part. In a drive that is in
-balance and whose forces are in proportion to the torque T, the output turns by C T, and the work of all parts is C T^2
-(Castigliano): each adds its own. That holds without friction. So the give of discs, ring, carrier and shaft, which
-statics leaves out or takes as rings and beams, adds up with that of their contacts: each patch is as wide as Hertz has
-it, in both of its parts.
+In a balanced drive without friction whose forces are in proportion to the torque T, the output turns by C T, and the
+work of the forces on all parts along their own displacements is C T^2 (Castigliano), so the compliances of the parts
+add. They include that of their contacts, since each patch has Hertz's width in both of its parts.
 """
 
 import numpy as np
@@ -15,40 +13,39 @@ from cycloid_mj.parts.parts import crank_stretches
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress.loads import PartLoads, part_loads, part_names
-from cycloid_mj.stress.mounts import Mounts, crank_give, studs_given
+from cycloid_mj.stress.mounts import Mounts, crank_compliance, studs_compliance
 from cycloid_mj.stress.part import part_case, part_grid
 from cycloid_mj.stress.study import QUICK, StudySettings
 
 ANGLES = 12
-"""Crank angles that the mean is of."""
+"""Number of crank angles of the mean."""
 
 
-def given(
+def compute_part_compliance(
     run: Run, reducer: Reducer, settings: StudySettings = QUICK, mounts: Mounts | None = None
 ) -> dict[str, float]:
-    """Compute by how much each part turns the output per torque on it [rad/(N m)], the mean over a turn of the crank.
+    """Compute the compliance of each part at the output [rad/(N m)], as the mean over a turn of the crank.
 
-    Beside the parts stand the seats of the shaft's bearings in the housing, ``bearing_seats``, and what mounts tell:
-    ``studs`` and ``far_plate`` (`mounts.studs_given`), and ``crank`` in place of shaft and seats (`mounts.crank_give`).
+    In addition to the parts there are ``bearing_seats`` of the shaft in the housing, and with mounts ``studs`` and
+    ``far_plate`` (`mounts.studs_compliance`), and ``crank`` instead of shaft and seats (`mounts.crank_compliance`).
 
     Parameters
     ----------
     run
-        Without friction, under a torque on the output, ``load.torque`` of the reducer's design, for one settled turn of
-        the crank (`figures.for_one_turn`): its forces are in proportion to that torque where all contacts that close
-        have closed.
+        Run without friction under the torque ``load.torque`` on the output for one settled turn of the crank
+        (`figures.for_one_turn`). Its forces are in proportion to that torque once all contacts have closed.
     reducer
         The reducer of the run.
     settings
-        How fine the grids are.
+        Settings of the grids.
     mounts
-        What a drawing tells beside the design.
+        Seats of output pins and crank, by a drawing.
 
     Raises
     ------
     CycloidError
-        A part cannot be meshed or is not held, a package of the extra ``fem`` is missing, or mounts are told of another
-        kind of drive.
+        A part does not mesh or has no support, a package of the extra ``fem`` is missing, or the mounts do not fit the
+        design.
     """
     mounts = mounts or Mounts()
     torque = reducer.design.load.torque
@@ -58,10 +55,10 @@ def given(
         loads = part_loads(run, reducer, part, crank)
         if part == "shaft" and mounts.crank:
             squared = np.mean(np.sum(np.sum(loads.force, axis=1) ** 2, axis=1))
-            shares["crank"] = crank_give(reducer, mounts.crank) * float(squared) / torque**2
+            shares["crank"] = crank_compliance(reducer, mounts.crank) * float(squared) / torque**2
             continue
         if part == "output" and mounts.studs:
-            shares |= studs_given(reducer, mounts.studs, loads)
+            shares |= studs_compliance(reducer, mounts.studs, loads)
         answer = part_case(reducer, part_grid(reducer.design, part, settings.grid(part)), loads).response(
             np.arange(ANGLES)
         )
@@ -75,10 +72,10 @@ def given(
 
 
 def _seats_work(reducer: Reducer, loads: PartLoads) -> Array:
-    """Compute the work of the bearings' forces on their seats [J], shape (k,): a seat of width w gives 1/(E w).
+    """Compute the work of the bearings' forces on their seats [J], shape (k,).
 
-    That is what a round part gives that presses on its bore in a plate (Tate and Rosenfeld, NACA TN 1051, 1946), with E
-    of the housing; what each of the two bearings carries is by statics.
+    A seat of width w has the compliance 1/(E w) of a round part in the bore of a plate (Tate and Rosenfeld, NACA TN
+    1051, 1946), with E of the housing. The forces of both bearings are by statics.
     """
     seats = bearing_seats(reducer, crank_stretches(reducer))
     far, near = (0.5 * sum(seat) for seat in seats)

@@ -18,17 +18,17 @@ from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.loads import PartLoads
 
-LEAST_POINTS = 8
-"""Points of the narrowest patch."""
+MIN_POINTS = 8
+"""Smallest number of points of a patch."""
 
 POINTS_PER_EDGE = 4
-"""Points of a wide patch for each edge of its half width, so that its pressure is smooth on the grid."""
+"""Points of a wide patch per edge of its half width, so that its pressure is smooth on the grid."""
 
-LARGEST_SHARE = 0.25
-"""A patch of a nearly conformal pair reaches no farther to each side than this share of its outline."""
+MAX_OUTLINE_SHARE = 0.25
+"""Largest half width of a nearly conformal patch, over the length of its outline."""
 
 NO_FORCE = 1e-12
-"""Forces below this share of the largest are rounding."""
+"""Force relative to the largest below which it is rounding."""
 
 _SAMPLES = 8
 
@@ -68,12 +68,12 @@ class _Edges:
 
 
 def patches(grid: Grid, loads: PartLoads) -> Patches:
-    """Put the contact forces of a part on its grid.
+    """Distribute the contact forces of a part on its grid.
 
     Raises
     ------
     CycloidError
-        The loads are those of another part, or a contact lies off the part's surface.
+        The loads are those of another part, or a contact is not on the part's surface.
     """
     _require_match(grid, loads)
     edges = _edges(grid)
@@ -89,12 +89,12 @@ def patches(grid: Grid, loads: PartLoads) -> Patches:
         distance, nearest = covered
         if distance.max() > grid.bulk_distance:
             raise CycloidError(
-                f"contact {name} of the {grid.part} lies {distance.max() * 1e3:.3g} mm off its surface; "
-                "the loads are of another design"
+                f"contact {name} of the {grid.part} lies {distance.max() * 1e3:.3g} mm off its surface: "
+                "the loads are of another design. Use the loads of this design"
             )
         edge = tree_edge[nearest]
-        centre = _foot(edges, edge, tree_xi[nearest], loads.place[at, contact])
-        half_width = np.minimum(loads.half_width[at, contact], LARGEST_SHARE * edges.length_of_loop[edge])
+        centre = _nearest_arc(edges, edge, tree_xi[nearest], loads.place[at, contact])
+        half_width = np.minimum(loads.half_width[at, contact], MAX_OUTLINE_SHARE * edges.length_of_loop[edge])
         nodes, forces = _spread(edges, edge, centre, half_width, loads.force[at, contact])
         rows.append(2 * nodes[..., np.newaxis] + np.arange(2))
         columns.append(np.broadcast_to(at[:, np.newaxis, np.newaxis, np.newaxis], rows[-1].shape))
@@ -113,7 +113,7 @@ def patches(grid: Grid, loads: PartLoads) -> Patches:
 
 
 def _spread(edges: _Edges, edge: Integers, centre: Array, half_width: Array, force: Array) -> tuple[Integers, Array]:
-    """Spread forces (a, 2) [N] over patches about arc lengths ``centre`` (a,) [m] of their outlines.
+    """Distribute forces (a, 2) [N] over patches about arc lengths ``centre`` (a,) [m] of their outlines.
 
     Return the nodes (a, q, 3) of the edges under the q points of each patch, and forces (a, q, 3, 2) [N] on them.
 
@@ -121,7 +121,7 @@ def _spread(edges: _Edges, edge: Integers, centre: Array, half_width: Array, for
     of the force. Plane vectors are complex numbers here.
     """
     finest = float(np.min(edges.length[edge]))
-    count = LEAST_POINTS + POINTS_PER_EDGE * int(np.ceil(half_width.max() / finest))
+    count = MIN_POINTS + POINTS_PER_EDGE * int(np.ceil(half_width.max() / finest))
     node = np.arange(1, count + 1) * np.pi / (count + 1)
     weight = 2 / (count + 1) * np.sin(node) ** 2
     first, total = edges.first[edge][:, np.newaxis], edges.length_of_loop[edge][:, np.newaxis]
@@ -145,8 +145,8 @@ def _shape_slope_at(edges: _Edges, edge: Integers, centre: Array) -> npt.NDArray
     return tangent / np.abs(tangent)
 
 
-def _foot(edges: _Edges, edge: Integers, xi: Array, place: Array) -> Array:
-    """Find the arc length of the outline's point nearest to each place: from the nearest sample along the tangent."""
+def _nearest_arc(edges: _Edges, edge: Integers, xi: Array, place: Array) -> Array:
+    """Compute the arc length of the outline's nearest point to each position, by the tangent at the nearest sample."""
     here = np.einsum("ai,aix->ax", _shape(xi), edges.places[edge])
     tangent = np.einsum("ai,aix->ax", _slope(xi), edges.places[edge])
     ahead = np.sum((place - here) * tangent, axis=1) / np.sum(tangent**2, axis=1)
@@ -154,6 +154,7 @@ def _foot(edges: _Edges, edge: Integers, xi: Array, place: Array) -> Array:
 
 
 def _edges(grid: Grid) -> _Edges:
+    """Return the edges of outlines under points at arc lengths."""
     nodes = np.concatenate(grid.loops)
     places = grid.points[nodes]
     gauss, weight = np.polynomial.legendre.leggauss(4)
@@ -188,4 +189,6 @@ def _complex(vectors: Array) -> npt.NDArray[np.complex128]:
 
 def _require_match(grid: Grid, loads: PartLoads) -> None:
     if loads.part != grid.part:
-        raise CycloidError(f"the loads are on the {loads.part}, the grid is of the {grid.part}; take those of one part")
+        raise CycloidError(
+            f"the loads are those of the {loads.part}, the grid that of the {grid.part}; use those of the same part"
+        )

@@ -20,13 +20,13 @@ SPACE = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 """Order of the stress components: xx, yy, xy, or xx, yy, zz, yz, xz, xy."""
 
 GAUSS = 2
-"""Order of the quadrature whose points have the best stress: 3 Gauss points a triangle, 4 a tetrahedron."""
+"""Order of the quadrature with superconvergent stress: 3 Gauss points per triangle, 4 per tetrahedron."""
 
-STRETCH = 512
-"""Elements, or vertices, that are worked on at once: so few that all of it stays in the processor's cache."""
+CHUNK_ELEMENTS = 512
+"""Number of elements or vertices that are processed together, within the processor's cache."""
 
-RIDGE = 0.03
-"""Weight on the quadratic terms, of monomials of size 1: it decides where a patch has few points, as at a surface."""
+RIDGE_WEIGHT = 0.03
+"""Regularisation of the quadratic terms, of monomials of size 1, for patches with few points, as at a surface."""
 
 
 @dataclass(frozen=True)
@@ -36,12 +36,12 @@ class Recovery:
     Attributes
     ----------
     slopes
-        Each sparse (s d, n): from nodal values to derivatives along each axis at some of the quadrature points, element
-        by element: so few that what is made of them stays in the processor's cache.
+        Sparse operators (s d, n) from nodal values to derivatives along each axis, each at a chunk of the quadrature
+        points that fits into the processor's cache.
     fit
-        Sparse (n, p), in single precision: from values at the quadrature points to nodes.
+        Sparse operator (n, p), in single precision, from values at the quadrature points to nodes.
     points
-        The quadrature points (p, d) [m].
+        Quadrature points (p, d) [m].
     """
 
     slopes: tuple[Any, ...]
@@ -57,9 +57,9 @@ def recovery(grid: Grid) -> Recovery:
     slopes = np.stack([shape[0].grad for shape in basis.basis]).transpose(2, 3, 1, 0)
     count = slopes.shape[1] * grid.dimension
     operators = []
-    for first in range(0, len(slopes), STRETCH):
-        some = slopes[first : first + STRETCH]
-        columns = np.repeat(grid.cells[first : first + STRETCH], count, axis=0)
+    for first in range(0, len(slopes), CHUNK_ELEMENTS):
+        some = slopes[first : first + CHUNK_ELEMENTS]
+        columns = np.repeat(grid.cells[first : first + CHUNK_ELEMENTS], count, axis=0)
         starts = np.arange(0, columns.size + 1, columns.shape[1])
         shape = (len(columns), len(grid.points))
         operators.append(sparse.csr_matrix((some.ravel(), columns.ravel(), starts), shape=shape))
@@ -130,8 +130,8 @@ def _nodal_fit(grid: Grid, points: Array) -> Any:
     table, used = _points_round(grid, len(points))
     size = np.zeros(len(table))
     polynomials = []
-    for first in range(0, len(table), STRETCH):
-        some = slice(first, first + STRETCH)
+    for first in range(0, len(table), CHUNK_ELEMENTS):
+        some = slice(first, first + CHUNK_ELEMENTS)
         rows, size[some] = _polynomials(points, grid.points[: len(table)][some], table[some], used[some])
         polynomials.append(rows)
     return (_evaluated(grid, size) @ sparse.vstack(polynomials, "csr")).tocsr().astype(np.float32)
@@ -145,7 +145,7 @@ def _polynomials(points: Array, vertices: Array, table: Integers, used: Mask) ->
     apart = np.where(used[..., np.newaxis], points[table] - vertices[:, np.newaxis], 0.0)
     size = np.linalg.norm(apart, axis=2).max(axis=1)
     terms = _terms(apart / size[:, np.newaxis, np.newaxis]) * used[..., np.newaxis]
-    ridge = np.diag((np.arange(terms.shape[2]) > points.shape[1]) * RIDGE)
+    ridge = np.diag((np.arange(terms.shape[2]) > points.shape[1]) * RIDGE_WEIGHT)
     fit = np.linalg.solve(terms.transpose(0, 2, 1) @ terms + ridge, terms.transpose(0, 2, 1))
     kept = np.broadcast_to(used[:, np.newaxis], fit.shape)
     starts = np.append(0, np.cumsum(np.repeat(used.sum(axis=1), fit.shape[1])))

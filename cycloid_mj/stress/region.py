@@ -1,4 +1,4 @@
-"""Regions of planar parts for meshing: outlines, which of them other parts touch, and where each is held."""
+"""Regions of planar parts for meshing: outlines, their contacts, and their supports."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -13,21 +13,21 @@ from cycloid_mj.parts import circle, output_centres, parts
 from cycloid_mj.reducer import Reducer
 
 CHORD_ERROR = 1e-9
-"""How far the polygons are from the exact outlines [m]: a millionth of a millimetre."""
+"""Distance of the polygons from the exact outlines [m]."""
 
-MADE_AS = {"ring": "housing", "pin_1": "pin"}
-"""Part of the design that a part is, where it has another name."""
+MATERIAL_PART = {"ring": "housing", "pin_1": "pin"}
+"""Name in the design of a part that has another name there."""
 
 PLANAR_PARTS = ("gear", "ring", "output", "pin_1")
-"""The gear is any of several discs."""
+"""Parts with a planar grid; gear is any of several discs."""
 
 
 @dataclass(frozen=True)
 class Boundary:
-    """One closed outline, a counter-clockwise polygon (n, 2) [m], with what it is.
+    """Closed outline, a counter-clockwise polygon (n, 2) [m], with its role.
 
-    `role` is "outline", "hole", or "inset" (a closed curve within the material, where a pin is joined on); `touched`
-    by other parts along lines, or widely as a bearing is; `held`: it does not move.
+    `role` is "outline", "hole", or "inset" (a closed curve within the material, where a pin is attached). `touched`
+    states whether other parts have line or wide contacts with it. If `held`, it is fixed.
     """
 
     polygon: Array
@@ -46,22 +46,22 @@ class Region:
 
 
 def material_of(reducer: Reducer, part: str) -> Material:
-    """Return what a part is made of."""
-    return reducer.design.material_of(MADE_AS.get(part, GEAR if family(part) == GEAR else part))
+    """Return the material of a part."""
+    return reducer.design.material_of(MATERIAL_PART.get(part, GEAR if family(part) == GEAR else part))
 
 
 def part_region(reducer: Reducer, part: str) -> Region:
     """Build the region of a planar part in the frame of its solid.
 
-    The housing is held as the design says, by circles that its bolts clamp or by its seat, the outer circle. The output
-    disc is held by its hub, a rigid circle of the shaft's radius (an assumption: the design has none), and its pins, or
-    their cores under the rollers, are joined on. Gear and pin are free. Ring and pin are as wide as all discs, whose
-    forces are spread over that width.
+    The support of the housing is that of the design: circles clamped by its bolts, or its seat, the outer circle. The
+    output disc is fixed at its hub, a rigid circle of the shaft's radius (an assumption: the design has none), and its
+    pins, or their cores under rollers, are attached. Disc and pin are free. Ring and pin are as wide as all discs,
+    whose forces are distributed over that width.
 
     Raises
     ------
     UsageError
-        The design has no such part, or its pins leave no room for a hub.
+        The design has no such part, or its pins leave no space for a hub.
     """
     design = reducer.design
     width = design.gear.stack_width
@@ -82,11 +82,11 @@ def part_region(reducer: Reducer, part: str) -> Region:
         case "output":
             return _output(reducer, solids["output"].prisms[0].outline)
     known = [name for name in PLANAR_PARTS if name != "pin_1" or design.ring.kind == "pin"]
-    raise UsageError(f"the design {design.name!r} has no planar part {part!r}; choose one of {', '.join(known)}")
+    raise UsageError(f"the design {design.name!r} has no planar part {part!r}. Available: {', '.join(known)}")
 
 
 def _bolts(reducer: Reducer) -> tuple[Boundary, ...]:
-    """List the circles that the bolts of the housing clamp, none where its rim is held."""
+    """Return the circles that the bolts of the housing clamp; none if its rim is fixed."""
     design = reducer.design
     housing = design.housing
     if housing.support == "rim":
@@ -98,9 +98,10 @@ def _bolts(reducer: Reducer) -> tuple[Boundary, ...]:
 
 
 def _output(reducer: Reducer, rim: Array) -> Region:
+    """Return the region of the output disc: rim, clamped hub, and insets of the pins."""
     output, hub = reducer.design.output, reducer.design.shaft.radius
     if not hub < output.pin_circle_radius - output.pin_radius:
-        raise UsageError("the output's pins leave no room for a hub of the shaft's radius: lessen shaft.radius_mm")
+        raise UsageError("the output's pins leave no space for a hub of the shaft's radius: reduce shaft.radius_mm")
     pin = circle(output.root_radius, CHORD_ERROR)
     pins = tuple(Boundary(pin + centre, "inset", touched="line") for centre in output_centres(reducer))
     clamped = Boundary(circle(hub, CHORD_ERROR), "hole", held=True)

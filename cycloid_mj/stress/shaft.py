@@ -1,12 +1,12 @@
 """The eccentric shaft under load: bearings, and unit loads whose sum is the load at any crank angle.
 
-The cam's bearing presses on half of the cam: p(psi) = 2 F/(pi R L) max(0, cos psi), psi from the middle of the loaded
-side. Its Fourier series, 1/pi + cos(psi)/2 + (2/pi) sum (-1)^(j+1) cos(2 j psi)/(4 j^2 - 1), turns with the force, so a
-few unit loads serve all directions.
+The bearing presses on half of the cam: p(psi) = 2 F/(pi R L) max(0, cos psi), psi from the middle of the loaded
+side. Its Fourier series, 1/pi + cos(psi)/2 + (2/pi) sum (-1)^(j+1) cos(2 j psi)/(4 j^2 - 1), rotates with the force, so
+that a few unit loads are enough for all directions.
 
-Two bearings, where the design has them, press on the shaft and do not pull: they are rows of radial springs that each
-hold a pad of the journal, and open ones bear nothing (an active set of the few hundred pads decides which, from the
-compliance between them). They hold nothing else, assumed; the crank's torque enters as shear on the end face.
+Two bearings, if the design has them, press on the shaft and do not pull: they are rows of radial springs, each on a pad
+of the journal. Open pads carry no load; an active-set method determines them from the compliance between the few
+hundred pads. Bearings have no other reaction (assumed). The crank's torque enters as shear on the end face.
 """
 
 from collections.abc import Iterator
@@ -28,40 +28,40 @@ from cycloid_mj.stress.loads import PartLoads
 from cycloid_mj.stress.surface import surface, traction_loads
 
 HARMONICS = (0, 1, 2, 4, 6, 8)
-"""Orders of the pressure around the cam that are kept; what is left out is 0.4 % of the peak."""
+"""Orders of the pressure around the cam that are used; the remainder is 0.4 % of the peak."""
 
 BEARING_STIFFNESS = 0.1
 """Radial stiffness of a bearing over Young's modulus times journal radius, assumed: that of rolling bearings.
 
-The softer they are, the more the two carry as statics says of point supports in their middles."""
+The softer they are, the closer their loads are to those of point supports in their middles."""
 
 SECTORS, STRIPS = 16, 4
-"""Pads of a bearing round the journal and along it."""
+"""Pads of a bearing around the journal and along it."""
 
-CHORD = 0.05
-"""Share of the radius by which the middle of a face's corners may lie below its cylinder."""
+MAX_CHORD_DEPTH = 0.05
+"""Largest depth of the middle of a face's corners below its cylinder, over the radius."""
 
-ROUNDS = 60
-"""Rounds of the active set; it takes about five."""
+MAX_ACTIVE_SET_STEPS = 60
+"""Largest number of steps of the active set; about five are usual."""
 
 AXIS = np.zeros(2)
-"""Where the journals have their middle [m]."""
+"""Position of the journals' axis [m]."""
 
-ROUNDING = 1e-6
-"""Share of the shaft's radius by which a point may miss the end face."""
+END_FACE_TOL = 1e-6
+"""Distance of a point from the end face that is rounding, over the shaft's radius."""
 
 
 @dataclass(frozen=True)
 class Pads:
-    """The pads of all bearings, p of them.
+    """Pads of all bearings, p in number.
 
     Attributes
     ----------
     press
-        Sparse (n, p): what a push of 1 N outwards, even over a pad, puts on the unknowns; transposed, it gives the mean
-        displacement of each pad along its normal.
+        Loads on the unknowns by a uniform outward force of 1 N on each pad, sparse (n, p). Its transpose computes the
+        mean displacement of each pad along its normal.
     stiffness
-        Of the spring under each pad (p,) [N/m].
+        Stiffness of the spring under each pad (p,) [N/m].
     """
 
     press: Any
@@ -87,7 +87,7 @@ def bearing_pads(grid: Grid, shaft: ShaftDimensions, stiffness: float) -> Pads:
     for z0, z1 in shaft.bearings:
         face = surface(grid, lambda x, z0=z0, z1=z1: _on_cylinder(x, shaft.radius, AXIS) & (z0 < x[2]) & (x[2] < z1))  # type: ignore[misc]
         if not len(face.nodes):
-            raise CycloidError("the shaft's grid has no face in one of its bearings: raise the refinement")
+            raise CycloidError("the shaft's grid has no face in one of its bearings. Increase the refinement")
         bed = stiffness / (np.pi / 2 * shaft.radius * (z1 - z0))
         x, y, z = face.points[..., 0], face.points[..., 1], face.points[..., 2]
         sector = np.floor(np.arctan2(y, x) / (2 * np.pi) * SECTORS).astype(int) % SECTORS
@@ -103,11 +103,11 @@ def bearing_pads(grid: Grid, shaft: ShaftDimensions, stiffness: float) -> Pads:
     return Pads(sparse.hstack(press).tocsc(), np.array(springs))
 
 
-def opened(pads: Pads, compliance: Array, pressed: Array) -> Array:
-    """Compute the forces (p,) [N] outwards on the pads that take back what springs that pull would do.
+def solve_open_pads(pads: Pads, compliance: Array, pressed: Array) -> Array:
+    """Compute the outward forces (p,) [N] on open pads that cancel the tension of their springs (active-set method).
 
-    An open pad, whose mean displacement d is inwards, is pulled out by its spring with -k d: the force k d undoes it.
-    d depends on the forces on all open pads, so their set is corrected until it is that of the pads with d < 0.
+    The spring of an open pad, with mean inward displacement d, would pull with -k d, which the force k d cancels. d
+    depends on the forces on all open pads, so their set is iterated until it is that of the pads with d < 0.
 
     Parameters
     ----------
@@ -121,11 +121,11 @@ def opened(pads: Pads, compliance: Array, pressed: Array) -> Array:
     Raises
     ------
     CycloidError
-        No set of open pads is right: the bearings do not hold the shaft.
+        The active set does not converge: the bearings do not support the shaft.
     """
     freed, displaced = np.zeros_like(pressed), pressed
     is_open: Mask = np.zeros(len(pressed), bool)
-    for _ in range(ROUNDS):
+    for _ in range(MAX_ACTIVE_SET_STEPS):
         now = displaced < 0.0
         if np.array_equal(now, is_open):
             return freed
@@ -135,7 +135,7 @@ def opened(pads: Pads, compliance: Array, pressed: Array) -> Array:
         freed[at] = np.linalg.solve(np.diag(1.0 / pads.stiffness[at]) - compliance[np.ix_(at, at)], pressed[at])
         displaced = pressed + compliance[:, at] @ freed[at]
     raise CycloidError(
-        "the bearings do not hold the shaft: no pattern of pressed places is in balance; check the shaft"
+        "the bearings do not support the shaft: no set of loaded pads is in balance. Check the bearings of the shaft"
     )
 
 
@@ -151,15 +151,15 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     cams = tuple(names.of_disc(names.CAM, disc, len(shaft.cams)) for disc in range(len(shaft.cams)))
     if loads.part != "shaft" or loads.labels != cams:
         raise CycloidError(
-            f"the shaft's grid takes the loads of {', '.join(cams)}, got {', '.join(loads.labels) or 'none'} on the "
-            f"{loads.part}"
+            f"the shaft's grid needs the loads of {', '.join(cams)}, but these are {', '.join(loads.labels) or 'none'} "
+            f"on the {loads.part}"
         )
     steel = reducer.design.material_of("shaft")
     pads = bearing_pads(grid, shaft, BEARING_STIFFNESS * steel.youngs_modulus * shaft.radius)
     part = elastic.body(grid, steel, springs=pads.springs, loose=(2, 5))
     on_cams = [unit for cam in range(len(cams)) for unit in _on_cam_units(grid, shaft, cam)]
     units = np.hstack([*on_cams, _torsion(grid, shaft), elastic.mass_loads(part, grid.points)])
-    units, imbalances = elastic.balanced(part, units)
+    units, imbalances = elastic.balance_loads(part, units)
     moved = elastic.displacements(part, units)
     on_cams = [share for cam in range(len(cams)) for share in _cam_shares(shaft, loads, cam)]
     shares = np.vstack([*on_cams, loads.torque, mass_coefficients(loads)])
@@ -168,7 +168,9 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
 
     def response(block: Integers) -> Response:
         some = shares[:, block]
-        freed = np.column_stack([opened(pads, compliance, pressed) for pressed in (pads.press.T @ (moved @ some)).T])
+        freed = np.column_stack(
+            [solve_open_pads(pads, compliance, pressed) for pressed in (pads.press.T @ (moved @ some)).T]
+        )
         given, relieved = units @ some, pads.press @ freed
         displaced = moved @ some + relief @ freed
         on_pads = relieved - pads.springs @ displaced
@@ -240,7 +242,7 @@ def _of_unit_moment(grid: Grid, load: Array) -> Array:
 
 def _relieved(part: elastic.ElasticBody, pads: Pads) -> tuple[Array, Array]:
     """Compute displacements (n, p) under 1 N out on each pad, and the compliance (p, p) [m/N] between the pads."""
-    loads, _ = elastic.balanced(part, pads.press.toarray())
+    loads, _ = elastic.balance_loads(part, pads.press.toarray())
     moved = elastic.displacements(part, loads)
     return moved, np.asarray(pads.press.T @ moved)
 
@@ -251,14 +253,14 @@ def section_turns(points: Array, places: Array) -> Array:
     The moments about x, y, z, about the axis in the section at each place, are those that the forces on nodes before it
     hand on; they are in balance with what comes after it.
     """
-    before = points[:, 2, np.newaxis] < places - ROUNDING
+    before = points[:, 2, np.newaxis] < places - END_FACE_TOL
     turns = [elastic.rigid_motions(points - (0.0, 0.0, place))[:, 3:] for place in places]
     return np.stack(turns, axis=1) * np.repeat(before, 3, axis=0)[..., np.newaxis]
 
 
 def _on_cylinder(x: Array, radius: float, centre: Array) -> Mask:
-    """Tell middles (3, f) [m] of faces on a cylinder, whose chords reach below it, from those on its end faces."""
-    return np.abs(np.hypot(x[0] - centre[0], x[1] - centre[1]) - radius) < CHORD * radius
+    """Return which middles (3, f) [m] of faces belong to a cylinder, with chords below it, and not to an end face."""
+    return np.abs(np.hypot(x[0] - centre[0], x[1] - centre[1]) - radius) < MAX_CHORD_DEPTH * radius
 
 
 def _on_cam(x: Array, shaft: ShaftDimensions, number: int) -> Mask:
@@ -267,11 +269,11 @@ def _on_cam(x: Array, shaft: ShaftDimensions, number: int) -> Mask:
 
 
 def _at_end(x: Array, shaft: ShaftDimensions) -> Mask:
-    return x[2] - shaft.end < ROUNDING * shaft.radius
+    return x[2] - shaft.end < END_FACE_TOL * shaft.radius
 
 
 def _radial(normals: Array) -> Array:
-    """Take the axial part, which only the grid has, from the normals of a cylinder."""
+    """Remove the axial component, which is an error of the grid, from the normals of a cylinder."""
     return normals * np.array([1.0, 1.0, 0.0])
 
 

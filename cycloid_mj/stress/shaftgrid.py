@@ -15,10 +15,10 @@ from cycloid_mj.stress.grid import Grid, GridSettings, quadratic
 from cycloid_mj.stress.packages import mesher
 
 CORNER_DISTANCE = 0.15
-"""Share of the shaft's radius by which the bulk keeps off sharp inner corners, which in truth have fillets."""
+"""Distance from sharp inner corners that the bulk excludes, over the shaft's radius; real shafts have fillets."""
 
 CORNER_EDGE = 1 / 3
-"""Edges at the inner corners as a share of those elsewhere."""
+"""Edges at the inner corners over those elsewhere."""
 
 
 def shaft_grid(reducer: Reducer, settings: GridSettings) -> Grid:
@@ -58,7 +58,7 @@ def _inner_corners(shaft: ShaftDimensions) -> Array:
 
 
 def _tetrahedra(shaft: ShaftDimensions, edge: float) -> Any:
-    """Let gmsh's OpenCASCADE join the shaft's cylinders, and fill them; edges are finer at the inner corners."""
+    """Merge the shaft's cylinders with OpenCASCADE and mesh them with gmsh; edges are finer at the inner corners."""
     with mesher("shaft", edge) as gmsh:
         occ = gmsh.model.occ
         middle = (0.0, 0.0)
@@ -76,8 +76,8 @@ def _tetrahedra(shaft: ShaftDimensions, edge: float) -> Any:
         solids, _ = occ.fuse([(3, first)], [(3, one) for one in joined])
         occ.synchronize()
         if len(solids) != 1:
-            raise CycloidError("the shaft does not mesh: its stretches do not make one solid; check the design")
-        _finer_at(gmsh, _inner_corners(shaft), edge)
+            raise CycloidError("the shaft does not mesh: its sections are no single solid. Check shaft.* in the design")
+        _refine_near(gmsh, _inner_corners(shaft), edge)
         gmsh.model.mesh.generate(3)
         gmsh.model.mesh.setOrder(2)
         tags, coordinates, _ = gmsh.model.mesh.getNodes()
@@ -91,8 +91,8 @@ def _cylinder(occ: Any, centre: Sequence[float], radius: float, z0: float, z1: f
     return int(occ.addCylinder(x * mm, y * mm, z0 * mm, 0, 0, (z1 - z0) * mm, radius * mm, angle=angle))
 
 
-def _finer_at(gmsh: Any, places: Array, edge: float) -> None:
-    """Let edges grow from a share of the longest at some places to the longest at one longest edge from there."""
+def _refine_near(gmsh: Any, places: Array, edge: float) -> None:
+    """Set the size field: edges grow from a share of the longest near points to the longest at that distance."""
     field, longest = gmsh.model.mesh.field, edge * MILLIMETRES
     near = field.add("Distance")
     points = [gmsh.model.geo.addPoint(*place) for place in places[::8] * MILLIMETRES]

@@ -1,7 +1,7 @@
-"""The springs of a structure by finite elements of its parts: what statics has behind the contacts of a printed drive.
+"""Springs of a structure by finite elements of its parts, for the statics of printed drives.
 
-Finite elements have the give of the contacts in that of the parts, and statics has it by Hertz: of the discs, on which
-all contacts are, the springs hold what is left.
+The compliance by finite elements includes that of the contacts, which statics computes by Hertz. The springs have the
+remainder, which is subtracted from that of the discs, on which all contacts are.
 """
 
 from collections.abc import Mapping
@@ -20,7 +20,7 @@ from cycloid_mj.statics.windup import windups
 from cycloid_mj.stress.figures import wind_up_by_part
 from cycloid_mj.stress.mounts import Mounts, printed_of
 
-HOLDS = {
+SPRING_OF_PART = {
     "gear": "carrier",
     "output": "carrier",
     "shaft": "shaft",
@@ -31,38 +31,38 @@ HOLDS = {
     "far_plate": "carrier",
     "crank": "shaft",
 }
-"""Kind of part -> the spring that holds its give."""
+"""Kind of part -> spring that includes its compliance."""
 
 
 @dataclass(frozen=True)
 class PartSprings:
-    """What the parts of a reducer give, and the design whose springs say so.
+    """Compliance of the parts of a reducer, and the design with these springs.
 
     Attributes
     ----------
     design
-        With `structure` springs, and all of `TWISTING` given.
-    given
-        Part -> turn of the output per torque [rad/(N m)], with the give of its contacts in it.
+        Design with `structure` springs, and all of `TWISTING` set.
+    compliance
+        Rotation of the output per torque [rad/(N m)] by part, including its contacts.
     contacts
-        Turn per torque by the contacts of statics, which the springs leave out [rad/(N m)].
+        Rotation per torque by the contacts of statics, which the springs exclude [rad/(N m)].
     limits
-        Part -> turn per torque, once for each limit of the modulus that mounts state; empty where they state none.
+        Compliance by part for each limit of the modulus that mounts state; empty without limits.
     """
 
     design: Design
-    given: Mapping[str, float]
+    compliance: Mapping[str, float]
     contacts: float
     limits: tuple[Mapping[str, float], ...] = ()
 
     @property
     def stiffness(self) -> float:
         """Torsional stiffness at the output by all parts and their contacts [N m/rad]."""
-        return 1.0 / sum(self.given.values())
+        return 1.0 / sum(self.compliance.values())
 
     @property
     def interval(self) -> tuple[float, float] | None:
-        """Least and largest stiffness within the limits of the modulus [N m/rad]; None where none are stated."""
+        """Smallest and largest stiffness within the limits of the modulus [N m/rad]; None without limits."""
         ends = [1.0 / sum(one.values()) for one in self.limits]
         return (min(ends), max(ends)) if ends else None
 
@@ -73,8 +73,11 @@ class PartSprings:
         return f"{self.stiffness:.4g} N m/rad{between}"
 
     def table(self) -> Table:
-        """Tabulate what each part gives, and the spring that holds it."""
-        rows = [(part, 1e3 * one, f"springs.{HOLDS[_kind(part)]}_nm_per_rad") for part, one in self.given.items()]
+        """Tabulate the compliance of each part, and the spring that includes it."""
+        rows = [
+            (part, 1e3 * one, f"springs.{SPRING_OF_PART[_kind(part)]}_nm_per_rad")
+            for part, one in self.compliance.items()
+        ]
         rows.append(("of that, the contacts", 1e3 * self.contacts, "left to statics"))
         return Table(
             f"{self.design.name}: {self.text} by its parts",
@@ -89,17 +92,17 @@ class PartSprings:
             "design": self.design.name,
             "stiffness_nm_per_rad": self.stiffness,
             "stiffness_interval_nm_per_rad": list(self.interval) if self.interval else None,
-            "parts_rad_per_nm": dict(self.given),
+            "parts_rad_per_nm": dict(self.compliance),
             "contacts_rad_per_nm": self.contacts,
             "springs_nm_per_rad": {part: getattr(springs, part) for part in TWISTING},
         }
 
 
 def part_springs(reducer: Reducer, mounts: Mounts | None = None) -> PartSprings:
-    """Compute the springs of a reducer by finite elements of its parts; errors as `stress.figures.wind_up_by_part`.
+    """Compute the springs of a reducer by finite elements of its parts; raises as `stress.figures.wind_up_by_part`.
 
-    Carrier and shaft twist beside, as their shapes say. Mounts are what a drawing tells of the seats of output pins and
-    crank; the limits of their modulus take a run and a set of finite elements each.
+    Carrier and shaft twist in addition, by their shapes. Mounts are the seats of output pins and crank by a drawing;
+    each limit of their modulus needs a run and a set of finite elements.
     """
     parts = wind_up_by_part(reducer, mounts)
     moduli = mounts.material.modulus if mounts and mounts.material else ()
@@ -110,7 +113,7 @@ def part_springs(reducer: Reducer, mounts: Mounts | None = None) -> PartSprings:
     twist, stiffness = twisting_compliance(still), twisting_stiffness(still)
     gives = {"carrier": twist["carrier"], "shaft": twist["shaft"], "housing": 0.0}
     for part, one in parts.items():
-        gives[HOLDS[_kind(part)]] += one
+        gives[SPRING_OF_PART[_kind(part)]] += one
     gives["carrier"] = max(gives["carrier"] - contacts, twist["carrier"])
     springs = {part: stiffness[part] * twist[part] / gives[part] for part in TWISTING}
     design = still.design.but(name=f"{still.design.name}-springs"[:64], springs=springs)
@@ -118,4 +121,4 @@ def part_springs(reducer: Reducer, mounts: Mounts | None = None) -> PartSprings:
 
 
 def _kind(part: str) -> str:
-    return part if part in HOLDS else names.family(part)
+    return part if part in SPRING_OF_PART else names.family(part)

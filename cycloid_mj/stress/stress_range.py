@@ -1,9 +1,9 @@
 """Stress range at a node over a turn, which decides fatigue.
 
-The distance of two states of stress is the von Mises stress of their difference. A node's swing lies between the two
-states that are farthest from each other: half of their distance is its amplitude, and the von Mises stress of the state
-midway, with the sign of its trace, its mean. Both are the same in every frame. Instants at which a node lies near a
-narrow patch do not count: what happens there is Hertz's (``closed``), and pitting.
+The distance of two states of stress is the von Mises stress of their difference. A node's stress range lies between the
+two states that are farthest from each other: half of their distance is its amplitude, and the von Mises stress of the
+state midway, with the sign of its trace, its mean. Both are the same in every frame. Instants at which a node lies near
+a narrow patch do not count: what happens there is Hertz's (``closed``), and pitting.
 """
 
 from collections.abc import Mapping
@@ -14,21 +14,21 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.units import MEGAPASCAL, MILLIMETRE
-from cycloid_mj.stress.field import Loaded
+from cycloid_mj.stress.field import LoadedPart
 from cycloid_mj.stress.recover import von_mises
 
-SWINGING = ("gear", "ring")
-"""Parts with webs and ligaments, whose fatigue goes by the swing of their nodes; others have fillets instead."""
+RANGE_PARTS = ("gear", "ring")
+"""Parts with webs and ligaments, whose fatigue depends on the stress range of their nodes; others have fillets."""
 
-EVERY, FEWEST = 6, 24
-"""Each so manieth crank angle of a study counts, but no fewer than so many angles."""
+ANGLE_STRIDE, MIN_ANGLES = 6, 24
+"""Stride of the crank angles that are used, and their smallest number."""
 
-CANDIDATES = 1500
-"""Nodes among which the worst is looked for: those of the largest bound on their swing."""
+MAX_CANDIDATES = 1500
+"""Number of nodes among which the critical one is searched: those with the largest bound on their range."""
 
 
 @dataclass(frozen=True)
-class Swing:
+class StressRange:
     """Stress over a turn at the worst node of a part: `amplitude` and `mean` [Pa] there, and its `place` [m]."""
 
     amplitude: float
@@ -36,7 +36,7 @@ class Swing:
     place: Array
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the swing to JSON values in MPa and mm."""
+        """Convert the range to JSON values in MPa and mm."""
         return {
             "amplitude_mpa": self.amplitude / MEGAPASCAL,
             "mean_mpa": self.mean / MEGAPASCAL,
@@ -46,31 +46,31 @@ class Swing:
 
 def sampled(angles: int) -> Integers:
     """Choose the indices of the crank angles that are evaluated, of all in a turn."""
-    return np.arange(0, angles, max(1, min(EVERY, angles // FEWEST)))
+    return np.arange(0, angles, max(1, min(ANGLE_STRIDE, angles // MIN_ANGLES)))
 
 
-def swing(part: Loaded, states: Mapping[int, Array], distance: float) -> Swing:
-    """Compute the swing at a part's worst node, beyond a distance [m] from narrow patches.
+def critical_stress_range(part: LoadedPart, states: Mapping[int, Array], distance: float) -> StressRange:
+    """Compute the stress range at a part's critical node, beyond a distance [m] from narrow patches.
 
-    `states` are the stress components (components, n) [Pa] at the `sampled` angles, by index. The worst node is that of
-    the largest 2 amplitude + mean: Goodman's, the endurance limit half of the tensile strength.
+    `states` are the stress components (components, n) [Pa] at the `sampled` angles, by index. The critical node has the
+    largest 2 amplitude + mean: Goodman's criterion with an endurance limit of half the tensile strength.
     """
     every = np.arange(len(part.grid.points))
     beyond = [np.where(part.apart.at(angle, every) < distance, np.nan, state) for angle, state in states.items()]
     amplitude, mean, nodes = worst_nodes(np.stack(beyond))
     worst = int(np.argmax(2.0 * amplitude + np.maximum(mean, 0.0)))
-    return Swing(float(amplitude[worst]), float(mean[worst]), part.grid.points[nodes[worst]])
+    return StressRange(float(amplitude[worst]), float(mean[worst]), part.grid.points[nodes[worst]])
 
 
 def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
-    """Compute amplitude and mean [Pa] of the nodes that swing most, and which they are.
+    """Compute amplitude and mean [Pa] of the nodes with the largest stress ranges, and their indices.
 
-    `states` are the stress components at each instant (c, components, n) [Pa], no numbers outside the bulk. A node
-    that is never in the bulk has none.
+    `states` are the stress components at each instant (c, components, n) [Pa], NaN outside the bulk. A node that is
+    never in the bulk has none.
     """
     seen = np.flatnonzero(np.isfinite(states[:, 0]).any(axis=0))
     bound = von_mises_bound(states[:, :, seen])
-    chosen = seen[np.argsort(bound)[-min(CANDIDATES, len(seen)) :]]
+    chosen = seen[np.argsort(bound)[-min(MAX_CANDIDATES, len(seen)) :]]
     some = states[:, :, chosen].astype(np.float64)
     apart, first, second = (np.zeros(len(chosen)), *(np.zeros(len(chosen), int) for _ in range(2)))
     for one in range(len(some)):

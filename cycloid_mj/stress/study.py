@@ -1,4 +1,4 @@
-"""The study of one run: stress of each part along a crank turn, its maximum, and how far the grid decides it."""
+"""Stress study of a run: stress of each part along a crank turn, its maximum, and its convergence with the grid."""
 
 import math
 import time
@@ -19,39 +19,39 @@ from cycloid_mj.design import Design, override
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE
 from cycloid_mj.parts.crank import shaft_measures
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.stress.bulk import OCTAVE, fall, plateau
+from cycloid_mj.stress.bulk import RUNGS_PER_OCTAVE, fall, plateau
 from cycloid_mj.stress.closed import LineStress, line_stress
-from cycloid_mj.stress.field import PartStress, StressMap, by_corner, loaded, mapped, maxima, solve
+from cycloid_mj.stress.field import PartStress, StressMap, assemble_part, by_corner, evaluate_map, maxima, solve
 from cycloid_mj.stress.findings import PartFindings, Peak, Reference, Refinement, StressFindings
 from cycloid_mj.stress.grid import BULK_DISTANCE, Grid, GridSettings
 from cycloid_mj.stress.loads import PartLoads, part_loads, part_names, require_part
 from cycloid_mj.stress.notch import Notch, output_roots, shaft_shoulders
 from cycloid_mj.stress.part import part_grid
 from cycloid_mj.stress.region import material_of
-from cycloid_mj.stress.stress_range import SWINGING, Swing, sampled, swing
+from cycloid_mj.stress.stress_range import RANGE_PARTS, StressRange, critical_stress_range, sampled
 
-Told = Callable[[str, int, int], None]
+OnProgress = Callable[[str, int, int], None]
 
-FINER = {"pin_1": 3.0}
-"""Small parts, whose grids are refined on top: they cost little."""
+EXTRA_REFINEMENT = {"pin_1": 3.0}
+"""Additional refinement of small parts, which cost little."""
 
-SENSITIVITY = {0.5: 0, 2.0: 2 * OCTAVE}
-"""Multiples of the distance at which the search for the bulk begins -> rung of the ladder."""
+SENSITIVITY = {0.5: 0, 2.0: 2 * RUNGS_PER_OCTAVE}
+"""Multiples of the start distance of the search for the bulk -> rung of the ladder."""
 
 SUPPORTS = {"shaft": ("shaft.mounting", ("overhang", "straddle")), "ring": ("housing.support", ("bolts", "rim"))}
-"""Choices of the design that say how a part is held: the others than its own are told as well."""
+"""Keys of the design for the support of a part, and their choices: the stress with the others is reported as well."""
 
-WHOLE = 1e-9
-"""Share of a step between crank angles within which an angle counts as on a step."""
+ANGLE_ROUNDING = 1e-9
+"""Rounding tolerance of a crank angle, over the step between angles."""
 
-VARIED = 5
-"""Crank angles under other supports, that of the maximum first."""
+SUPPORT_ANGLES = 5
+"""Number of crank angles with other supports, that of the maximum first."""
 
 ALWAYS_SOLID = ("shaft", "output")
-"""Parts that no plane can stand for: the output's pins are cantilevers on its disc."""
+"""Parts without a planar model: the output's pins are cantilevers on its disc."""
 
 SOLID_STEP = 1.25
-"""Step of the refinement study of parts drawn out along z, which have more unknowns."""
+"""Refinement factor of the convergence study of extruded parts, which have more unknowns."""
 
 
 @dataclass(frozen=True)
@@ -61,20 +61,20 @@ class StudySettings:
     Attributes
     ----------
     angles
-        Crank angles in the turn.
+        Number of crank angles in the turn.
     refinement
-        Of the grids; see `GridSettings`.
+        Refinement of the grids; see `GridSettings`.
     step
-        How much finer the grid is that the part's own is held against.
+        Refinement factor of the convergence study.
     checked
-        Crank angles of the refinement study, that of the maximum first; no divisor of the mesh periods in a turn, so
-        that they fall on many phases of the mesh.
+        Number of crank angles of the convergence study, that of the maximum first; no divisor of the mesh periods in a
+        turn, so that they have many phases of the mesh.
     bulk_distance
         Distance from narrow patches at which the search for the bulk begins, as a share of the ring's pin radius.
     solid
-        Whether gear, ring and pin 1 are solid bodies as well; shaft and output always are.
+        Whether disc, ring and pin 1 are solid bodies as well; shaft and output always are.
     map_angle
-        Crank angle of the maps [rad], one of the turn's; None: for each part where its bulk stress is largest.
+        Crank angle of the maps [rad], among those of the turn; None: that of the largest bulk stress of each part.
     """
 
     angles: int = 360
@@ -87,32 +87,32 @@ class StudySettings:
 
     @property
     def turn(self) -> Array:
-        """Crank angles in the turn [rad], shape (angles,): that of the maps, or zero, is among them."""
+        """Crank angles in the turn [rad], including that of the maps or zero, shape (angles,)."""
         step = 2.0 * math.pi / self.angles
         steps = (self.map_angle or 0.0) / step
-        first = step * (steps - math.floor(steps + WHOLE))
+        first = step * (steps - math.floor(steps + ANGLE_ROUNDING))
         return first + step * np.arange(self.angles, dtype=np.float64)
 
     def grid(self, part: str, factor: float = 1.0) -> GridSettings:
         """Return the settings of a part's grid, refined by a factor on top."""
         return GridSettings(
-            refinement=self.refinement * factor * FINER.get(part, 1.0),
+            refinement=self.refinement * factor * EXTRA_REFINEMENT.get(part, 1.0),
             bulk_distance=self.bulk_distance,
             solid=self.solid or part in ALWAYS_SOLID,
         )
 
     def finer(self, grid: Grid) -> float:
-        """Compute how much finer the grid is that a part's own is held against."""
+        """Return the refinement factor of the convergence study of a part."""
         return self.step if grid.section is None else min(self.step, SOLID_STEP)
 
 
 QUICK = StudySettings(angles=36, refinement=0.5, checked=5)
-"""Every part and figure, at fewer crank angles and on coarser grids."""
+"""Settings of a quick study: fewer crank angles and coarser grids."""
 
 
 @dataclass(frozen=True, eq=False)
 class PartStudy:
-    """One part: its grid, its loads, its stress by finite elements, its map, and what is found."""
+    """Study of a part: its grid, loads, stress by finite elements, map and findings."""
 
     grid: Grid
     loads: PartLoads
@@ -162,7 +162,7 @@ def stress_study(
     parts: Sequence[str] = (),
     settings: StudySettings | None = None,
     log: str | None = None,
-    told: Told = lambda part, done, of: None,
+    on_part: OnProgress = lambda part, done, of: None,
     grids: Mapping[str, Grid] | None = None,
     references: Mapping[str, Reference] | None = None,
 ) -> StressStudy:
@@ -175,22 +175,22 @@ def stress_study(
     parts
         Names of parts; by default every part of the design.
     settings
-        How much is computed.
+        Settings; by default those of a full study.
     log
         Name of the run's file, for the findings.
-    told
-        Is told of each part before it begins: its name, how many are done, and of how many.
+    on_part
+        Called before each part with its name, the number of finished parts, and that of all parts.
     grids
-        Grids of parts that are there already, as of ``study_grids``.
+        Existing grids by the names of their parts, as of ``study_grids``.
     references
-        What a paper has on parts of this design, by their names.
+        Published stresses by the names of parts.
 
     Raises
     ------
     UsageError
-        There is no such part, or the design is not the one that ran.
+        The design has no such part, or is not the design that ran.
     LogError
-        The run carries no design or no forces, or its hold is too short or too coarse.
+        The run contains no design or no forces, or its hold is too short or too coarse.
     CycloidError
         A part does not mesh, its support is singular, or a package of the extra ``fem`` is missing.
     """
@@ -201,7 +201,7 @@ def stress_study(
         require_part(reducer, part)
     start, studied = time.perf_counter(), []
     for number, part in enumerate(in_order(names)):
-        told(part, number, len(names))
+        on_part(part, number, len(names))
         studied.append(part_study(run, reducer, part, settings, (grids or {}).get(part)))
     order = part_names(reducer)
     studies = tuple(sorted(studied, key=lambda study: order.index(study.findings.part)))
@@ -233,8 +233,8 @@ def part_study(run: Run, reducer: Reducer, part: str, settings: StudySettings, g
     start = time.perf_counter()
     loads = part_loads(run, reducer, part, settings.turn)
     grid = grid or part_grid(reducer.design, part, settings.grid(part))
-    (stress, drawn, swung, corners), lines = (
-        _solved(reducer, grid, loads, settings.map_angle),
+    (stress, drawn, ranged, corners), lines = (
+        _solve_part(reducer, grid, loads, settings.map_angle),
         line_stress(loads, reducer),
     )
     material = material_of(reducer, part)
@@ -259,25 +259,25 @@ def part_study(run: Run, reducer: Reducer, part: str, settings: StudySettings, g
         near_field=_near_field(loads, reducer, stress.bulk_distance),
         imbalance=_imbalance(stress, grid),
         notches=notches_of(reducer, loads, stress),
-        swing=swung,
+        stress_range=ranged,
         variants=_variants(reducer, part, settings, loads, stress),
         yield_strength=material.yield_strength,
-        refinement=_refined(reducer, grid, settings, loads, stress),
+        refinement=_converge(reducer, grid, settings, loads, stress),
         wall=time.perf_counter() - start,
         by_corner=corners,
     )
     return PartStudy(grid, loads, stress, drawn, findings)
 
 
-def _solved(
+def _solve_part(
     reducer: Reducer, grid: Grid, loads: PartLoads, map_angle: float | None
-) -> tuple[PartStress, StressMap, Swing | None, tuple[tuple[float, float], ...]]:
-    """Return the maxima of a part, its map, its swing and its bulk by the distance from corners.
+) -> tuple[PartStress, StressMap, StressRange | None, tuple[tuple[float, float], ...]]:
+    """Return the maxima of a part, its map, its stress range and its bulk stress by the distance from corners.
 
-    Its factor is let go before other grids are factorised.
+    The factorisation is freed before other grids are factorised.
     """
-    part = loaded(reducer, grid, loads)
-    swinging = names.family(grid.part) in SWINGING
+    part = assemble_part(reducer, grid, loads)
+    swinging = names.family(grid.part) in RANGE_PARTS
     states = dict.fromkeys(sampled(len(loads.angle)).tolist() if swinging else (), np.zeros(0))
 
     def keep(index: int, state: Array) -> None:
@@ -287,9 +287,9 @@ def _solved(
     stress = maxima(part, seen=keep)
     angle = loads.angle[stress.bulk_stress.argmax()] if map_angle is None else map_angle
     row = int(np.argmax(np.cos(loads.angle - angle)))
-    swung = swing(part, states, stress.bulk_distance) if swinging else None
+    ranged = critical_stress_range(part, states, stress.bulk_distance) if swinging else None
     corners = by_corner(part, int(stress.bulk_stress.argmax()), stress.bulk_distance)
-    return stress, mapped(part, row, stress.bulk_distance), swung, corners
+    return stress, evaluate_map(part, row, stress.bulk_distance), ranged, corners
 
 
 def at_angles(loads: PartLoads, rows: npt.ArrayLike) -> PartLoads:
@@ -304,8 +304,10 @@ def at_angles(loads: PartLoads, rows: npt.ArrayLike) -> PartLoads:
     return replace(loads, **kept)
 
 
-def _refined(reducer: Reducer, grid: Grid, settings: StudySettings, loads: PartLoads, stress: PartStress) -> Refinement:
-    """Solve some crank angles on a finer grid."""
+def _converge(
+    reducer: Reducer, grid: Grid, settings: StudySettings, loads: PartLoads, stress: PartStress
+) -> Refinement:
+    """Compute the convergence study: some crank angles on a finer grid."""
     rows = _checked_rows(stress.bulk_stress, settings.checked)
     finer = part_grid(reducer.design, grid.part, settings.grid(grid.part, settings.finer(grid)))
     solved = solve(reducer.design, finer, at_angles(loads, rows), distance=stress.bulk_distance)
@@ -317,7 +319,7 @@ def _refined(reducer: Reducer, grid: Grid, settings: StudySettings, loads: PartL
 
 
 def _checked_rows(stress: Array, count: int) -> npt.NDArray[np.intp]:
-    """Find the row of the largest stress, and others at equal distances around the turn."""
+    """Return the index of the largest stress, and others at equal distances around the turn."""
     steps = np.arange(min(count, stress.size)) * stress.size // max(min(count, stress.size), 1)
     return (int(np.argmax(stress)) + steps) % stress.size
 
@@ -337,7 +339,7 @@ def _variants(
         return ()
     key, choices = SUPPORTS[part]
     table, name = key.split(".")
-    some = at_angles(loads, _checked_rows(stress.bulk_stress, VARIED))
+    some = at_angles(loads, _checked_rows(stress.bulk_stress, SUPPORT_ANGLES))
     variants = []
     for choice in choices:
         if choice != getattr(getattr(reducer.design, table), name):
@@ -348,6 +350,7 @@ def _variants(
 
 
 def _bulk_peak(loads: PartLoads, stress: PartStress, reducer: Reducer) -> Peak:
+    """Return the maximum of the bulk stress over the turn."""
     row = int(np.argmax(stress.bulk_stress))
     size = float(stress.bulk_stress[row])
     return Peak(
@@ -360,7 +363,7 @@ def _bulk_peak(loads: PartLoads, stress: PartStress, reducer: Reducer) -> Peak:
 
 
 def _sensitivity(stress: PartStress, grid: Grid) -> tuple[tuple[float, float], ...]:
-    """Find other distances [m] at which the search for the bulk might begin, and the bulk stress [Pa] that it finds."""
+    """Return other start distances [m] of the search for the bulk, and the bulk stress [Pa] of each."""
     sizes = stress.stress_by_distance.max(axis=1)
     return tuple(
         (factor * grid.bulk_distance, float(sizes[plateau(sizes, rung)])) for factor, rung in SENSITIVITY.items()

@@ -13,8 +13,8 @@ from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.stress.grid import Grid, middles_of
 from cycloid_mj.stress.packages import package
 
-ORDER = 6
-"""Polynomials that the quadrature integrates exactly on a flat face."""
+QUADRATURE_ORDER = 6
+"""Degree of polynomials that the quadrature integrates exactly on a flat face."""
 
 
 @dataclass(frozen=True)
@@ -28,11 +28,11 @@ class SolidSurface:
     shape
         Shape functions (q, 6) of these nodes at the quadrature points.
     points, normals
-        Places (f, q, 3) [m] and unit normals (f, q, 3) out of the part.
+        Positions (f, q, 3) [m] and outward unit normals (f, q, 3).
     area
         Weights (f, q) [m2].
     unknowns
-        Unknowns of the whole grid.
+        Number of unknowns of the grid.
     """
 
     nodes: Integers
@@ -52,7 +52,7 @@ def surface(grid: Grid, test: Callable[[Array], Mask]) -> SolidSurface:
     corners = mesh.facets[:, faces].T.astype(np.int64)
     nodes = np.hstack([corners, middles_of(mesh, corners[:, [[0, 1], [1, 2], [0, 2]]])])
     places = grid.points[nodes]
-    points, weight = quadrature.get_quadrature(skfem.refdom.RefTri, ORDER)
+    points, weight = quadrature.get_quadrature(skfem.refdom.RefTri, QUADRATURE_ORDER)
     terms = [skfem.ElementTriP2().lbasis(points, number) for number in range(nodes.shape[1])]
     shape = np.stack([value for value, _ in terms], axis=1)
     along, across = (

@@ -1,4 +1,4 @@
-"""Findings of stress as rows of text, for people."""
+"""Findings of stress as rows of text."""
 
 import numpy as np
 
@@ -19,22 +19,22 @@ CONTACT_HEADER = ("part", "contact [MPa]", "at [deg]", "below", "safety", "shake
 
 
 def bulk_table(findings: StressFindings) -> list[list[str]]:
-    """List a row for each part; columns as in `BULK_HEADER`.
+    """Return a row for each part; columns as in `BULK_HEADER`.
 
-    `from`: distance d from narrow contacts at which the largest stress stands on its plateau. `choice`: how far it
-    falls to twice that distance, or changes by half or twice the distance from sharp corners. The safety is that of the
-    larger of bulk and fillet, nominal stress times notch factor. `refined`: change under one more refinement.
+    `from` is the distance d from narrow contacts at which the largest stress reaches its plateau. `choice` is its drop
+    to twice that distance, or its change with half or twice the distance from sharp corners. The safety is that of the
+    larger of bulk and fillet stress. `refined` is the change with a finer grid.
     """
     return [_bulk(part) for part in findings.parts]
 
 
 def contact_table(findings: StressFindings) -> list[list[str]]:
-    """List a row for each part; columns as in `CONTACT_HEADER`; `shakedown`: safety of the pressure against it."""
+    """Return a row for each part; columns as in `CONTACT_HEADER`; `shakedown` is the safety of the contact pressure."""
     return [[part.part, *_contact(part)] for part in findings.parts]
 
 
-def notes_beside(part: PartFindings) -> list[str]:
-    """Tell what stands beside the table: stress at fillets, its range for fatigue, and under other supports."""
+def part_notes(part: PartFindings) -> list[str]:
+    """Return notes on a part: stress at fillets, its range for fatigue, and with other supports."""
     lines = []
     for notch in part.notches:
         nominal = f"{part.part}, {notch.name}: nominal stress {notch.nominal / MEGAPASCAL:.3g} MPa"
@@ -46,10 +46,10 @@ def notes_beside(part: PartFindings) -> list[str]:
                 else ""
             )
         lines.append(nominal)
-    if part.swing:
-        amplitude, mean = part.swing.amplitude / MEGAPASCAL, part.swing.mean / MEGAPASCAL
-        lines.append(f"{part.part}, range over the turn: {mean:.3g} +- {amplitude:.3g} MPa where fatigue is worst")
-    lines += [f"{part.part}, if {change}: bulk {size / MEGAPASCAL:.3g} MPa" for change, size in part.variants]
+    if part.stress_range:
+        amplitude, mean = part.stress_range.amplitude / MEGAPASCAL, part.stress_range.mean / MEGAPASCAL
+        lines.append(f"{part.part}, range over the turn: {mean:.3g} +- {amplitude:.3g} MPa at the critical node")
+    lines += [f"{part.part}, with {change}: bulk {size / MEGAPASCAL:.3g} MPa" for change, size in part.variants]
     return lines
 
 
@@ -63,7 +63,7 @@ def _bulk(part: PartFindings) -> list[str]:
 
 
 def _safety(part: PartFindings) -> str:
-    """Write the safety of the governing stress, and that stress [MPa] where it is a fillet's."""
+    """Format the safety of the governing stress, with that stress [MPa] if it is at a fillet."""
     at = f" (fillet {part.governing / MEGAPASCAL:.3g})" if part.governing > part.bulk_peak.stress else ""
     return f"{part.safety:.3g}{at}"
 

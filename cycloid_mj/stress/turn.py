@@ -1,4 +1,4 @@
-"""One crank turn of a run: the samples nearest to the wanted crank angles, in the settled hold."""
+"""A crank turn of a run: the samples nearest to requested crank angles, in the settled hold."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -17,7 +17,7 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import columns_from_ring
 
 DEGREES = np.radians(np.arange(360.0))
-"""Every degree of a crank turn [rad]: the paper's sampling (Hsieh 2014, section 3.3)."""
+"""All degrees of a crank turn [rad]: the sampling of Hsieh 2014, section 3.3."""
 
 FREE = {
     "load": None,
@@ -26,10 +26,10 @@ FREE = {
     "drive": {"power", "torque", "speed", "ramp", "hold"},
     **{table: {"name"} for table in ("material", *(f"{part}_material" for part in PARTS))},
 }
-"""What a log may have other than the design it is held against: under what it ran, not what ran, and names."""
+"""Tables in which a log may differ from the design: operating conditions and names."""
 
-COARSEST = 1.5
-"""Samples may lie this many wanted steps apart; then no sample stands for more than two of the wanted angles."""
+MAX_SAMPLING_RATIO = 1.5
+"""Largest sampling step over the step of the requested angles; no sample is then used for more than two of them."""
 
 
 def cam_force(reducer: Reducer) -> str:
@@ -46,11 +46,11 @@ class Turn:
     design
         The design that ran.
     angle
-        Crank angle, from the ring, of each sample [rad], shape (k,), within half a sampling step of the wanted one.
+        Crank angle relative to the ring of each sample [rad], within half a sampling step of the requested angle, (k,).
     run, rows
-        The run, seen from its ring, and the numbers of the samples in it, shape (k,).
+        The run in the frame of its ring, and the indices of the samples in it, shape (k,).
     ring_angle, ring_speed
-        Of the ring it is seen from [rad], [rad/s], shape (k,): 0 of one that is held.
+        Angle and speed of the ring [rad], [rad/s], shape (k,): 0 for a fixed ring.
     """
 
     reducer: Reducer
@@ -75,7 +75,7 @@ def turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike = DEGRE
     Raises
     ------
     LogError
-        The run carries no design or no forces, or its hold is too short or too coarse.
+        The run contains no design or no forces, or its hold is too short or too coarse.
     UsageError
         The design is not the one that ran.
     """
@@ -86,7 +86,7 @@ def turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike = DEGRE
     if column not in run.columns:
         raise LogError(
             f"the run has no forces of the mating pairs (no column {column!r} among {len(run.columns)}), so "
-            "there are no loads to put on the parts; simulate it again with the forces in its log"
+            "there are no loads for the parts. Simulate it again with the forces in its log"
         )
     run = run.usable()
     member = Reducer(ran).member
@@ -107,7 +107,7 @@ def require_same(reducer: Reducer, ran: Reducer) -> None:
         raise UsageError(
             f"the log is not of the design {reducer.design.name!r}: "
             f"it differs in {'; '.join(differing[:3])}, in SI units; "
-            "give the design that ran, or leave out --design"
+            "use the design that ran, or omit --design"
         )
 
 
@@ -131,7 +131,7 @@ def _values(reducer: Reducer) -> dict[str, Any]:
 
 
 def _last_turn(run: Run, hold: Mask) -> npt.NDArray[np.intp]:
-    """Find the settled samples of the last crank turn; one more than a turn, so that each angle has a near one."""
+    """Return the settled samples of the last crank turn, and one more, so that each angle has a near sample."""
     rows = np.flatnonzero(hold)
     crank = run["crank_angle"][rows]
     swept = abs(crank[-1] - crank[0]) if rows.size else 0.0
@@ -139,20 +139,21 @@ def _last_turn(run: Run, hold: Mask) -> npt.NDArray[np.intp]:
     if swept < 2 * np.pi - step:
         span = float(np.ptp(run.time[rows])) if rows.size else 0.0
         raise LogError(
-            f"the settled hold lasts {span:.6g} s, {swept / (2 * np.pi):.3f} of a crank turn, but one whole turn is "
-            "needed; simulate it with a longer --hold-s"
+            f"the settled hold lasts {span:.6g} s, {swept / (2 * np.pi):.3f} of a crank turn, but a full turn is "
+            "needed. Simulate it with a longer --hold-s"
         )
     return rows[np.abs(crank[-1] - crank) <= 2 * np.pi + 1e-9]
 
 
 def _require_fine(crank: Array, wanted: Array, run: Run, rows: npt.NDArray[np.intp]) -> None:
+    """Raise LogError if the samples of a run are too coarse for the step between angles [rad]."""
     step = float(np.median(np.abs(np.diff(crank))))
     apart = 2 * np.pi / max(wanted.size, 1)
-    if wanted.size > 1 and step > COARSEST * apart:
+    if wanted.size > 1 and step > MAX_SAMPLING_RATIO * apart:
         rate = (rows.size - 1) / float(np.ptp(run.time[rows]))
         raise LogError(
             f"the log has a sample every {np.degrees(step):.3g} deg of crank, but one every {np.degrees(apart):.3g} "
-            f"deg is wanted; simulate it with settings.log_rate_hz of {rate * step / apart:.0f} or more"
+            f"deg is needed. Simulate it with settings.log_rate_hz of {rate * step / apart:.0f} or more"
         )
 
 

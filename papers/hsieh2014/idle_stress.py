@@ -159,7 +159,7 @@ def idle_stress(
     reducer = Reducer(design)
     softly = at_peaks(soft, window) if soft else None
     study = stress_study(
-        at_peaks(starts[0], window), reducer, (), settings, told=progress, references=stress_references(design)
+        at_peaks(starts[0], window), reducer, (), settings, on_part=progress, references=stress_references(design)
     )
     grids = {part_study.findings.part: part_study.grid for part_study in study.parts}
     turn = settings.turn

@@ -172,7 +172,7 @@ def _notes(studies: Mapping[str, IdleStress]) -> tuple[str, ...]:
         f"{name} {part.part}"
         for name, study in studies.items()
         for part in study.study.findings.parts
-        if not part.refinement.holds
+        if not part.refinement.converged
     ]
     missed = [
         f"{name} {part} {each.by_force[part].residual:.2g} MPa" for name, each in studies.items() for part in ORDER

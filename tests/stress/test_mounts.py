@@ -12,7 +12,7 @@ from cycloid_mj.design import PRESETS
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP, shear_coefficient, shear_modulus
 from cycloid_mj.stress import mounts
-from cycloid_mj.stress.mounts import StudSeats, crank_give, printed_of, read_mounts, stud_stiffness
+from cycloid_mj.stress.mounts import StudSeats, crank_compliance, printed_of, read_mounts, stud_stiffness
 
 DRAWN = Path(__file__).parents[1] / "data" / "bench" / "mounts.toml"
 PRINTED = Reducer(PRESETS["printed"])
@@ -79,7 +79,7 @@ def test_a_crank_gives_by_its_seats_and_its_post() -> None:
     assert told is not None
     modulus, total = PRINTED.design.material_of("housing").youngs_modulus, told.to_hub + told.to_housing
     hub, housing = told.to_housing / total, told.to_hub / total
-    thick = crank_give(PRINTED, told.model_copy(update={"post_diameter": 1e3}))
+    thick = crank_compliance(PRINTED, told.model_copy(update={"post_diameter": 1e3}))
     seats = 2 * hub**2 / told.hub_seat + 2 * housing**2 / told.housing_seat + 1 / told.cam_seat
     assert thick == pytest.approx(seats / modulus, rel=1e-6)
     places = told.to_housing - told.cam_seat / 2 - told.post * (np.arange(1000) + 0.5) / 1000
@@ -87,8 +87,10 @@ def test_a_crank_gives_by_its_seats_and_its_post() -> None:
     material = PRINTED.design.material_of("housing")
     sheared = told.post / (shear_coefficient(material) * shear_modulus(material) * math.pi * told.post_diameter**2 / 4)
     post = told.post * np.mean((housing * places) ** 2) / bending + housing**2 * sheared
-    assert crank_give(PRINTED, told) - thick == pytest.approx(post, rel=1e-4)
-    assert crank_give(printed_of(PRINTED, 2.0 * modulus), told) == pytest.approx(crank_give(PRINTED, told) / 2)
+    assert crank_compliance(PRINTED, told) - thick == pytest.approx(post, rel=1e-4)
+    assert crank_compliance(printed_of(PRINTED, 2.0 * modulus), told) == pytest.approx(
+        crank_compliance(PRINTED, told) / 2
+    )
 
 
 def test_another_modulus_is_that_of_all_printed_parts_and_of_no_steel() -> None:
@@ -105,7 +107,7 @@ def test_another_modulus_is_that_of_all_printed_parts_and_of_no_steel() -> None:
     ("text", "told"),
     [
         ("[stud]\n", "unknown key stud; did you mean studs?"),
-        ("studs = 3\n", "studs is a table; write [studs] and its keys below"),
+        ("studs = 3\n", "studs is a table, not a value: write [studs] and its keys below"),
         ("[studs]\nnear_seat_mm = 9\n", "studs.far_seat_mm is missing (length of a pin in the second plate"),
         ("[studs]\nnear_seat_mm = 9\nfar_seat_mm = 8\nlength_mm = 3\n", "unknown key studs.length_mm"),
         (
@@ -119,7 +121,7 @@ def test_another_modulus_is_that_of_all_printed_parts_and_of_no_steel() -> None:
             "[material]\nmodulus_mpa = [-1, 700]\n",
             "modulus_mpa[1] = -1.0 is not allowed: it must be more than 0",
         ),
-        ("[material]\nmodulus_mpa = [1400, 700]\n", "the least first"),
+        ("[material]\nmodulus_mpa = [1400, 700]\n", "the smallest, then the largest"),
         ("[studs\n", "is not valid TOML"),
     ],
 )
@@ -132,7 +134,7 @@ def test_a_wrong_file_of_mounts_is_told(tmp_path: Path, text: str, told: str) ->
 
 
 def test_a_missing_file_of_mounts_is_told(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match=r"there is no file of mounts .*none\.toml"):
+    with pytest.raises(UsageError, match=r"the file of mounts .*none\.toml does not exist"):
         read_mounts(tmp_path / "none.toml")
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from cycloid_mj.stress.cost import BASE, Cost, cost, total
+from cycloid_mj.stress.cost import BASE_MEMORY, Cost, cost, total
 from cycloid_mj.stress.study import QUICK, StudySettings
 
 
@@ -35,7 +35,7 @@ def test_the_cost_is_near_what_was_measured() -> None:
 def test_the_cost_grows_with_grid_angles_and_supports() -> None:
     small, large = (cost(Sized("gear", unknowns), QUICK) for unknowns in (10_000, 40_000))
     assert large.seconds == pytest.approx(4 * small.seconds)
-    assert large.memory - BASE == pytest.approx(4 * (small.memory - BASE))
+    assert large.memory - BASE_MEMORY == pytest.approx(4 * (small.memory - BASE_MEMORY))
     assert cost(Sized("gear", 10_000), StudySettings(angles=360, checked=5)).seconds > small.seconds
     assert cost(Sized("ring", 10_000), QUICK).seconds > small.seconds  # also under its other support
 

@@ -143,7 +143,7 @@ def test_lame_ring_and_orders_of_convergence() -> None:
         grid = planar_grid(ring_region(inner, outer), settings, 4e-3)
         sizes.append(grid.unknowns**-0.5)
         part = elastic.body(grid, STEEL)
-        found = elastic.displacements(part, elastic.balanced(part, pressure(grid, 1, inside)[:, np.newaxis])[0])
+        found = elastic.displacements(part, elastic.balance_loads(part, pressure(grid, 1, inside)[:, np.newaxis])[0])
         found = without_rigid_motion(part, found)
         operators = recovery(grid)
         hoop = von_mises(stresses(operators, found, STEEL))[grid.loops[1][:, 0], 0]
@@ -320,7 +320,7 @@ def test_torsion_of_the_shaft(shaft: Grid) -> None:
     measures = shaft_measures(Reducer(PIN))
     part = elastic.body(shaft, STEEL, springs=shaft_loading.bearing_pads(shaft, measures, 1e8).springs, loose=(2, 5))
     (_, on_cam), at_end = shaft_loading._on_cam_units(shaft, measures, 0), shaft_loading._torsion(shaft, measures)
-    loads, imbalance = elastic.balanced(part, 10.0 * (on_cam - at_end))
+    loads, imbalance = elastic.balance_loads(part, 10.0 * (on_cam - at_end))
     assert np.abs(imbalance).max() < 1e-9
     stress = von_mises(stresses(recovery(shaft), elastic.displacements(part, loads), STEEL))[:, 0]
     x, y, z = shaft.points.T
@@ -487,7 +487,7 @@ def test_mistakes_are_told() -> None:
     outside = made_loads("pin_1", [[[0.0, 1.0]]], [[[0.0, -1.0]]], 1e-5)
     with pytest.raises(CycloidError, match="contact_0 of the pin_1 lies"):
         solve(PIN, grid, outside)
-    with pytest.raises(CycloidError, match="loads are on the gear, the grid is of the pin_1"):
+    with pytest.raises(CycloidError, match="loads are those of the gear, the grid that of the pin_1"):
         solve(PIN, grid, replace(outside, part="gear"))
     with pytest.raises(UsageError, match="no angle of index 5"):
         stress_map(PIN, grid, outside, 5)
@@ -524,7 +524,7 @@ def test_edges_are_shorter_where_curved_ones_would_fold_their_elements(monkeypat
 
     refinements = (0.38, 0.39, 0.4, 0.41)
     assert all(map(made, refinements))
-    monkeypatch.setattr("cycloid_mj.stress.grid.MENDED", 0)
+    monkeypatch.setattr("cycloid_mj.stress.grid.MAX_REMESHES", 0)
     assert not all(map(made, refinements))
 
 
@@ -747,7 +747,7 @@ def test_a_printed_drive_with_an_overhung_shaft_would_be_as_stiff_as_its_parts(k
     """Nothing fitted: statics with the parts' springs is within 1.5 times of the loops (docs/bench.md), else 12 off."""
     drawn = resolve("printed").but(ring={"kind": kind}, shaft={"mounting": "overhang"})
     found = part_springs(Reducer(drawn))
-    given = found.given
+    given = found.compliance
     assert min(given["gear"], given["shaft"], given["bearing_seats"]) > 3.0 * given["ring"]
     bare, sprung = predicted(drawn, found)
     assert measured / 1.5 < sprung < 1.5 * measured
@@ -768,8 +768,8 @@ def test_a_printed_drive_is_as_stiff_as_its_drawing_tells(kind: str) -> None:
     assert bare.stiffness > 2.0 * max(measured)
     assert found.interval is not None
     assert all(found.interval[0] < one < found.interval[1] for one in measured)
-    assert {"studs", "far_plate", "crank"} < set(found.given)
-    assert not {"shaft", "bearing_seats"} & set(found.given)
+    assert {"studs", "far_plate", "crank"} < set(found.compliance)
+    assert not {"shaft", "bearing_seats"} & set(found.compliance)
     stiffness, sprung = predicted(drawn, found)
     assert stiffness > 8.0 * max(measured)
     assert sprung == pytest.approx(found.stiffness, rel=0.03)

@@ -16,9 +16,9 @@ from cycloid_mj.parts.crank import ShaftDimensions, shaft_measures
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.shoulder import BENDING, TORSION, shoulder_factor
 from cycloid_mj.stress import GridSettings, PartLoads, PartStress, part_grid, solve
-from cycloid_mj.stress.field import by_corner, loaded, maxima
+from cycloid_mj.stress.field import assemble_part, by_corner, maxima
 from cycloid_mj.stress.notch import output_roots, shaft_shoulders
-from cycloid_mj.stress.shaft import BEARING_STIFFNESS, Pads, opened
+from cycloid_mj.stress.shaft import BEARING_STIFFNESS, Pads, solve_open_pads
 
 Array = npt.NDArray[np.float64]
 
@@ -160,12 +160,12 @@ def test_open_pads_bear_nothing() -> None:
     pads = Pads(None, stiffness)
     compliance = np.diag([0.5e-8, 0.25e-8])  # half the springs' own: the body itself is as stiff
     pressed = np.array([2e-6, -1e-6])
-    freed = opened(pads, compliance, pressed)
+    freed = solve_open_pads(pads, compliance, pressed)
     displaced = pressed + compliance @ freed
     assert freed[0] == 0.0
     assert freed[1] == pytest.approx(stiffness[1] * displaced[1])  # takes back what its spring pulls
     assert displaced[1] == pytest.approx(-2e-6)
-    assert not opened(pads, compliance, np.abs(pressed)).any()
+    assert not solve_open_pads(pads, compliance, np.abs(pressed)).any()
 
 
 @pytest.mark.parametrize("share", [0.05, 0.1, 0.2])
@@ -213,7 +213,7 @@ def test_the_bulk_of_the_output_is_the_edge_of_what_is_left_out() -> None:
     )
     narrow = np.full((1, 2), 1e-4)
     loads = replace(loads, half_width=narrow, strip=narrow, hertz=narrow > 0.0, torque=np.zeros(1))
-    part = loaded(Reducer(PIN), part_grid(PIN, "output", GridSettings(refinement=0.3, solid=True)), loads)
+    part = assemble_part(Reducer(PIN), part_grid(PIN, "output", GridSettings(refinement=0.3, solid=True)), loads)
     stress = maxima(part)
     corners = by_corner(part, 0, stress.bulk_distance)
     half, own, twice = (size for _, size in corners)
