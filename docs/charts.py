@@ -72,7 +72,7 @@ def solvers() -> Figure:
                 label=f"{speed} rpm, {'3 %' if light else '30 and 100 %'} load",
             )
     axes.set_yticks(range(len(layouts)), layouts)
-    axes.set(xscale="log", xlabel="difference of the mean transmission error [%]", xlim=(1e-6, 10.0))
+    axes.set(xscale="log", xlabel="difference of the mean transmission error [%]", xlim=(1e-7, 10.0))
     axes.legend(loc="upper left", fontsize=0.8 * FONT_SIZE, ncols=2, bbox_to_anchor=(0.0, 1.0 + 2.2 / len(layouts)))
     return figure
 
