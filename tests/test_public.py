@@ -77,10 +77,10 @@ def test_the_python_page_begins_with_lines_that_work(capsys, monkeypatch: pytest
     sheet, play, findings, force = capsys.readouterr().out.splitlines()
     assert re.fullmatch(r"<Sheet: pin, 36.68 N m, 1640 rpm, .*; backlash \S+ arcmin, .*>", sheet)
     assert re.fullmatch(r"<Findings: pin, 36 N m, 1640 rpm; efficiency 8\d.\d\d %, .*>", findings)
-    assert play.endswith(" arcmin of play")
-    assert 500.0 < float(force.removesuffix(" N at the hardest contact")) < 3000.0
+    assert re.fullmatch(r"backlash \S+ arcmin", play)
+    assert 500.0 < float(re.fullmatch(r"largest contact force (\S+) N", force)[1]) < 3000.0
     assert names["page"].startswith("<!doctype html>")
-    rows = dict(zip(*names["findings"].frame.columns.values(), strict=True))
+    rows = dict(zip(*names["results"].frame.columns.values(), strict=True))
     assert rows["power.load_torque_nm"] == pytest.approx(36.0)
 
 
@@ -233,7 +233,10 @@ def test_files_of_parts_say_what_they_are_have_a_frame_and_their_clearances_are_
 def test_a_prediction_and_a_spectrum_say_what_they_are_and_are_drawn() -> None:
     loop = cm.read_loop(Path(__file__).parent / "data" / "bench" / "play_loop.csv")
     found = cm.predict_loops(cm.Reducer(cm.load("pin")), [loop])
-    assert repr(found) == f"<Prediction: rms difference over the height of the loop: {loop.name} {found.shares[0]:.2%}>"
+    assert (
+        repr(found)
+        == f"<Prediction: rms difference relative to the height of the loop: {loop.name} {found.shares[0]:.2%}>"
+    )
     assert found.frame.columns["modelled"][0] == pytest.approx(found.modelled.in_units()["play_deg"].value)
     assert len(found.plot().axes[0].lines) == 2
     angle = np.linspace(0.0, 8.0 * np.pi, 4000)

@@ -25,7 +25,6 @@ JUDGED_BY_WORDS = {
     # a file of the Linux kernel, whose lines have no other key
     ("scripts/benchmark.py", "model name"),
     # the heading at which the picture of a report ends: it is the page's words that make the picture stale
-    ("scripts/docs_figures.py", "The mechanism"),
 }
 METHODS_OF_TEXT = (
     "startswith",

@@ -93,7 +93,7 @@ def _answer(answer: Answer) -> dict[str, Any]:
     return {
         "asked": form_of(answer.asked),
         "drives": drives,
-        "verdict": _summary([drive["verdict"]["judgement"] for drive in drives]),
+        "verdict": _summary(drives),
         "most": answer.most,
         "limit": with_symbols(answer.limit),
         "refusal": "" if answer.drives else with_symbols(answer.refusal),
@@ -118,12 +118,13 @@ def _drive(drive: SizedDrive, required: Requirement) -> dict[str, Any]:
     }
 
 
-def _summary(judgements: Sequence[str]) -> dict[str, str]:
+def _summary(drives: Sequence[Mapping[str, Any]]) -> dict[str, str]:
     """Summarize how many drives meet the requirements: passed if all do, a warning if some do."""
-    met, count = judgements.count(Judgement.PASSED), len(judgements)
+    met, count = sum(drive["verdict"]["judgement"] == Judgement.PASSED for drive in drives), len(drives)
     if met == count:
         return verdict(Judgement.PASSED, f"{count} drive{'s meet' if count > 1 else ' meets'} the requirements")
     if met:
         return verdict(Judgement.WARNING, f"{met} of {count} drives meet{'s' if met == 1 else ''} the requirements")
-    nearest = "the nearest drive is" if count == 1 else f"the nearest {count} drives are"
-    return verdict(Judgement.FAILED, f"No drive meets all requirements; {nearest}")
+    judged = [item for drive in drives for item in drive["verdicts"].items()]
+    violated = dict.fromkeys(NAMES[field] for field, judged in judged if judged["judgement"] != Judgement.PASSED)
+    return verdict(Judgement.FAILED, f"No drive meets all requirements: see {', '.join(violated)}")

@@ -324,7 +324,7 @@ def sized(**figures: float) -> SizedDrive:
 def test_drives_whose_covers_are_too_large_do_not_meet_the_requirement(monkeypatch: pytest.MonkeyPatch) -> None:
     wanted = required(ratio=13, diameter_mm=70, torque_nm=3)
     cases = {
-        "No drive meets all requirements; the nearest 2 drives are": [sized(drive_diameter_mm=85.0)] * 2,
+        "No drive meets all requirements: see diameter with covers": [sized(drive_diameter_mm=85.0)] * 2,
         "1 of 2 drives meets the requirements": [sized(), sized(drive_diameter_mm=85.0)],
         "2 drives meet the requirements": [sized(), sized()],
         "1 drive meets the requirements": [sized()],
