@@ -52,14 +52,14 @@ def _quantities(reducer: Reducer, measure: str) -> Mapping[str, Quantity]:
 
 
 def measured(reducer: Reducer, measure: str, quantity: str) -> float:
-    """Measure a quantity of a design at the usual conditions of its measure, in the quantity's unit.
+    """Measure a quantity of a design at the default conditions of its measure, in the quantity's unit.
 
     Errors are those of the measure.
 
     Parameters
     ----------
     reducer
-        Which is measured.
+        The drive.
     measure
         A name of `MEASURES`.
     quantity

@@ -1,9 +1,9 @@
-"""The bench of the static measures: the crank locked, a slow torque on the output, the turn of the output read off.
+"""Test bench of the static measures: locked crank, slow torque on the output, angle of the output.
 
-All is so slow that inertia does not matter, so steps may be longer than a run at speed bears. A free pin or sleeve is
-the exception: pressed between gear and socket by a force F, it rolls in its play delta like a ball in a bowl, with the
-stiffness F/(delta + F/K) across the force and nothing but its own mass m: the step must resolve that, or be stable
-where friction holds the pin. A run that goes wrong all the same is made again at half the step.
+The motion is so slow that inertia does not matter, so time steps may be longer than in a run at speed. A free pin or
+sleeve is the exception: pressed between disc and socket by a force F, it rolls in its clearance delta like a ball in a
+bowl, with the stiffness F/(delta + F/K) across the force and its own mass m. The step must resolve this oscillation, or
+be stable where friction holds the pin. A run that fails is repeated with half the step.
 """
 
 import math
@@ -30,32 +30,33 @@ from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer, once
 
 LONGEST_STEP = 10e-6
-"""Step [s] at which bodies that weigh no less than the gear follow a slow torque as they do at any shorter one."""
+"""Longest time step [s]: bodies as heavy as the disc follow a slow torque as with any shorter one."""
 
 LONGEST_PLANAR_STEP = 0.5 * planar_steps.SETTINGS.max_step
-"""Step [s] of the planar solver, where no turning crank limits it: a free pin without friction chatters at longer ones.
+"""Longest time step of the planar solver without a turning crank [s]: with longer ones a free pin without friction
+chatters.
 
-Play of a free pin on the gear alone, pressed for 1 to 3 times the usual time: at 17.5 us within 0.003 % of one another,
-at 23 us within 1 %, at 35 us 14 %.
+Clearance of a free pin on the disc alone, pressed for 1 to 3 times the usual time: at 17.5 us equal within 0.003 %, at
+23 us within 1 %, at 35 us within 14 %.
 """
 
 STEPS_OF_SWING = 16.0
-"""Steps in a swing of the output on all contacts where no pins move: such a step is taken if it is longer.
+"""Time steps in an oscillation of the output on all contacts where no pins move; used if that step is longer.
 
-Friction is whole from a lower speed on as the step is longer (`benched`), so the loops of soft drives come nearer to
-those of statics. Plastic drives of 60 to 250 um at the rated torque, their swings 1.9 to 3.1 ms long, against statics
-with friction and weight: lost motion 1 to 5 % off at 17.5 us, 0.1 to 5 % at this step, stiffness 3 to 14 % and 3 to
-11 %; without friction both steps differ by less than 0.2 %.
+With a longer step friction is fully developed from a lower speed on (`prepare_bench`), so the loops of soft drives
+come nearer to those of statics. Plastic drives with 60 to 250 um at the rated torque and oscillations of 1.9 to 3.1 ms
+differ from statics with friction and weight by 1 to 5 % of lost motion at 17.5 us and by 0.1 to 5 % at this step, and
+by 3 to 14 % and 3 to 11 % of stiffness; without friction both steps differ by less than 0.2 %.
 """
 
 STEP_SHARE = 0.5
-"""Step as a share of the longest at which a pressed pin rolls in its play without growing, 2 sqrt(m/k)."""
+"""Time step relative to the stability limit 2 sqrt(m/k) of a pressed pin that rolls in its clearance."""
 
 HELD_SHARE = 1.5
-"""The same where friction holds the pin, which it does up to about twice that limit (36 and 21 free pins)."""
+"""The same where friction holds the pin: it does up to about twice that limit (36 and 21 free pins)."""
 
 MOST_HALVINGS = 3
-"""How often the step of a run that goes wrong is halved."""
+"""Number of times that the time step of a failed run is halved."""
 
 STEADIER = 2.0
 """Step that contacts are made for, over the step taken: the added mass of a run is the least that is stable, and light
@@ -75,7 +76,7 @@ def crank_angles(reducer: Reducer, count: int) -> Array:
     return np.asarray(2.0 * np.pi / reducer.mesh_periods * (period + np.arange(count) / count))
 
 
-def ideal(reducer: Reducer) -> Reducer:
+def without_friction(reducer: Reducer) -> Reducer:
     """Return the design without friction and weight, the state of the closed forms."""
     friction = Friction(**dict.fromkeys(Friction.model_fields, 0.0))
     level = reducer.design.environment.model_copy(update={"gravity_x": 0.0, "gravity_y": 0.0})
@@ -105,7 +106,7 @@ def _longest_without_pins(reducer: Reducer) -> float:
     return max(LONGEST_PLANAR_STEP, swing_period(reducer) / STEPS_OF_SWING)
 
 
-def benched(
+def prepare_bench(
     reducer: Reducer, torque: float, duration: float, samples: int, finer: float = 1.0, solver: Solver = "planar"
 ) -> Reducer:
     """Return the design for a run of some `duration` [s] under torques up to `torque` [N m]; `finer` divides the step.
@@ -129,17 +130,19 @@ def benched(
     )
 
 
-def locked_run(benched: Reducer, crank: float, torque: Signal, solver: Solver = "planar") -> Run:
+def locked_run(prepare_bench: Reducer, crank: float, torque: Signal, solver: Solver = "planar") -> Run:
     """Run a design on the bench: crank locked at an angle [rad], a torque [N m] over time [s] on the output."""
-    timestep = benched.design.settings.timestep
+    timestep = prepare_bench.design.settings.timestep
     if solver == "planar":
-        planar = _planar(benched.but(drive={"ramp": 0.0, "hold": 1.0}, settings={"log_rate": 1.0 / timestep}), timestep)
-        return simulate(benched.design, planar, locked_crank(planar, crank, torque))
-    made_for = timestep * STEADIER * (HEAVIER if _rubbing(benched) else 1.0)
-    drive = Drive(rotor_inertia=benched.design.drive.rotor_inertia)
+        planar = _planar(
+            prepare_bench.but(drive={"ramp": 0.0, "hold": 1.0}, settings={"log_rate": 1.0 / timestep}), timestep
+        )
+        return simulate(prepare_bench.design, planar, locked_crank(planar, crank, torque))
+    made_for = timestep * STEADIER * (HEAVIER if _rubbing(prepare_bench) else 1.0)
+    drive = Drive(rotor_inertia=prepare_bench.design.drive.rotor_inertia)
     same = {"drive": drive, "load": Load(), "settings": Settings(timestep=made_for)}
-    compiled = _reducer(Reducer(benched.design.model_copy(update=same)), timestep)
-    return simulate(benched.design, compiled, locked_crank(compiled, crank, torque))
+    compiled = _reducer(Reducer(prepare_bench.design.model_copy(update=same)), timestep)
+    return simulate(prepare_bench.design, compiled, locked_crank(compiled, crank, torque))
 
 
 def run_to_the_end(
@@ -152,7 +155,7 @@ def run_to_the_end(
     finer: float = 1.0,
     solver: Solver = "planar",
 ) -> Run:
-    """Run a design on the bench as in `benched` and `locked_run`, at half the step again where it goes wrong.
+    """Run a design on the bench as in `prepare_bench` and `locked_run`, at half the step again where it goes wrong.
 
     Parameters
     ----------
@@ -183,7 +186,7 @@ def run_to_the_end(
     """
     shortest, problem = 0.0, None
     for halvings in range(MOST_HALVINGS + 1):
-        one = benched(reducer, largest, duration, samples, finer * 2.0**halvings, solver)
+        one = prepare_bench(reducer, largest, duration, samples, finer * 2.0**halvings, solver)
         shortest = one.design.settings.timestep
         try:
             return locked_run(one, crank, torque, solver)

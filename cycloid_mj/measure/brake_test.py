@@ -16,7 +16,7 @@ from cycloid_mj.dynamics.drive_cycle import braked_output, rising
 from cycloid_mj.dynamics.planar.model import PlanarModel
 from cycloid_mj.dynamics.run import Model, Solver, model_for
 from cycloid_mj.dynamics.settling import slowness
-from cycloid_mj.measure.steady import steady
+from cycloid_mj.measure.steady import run_steady
 from cycloid_mj.reducer import Reducer
 
 DECAY = 2e-3
@@ -30,7 +30,7 @@ SETTLED = 15e-3
 """Time after which a run counts [s]: the ringing is below 0.2 % of the torque then."""
 
 
-def braked_run(reducer: Reducer, torque: float, periods: int, solver: Solver = "planar") -> Run:
+def run_brake_test(reducer: Reducer, torque: float, periods: int, solver: Solver = "planar") -> Run:
     """Run with a torque on the crank [N m] and the output held; give the samples of so many mesh periods.
 
     Contacts have the stiffness of the output torque that it holds without losses. Without a torque the crank is free,
@@ -44,7 +44,7 @@ def braked_run(reducer: Reducer, torque: float, periods: int, solver: Solver = "
     drive = rising(math.copysign(torque, torque * speed), RISE)
     course = braked_output(compiled, reducer, lambda time: drive(time) + slope * speed)
     settled = max(SETTLED, _drift(reducer, torque, slope) / slowness(reducer))
-    return steady(reducer, settled, periods, solver, compiled, course)
+    return run_steady(reducer, settled, periods, solver, compiled, course)
 
 
 def _drift(reducer: Reducer, torque: float, slope: float) -> float:

@@ -11,28 +11,28 @@ from cycloid_mj.statics.friction import ideal_losses
 
 CRANK_ANGLES = 360
 AS_BUILT = (
-    "the cam's give lets the gear move sideways, to where contacts that slide faster carry more than ideally; so do "
-    "clearances"
+    "compliance of the cam and clearances let the disc move sideways, so that contacts with larger sliding speeds "
+    "carry more than ideally"
 )
-"""Why a design as built departs from ideal sharing: with a stiff cam alone it comes within half a point."""
-PLAY = 1e-9
-"""Clearance [m] next to none."""
+"""Why a design differs from ideal sharing: with a stiff cam alone the difference is below half a point."""
+NO_CLEARANCE = 1e-9
+"""Clearance [m] that counts as none."""
 HOLDING, STIFFEST = 3e11, 1e12
-"""Stiffness of a cam that holds, per mass of the gear [1/s2], and the design file's limit [N/m]."""
+"""Stiffness of a rigid cam relative to the mass of the disc [1/s2], and the design file's limit [N/m]."""
 
 
 @dataclass(frozen=True)
 class Closed:
-    """A share of the input power by a closed form, and where it comes from."""
+    """An efficiency by a closed form, and its source."""
 
     efficiency: float
     source: str
 
 
 def ideal_efficiency(reducer: Reducer, load: float) -> Closed:
-    """Find the efficiency under a load torque [N m] of equally stiff contacts without clearance, on a cam that holds.
+    """Compute the efficiency under a load torque [N m] with equally stiff contacts without clearance and a rigid cam.
 
-    The contacts carry the drag of the output's seals besides the load.
+    The contacts also carry the drag of the output's seals.
     """
     design = reducer.design
     carried = load + design.drag.output
@@ -51,7 +51,7 @@ def ideal_limit(reducer: Reducer) -> Reducer:
     gear = mass_properties(gear_solid(reducer)).mass
     return reducer.but(
         ring={} if design.ring.kind == "nonpin" else {"pins": "fixed"},
-        clearance=dict.fromkeys((design.tooth_pair, "cam", "output"), PLAY),
+        clearance=dict.fromkeys((design.tooth_pair, "cam", "output"), NO_CLEARANCE),
         friction={design.tooth_pair: design.mesh_friction},
         stiffness={"cam": min(HOLDING * gear, STIFFEST)},
         contact={"stiffness_law": "uniform"},

@@ -10,7 +10,7 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.geometry import envelope
 from cycloid_mj.reducer import Reducer
 
-CARRIES = 0.01
+CARRYING_SHARE = 0.01
 """A contact carries where its force is at least this share of the largest of its kind."""
 
 
@@ -57,7 +57,7 @@ class ContactPressures:
     @property
     def carries(self) -> Mask:
         """Whether a contact carries, shape (n, contacts)."""
-        return np.asarray(self.force > CARRIES * self.peak_force)
+        return np.asarray(self.force > CARRYING_SHARE * self.peak_force)
 
     @property
     def mean_force(self) -> float:
@@ -86,7 +86,7 @@ class ContactPressures:
         return float(self.pressure.flat[worst]) if self.holds.flat[worst] else math.nan
 
 
-def pressed(run: Run, reducer: Reducer) -> dict[str, ContactPressures]:
+def contact_pressures(run: Run, reducer: Reducer) -> dict[str, ContactPressures]:
     """Collect the contacts of a run's samples by kind of pair."""
     crank = run["crank_angle"]
     angle = crank - 2.0 * math.pi * np.floor(crank[0] / (2.0 * math.pi))

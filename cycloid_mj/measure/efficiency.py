@@ -1,4 +1,4 @@
-"""Efficiency over output torque and speed, where the losses go, and the torques without load and backwards."""
+"""Efficiency over output torque and speed, losses by kind of contact, and no-load and back-driving torques."""
 
 import math
 from collections.abc import Sequence
@@ -25,13 +25,12 @@ from cycloid_mj.measure.steady import steady_design, whole_periods
 from cycloid_mj.reducer import Reducer
 
 TORQUES, SPEEDS = (0.25, 0.5, 1.0), (0.5, 1.0, 1.5)
-"""Points of the map: shares of the rated output torque, without losses, and of the design's speed."""
+"""Points of the map, relative to the rated output torque without losses, and to the design's speed."""
 
 PERIODS, QUICK_PERIODS = 12, 4
-"""Fewest mesh periods of an average: a third of a crank turn, or less."""
+"""Mesh periods of an average at least: a third of a crank turn, or less."""
 
-
-LEFT_OUT = "left out: this pair's friction is 0"
+NO_FRICTION = "0, as the friction of this pair is 0"
 
 
 def efficiency(
@@ -48,19 +47,20 @@ def efficiency(
     Parameters
     ----------
     design
-        A design, or the name of a preset or a file: what to measure.
+        A design, or the name of a preset or a file.
     loads
         Output torques of the map [N m], above 0; by default `TORQUES` of the rated one.
     speeds
         Crank speeds of the map [rad/s], above 0; by default `SPEEDS` of the design's.
     quick
-        Shorter averages, no halved step, and by default the rated point alone.
+        Whether to average over a shorter time, skip the run with half the time step, and by default measure only the
+        rated point.
     progress
-        Called after each run with how many are done, and how many there are.
+        Called after each run with the numbers of finished and of all runs.
     published
-        Torques that a paper gives for this design, to stand beside ours.
+        Published torques of this design, for comparison.
     solver
-        What takes the steps of the runs.
+        Solver of the runs.
     """
     design = resolve(design)
     reducer = Reducer(design)
@@ -105,11 +105,11 @@ def _rated(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
     ours, load = 1e2 * efficiency_map.rated.powers.efficiency, efficiency_map.rated.torque
     ideal, wang = ideal_efficiency(reducer, load), wang_efficiency(reducer)
     error = 1e2 * efficiency_map.error
-    place = f"at {load:g} N m, {efficiency_map.rated.speed / RPM:g} rpm"
+    condition = f"at {load:g} N m, {efficiency_map.rated.speed / RPM:g} rpm"
     return [
         Quantity(
             "efficiency",
-            f"efficiency {place}",
+            f"efficiency {condition}",
             ours,
             "%",
             error,
@@ -119,14 +119,14 @@ def _rated(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
         ),
         Quantity(
             "efficiency_ideal_limit",
-            "the same, fixed pins or lobes, no play, a cam that holds",
+            "the same with fixed pins or lobes, without clearance, with a rigid cam",
             1e2 * efficiency_map.ideal.powers.efficiency,
             "%",
             1e2 * efficiency_map.ideal.shift,
             1e2 * ideal.efficiency,
             ideal.source,
-            f"{wang.source} give {1e2 * wang.efficiency:.2f} % without the cam's bearing and without the moment by "
-            "which friction turns the gear back, so that the teeth press harder",
+            f"{wang.source}: {1e2 * wang.efficiency:.2f} %, without the cam's bearing and without the moment by which "
+            "friction turns the disc back, which increases the tooth forces",
         ),
         Quantity(
             "balance_residual",
@@ -147,7 +147,7 @@ def _losses(rated: Point) -> list[Quantity]:
             power,
             "W",
             abs(power - shorter.friction[kind]),
-            note="" if power else LEFT_OUT,
+            note="" if power else NO_FRICTION,
         )
         for kind, power in whole.friction.items()
     ]
@@ -160,7 +160,7 @@ def _losses(rated: Point) -> list[Quantity]:
             normal,
             "W",
             abs(normal - sum(shorter.normal.values())),
-            note="damping, and the step's error: the pairs' own shares of it cancel",
+            note="damping, and errors of the time step, which cancel between the pairs",
         ),
         Quantity("input_power", "input power", whole.supplied, "W"),
         Quantity("output_power", "output power", whole.delivered, "W"),
@@ -168,7 +168,7 @@ def _losses(rated: Point) -> list[Quantity]:
 
 
 def _driven(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
-    """List what turns the reducer without a load, and from its output."""
+    """List the no-load torque, and the torques that drive the output backwards."""
     design = reducer.design
     ratio, rest = design.reduction, efficiency_map.rest
     forward = efficiency_map.rated.powers.efficiency
@@ -176,7 +176,7 @@ def _driven(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
     locked = not backward > 0.0
     against = math.nan if locked else design.rated_torque / backward
     lock = f"{SELF_LOCKING} against {design.drive.torque:g} N m on the crank"
-    contacts = f"contacts, {drag_assumption(reducer)}; the shafts' own bearings are left out"
+    contacts = f"contacts, {drag_assumption(reducer)}; the bearings of the shafts are neglected"
     return [
         Quantity(
             "no_load_torque",
@@ -208,7 +208,7 @@ def _driven(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
             against,
             "N m",
             None if locked else against * shift / backward,
-            note=lock if locked else "by the efficiency of back-driving",
+            note=lock if locked else "from the efficiency of back-driving",
         ),
         Quantity(
             "back_driving_efficiency",
@@ -217,14 +217,14 @@ def _driven(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
             "%",
             1e2 * shift,
             1e2 * (2.0 - 1.0 / forward),
-            "2 - 1/eta: losses alike both ways; below 0 it locks",
+            "2 - 1/eta, for equal losses in both directions; self-locking below 0",
             lock if locked else "",
         ),
     ]
 
 
 def _back_driving(efficiency_map: EfficiencyMap) -> tuple[float, float]:
-    """Find the efficiency of back-driving and its error; 0 where the reducer is self-locking, and nothing comes out."""
+    """Return the efficiency of back-driving and its error; 0 where the reducer is self-locking."""
     backward = efficiency_map.backward
     return (0.0, 0.0) if backward.powers.note else (backward.powers.efficiency, backward.shift)
 
@@ -257,7 +257,7 @@ def _shares(point: Point) -> dict[str, float]:
 
 
 def _curves(efficiency_map: EfficiencyMap) -> tuple[Curve, ...]:
-    """List the efficiency over the torque for each speed, where the losses go, and the crank's start from rest."""
+    """List the efficiency over the torque for each speed, the losses, and the crank's start from rest."""
     x, rest = "output torque [N m]", efficiency_map.rest.run
     speeds = list(dict.fromkeys(point.speed for point in efficiency_map.grid))
     drawn = []
@@ -272,7 +272,10 @@ def _curves(efficiency_map: EfficiencyMap) -> tuple[Curve, ...]:
         name = "normal forces" if loss == "normal" else f"friction of {loss}"
         drawn.append(_line(f"losses at {shown / RPM:g} rpm", name, points, shares, "share of the input [%]"))
     torque, crank = np.abs(rest["load_torque"]), np.abs(rest["crank_speed"])
-    return (*drawn, Curve("from rest, the crank free, a growing output torque", "", torque, crank, x, "crank [rad/s]"))
+    return (
+        *drawn,
+        Curve("from rest with free crank under growing output torque", "", torque, crank, x, "crank [rad/s]"),
+    )
 
 
 def _at(grid: Sequence[Point], speed: float) -> list[Point]:
@@ -292,14 +295,14 @@ def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:
     creep = 1e3 * reducer.contacts.creep_speed
     return (
         f"friction: {', '.join(f'{pair} {design.friction_of(pair):g}' for pair in kinds)}; "
-        f"{drag_assumption(reducer)}; the shafts' own bearings are left out",
-        "contacts of each run have the secant stiffness of its own load (of the output torque that it holds without "
-        "losses), from rest of the rated one; at the rated load "
+        f"{drag_assumption(reducer)}; the bearings of the shafts are neglected",
+        "contacts of each run have the secant stiffness of its load (that of the output torque without losses); from "
+        "rest that of the rated load, which is "
         f"{reducer.at_rated_load.contacts.working_forces_text(kinds)}",
-        f"mean over {periods} mesh periods, {pins:g} periods of the output pins (two turns of the crank under loads "
-        "where the discs' weight shows); the crank held at its speed, or the output where the crank is free",
-        f"friction grows with the sliding speed until {creep:g} mm/s under the working force, and is whole beyond",
-        "numerical error: half the step (unless --quick) or half the average, whichever changes more; elsewhere half "
-        "the average",
+        f"mean over {periods} mesh periods, {pins:g} periods of the output pins (two crank turns under loads where "
+        "the weight of the discs matters); constant speed of the crank, or of the output where the crank is free",
+        f"friction rises with the sliding speed up to {creep:g} mm/s under the working force, and is constant above",
+        "numerical error: change with half the time step (unless --quick) or half the averaging time, whichever is "
+        "larger; elsewhere with half the averaging time",
         *assumptions(reducer, "the map, and the rated point with an input varied"),
     )

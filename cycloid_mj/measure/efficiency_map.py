@@ -1,4 +1,4 @@
-"""The runs that efficiency is measured by: a map of torque and speed, no load, and the output as the driver."""
+"""Runs of the efficiency measure: a map over torque and speed, no load, and the output as the driver."""
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -15,33 +15,33 @@ from cycloid_mj.dynamics.regime import creeping, creeping_in
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure import sensitivity
 from cycloid_mj.measure.back_driving import BreakAway, break_away
-from cycloid_mj.measure.brake_test import braked_run
+from cycloid_mj.measure.brake_test import run_brake_test
 from cycloid_mj.measure.closed_form import ideal_limit
-from cycloid_mj.measure.conditions import halved
+from cycloid_mj.measure.conditions import halve_time_step
 from cycloid_mj.measure.spread import PERIODS as SPREAD_PERIODS
-from cycloid_mj.measure.spread import Input, Moved, inputs, moved, slow_ends
-from cycloid_mj.measure.steady import SETTLED, first_half, steady, whole_periods
+from cycloid_mj.measure.spread import Input, InputEffect, inputs, pair_rates, slow_ends
+from cycloid_mj.measure.steady import SETTLING_TIME, first_half, run_steady, whole_periods
 from cycloid_mj.reducer import Reducer
 
 _RUNS = {
     "rated": "rated, {}",
-    "ideal": "the same without play",
+    "ideal": "the same without clearance",
     "unloaded": "no load",
     "backward": "output drives against {}",
     "coasting": "output drives a free crank",
-    "halved": "rated with half the step",
+    "halved": "rated with half the time step",
 }
-"""Words for runs that are not of the map, with their load and speed."""
+"""Names of the runs outside of the map, with their load and speed."""
 
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """One steady run.
+    """A steady run.
 
     Attributes
     ----------
     torque
-        Torque on the output against its way [N m]; where the output drives, torque on the crank against its way.
+        Torque on the output against its motion [N m]; where the output drives, torque on the crank against its motion.
     speed
         Crank speed [rad/s].
     powers, shorter
@@ -61,26 +61,26 @@ class Point:
 
     @property
     def drag(self) -> float:
-        """Torque on the crank [N m] that the losses ask for."""
+        """Torque on the crank that covers the losses [N m]."""
         return self.powers.lost / abs(self.speed)
 
     @property
     def drag_shift(self) -> float:
-        """By how much that of the first half differs [N m]."""
+        """Difference of that torque to the first half of the run [N m]."""
         return abs(self.powers.lost - self.shorter.lost) / abs(self.speed)
 
     @property
     def shift(self) -> float:
-        """By how much the efficiency of the first half differs."""
+        """Difference of the efficiency to the first half of the run."""
         return abs(self.powers.efficiency - self.shorter.efficiency)
 
 
 @dataclass(frozen=True, eq=False)
 class EfficiencyMap:
-    """Points of the map; the rated point, with half the step, and in the ideal limit; no load; the output as driver.
+    """All runs: the map; the rated point, also with half the time step and in the ideal limit; no load; back-driving.
 
     `by_input` is the rated point's efficiency with each assumed input varied, `by_friction` that by the friction of the
-    teeth. A free crank that locks the reducer has no coasting: with the output held at its speed it would jam.
+    teeth. There is no coasting run where a free crank locks the reducer, as the driven output would jam.
     """
 
     grid: tuple[Point, ...]
@@ -91,12 +91,12 @@ class EfficiencyMap:
     coasting: Point | None
     backward: Point
     rest: BreakAway
-    by_input: tuple[Moved, ...]
+    by_input: tuple[InputEffect, ...]
     by_friction: Mapping[float, float]
 
     @property
     def error(self) -> float:
-        """Numerical error of the rated point's efficiency: half the step, or half the average."""
+        """Numerical error of the rated point's efficiency: change with half the time step or averaging time."""
         step = 0.0 if self.halved is None else abs(self.halved.powers.efficiency - self.rated.powers.efficiency)
         return max(step, self.rated.shift)
 
@@ -110,15 +110,26 @@ def run_map(
     progress: Progress,
     solver: Solver,
 ) -> EfficiencyMap:
-    """Run every point over at least so many mesh periods, several at a time, and the rated one with half the step.
+    """Run all points, several at a time.
 
-    The map, and the rated point with an input varied, are of massless pins where pins move.
+    The map, and the rated point with a varied input, use massless pins where pins move.
 
-    `torques` on the output [N m] and crank `speeds` [rad/s] make the map.
+    Parameters
+    ----------
+    reducer
+        The drive.
+    torques, speeds
+        Torques on the output [N m] and crank speeds [rad/s] of the map.
+    periods
+        Mesh periods of each run at least.
+    check
+        Whether to run the rated point with half the time step.
+    progress, solver
+        Progress report, and solver of the runs.
     """
     design = reducer.design
     rated, speed = design.rated_torque, design.drive.speed
-    # The longest runs come first, so that no processor is left alone with one.
+    # The longest runs come first, so that no processor waits for one at the end.
     grid = [(torque, pace) for pace in sorted(speeds, key=abs) for torque in torques]
     rest = break_away(reducer, solver)
     light = massless(reducer)
@@ -134,7 +145,7 @@ def run_map(
     if not rest.locked:
         tasks["coasting"] = partial(backward, reducer, 0.0, periods, solver)
     if check:
-        tasks["halved"] = partial(forward, halved(reducer, solver), rated, speed, periods, solver)
+        tasks["halved"] = partial(forward, halve_time_step(reducer, solver), rated, speed, periods, solver)
     assumed = inputs(reducer)
     varied: dict[Hashable, Reducer] = {end: Reducer(end) for one in assumed for end in one.ends}
     varied |= {value: sensitivity.with_common_friction(reducer, value) for value in sensitivity.COMMON}
@@ -152,29 +163,28 @@ def run_map(
         coasting=points.get("coasting"),
         backward=points["backward"],
         rest=rest,
-        by_input=moved(assumed, rates),
+        by_input=pair_rates(assumed, rates),
         by_friction={value: rates[value] for value in sensitivity.COMMON},
     )
 
 
 def forward(reducer: Reducer, torque: float, speed: float, periods: int, solver: Solver) -> Point:
-    """Run under an output torque [N m], the crank held at a speed [rad/s]."""
+    """Run under an output torque [N m] at a constant crank speed [rad/s]."""
     loaded = reducer.but(drive={"speed": speed}, load={"torque": torque})
     with told_elsewhere(tuple(creeping(loaded))):
-        run = steady(loaded, SETTLED, whole_periods(loaded, periods, torque), solver)
+        run = run_steady(loaded, SETTLING_TIME, whole_periods(loaded, periods, torque), solver)
     return _point(torque, speed, run, loaded)
 
 
 def backward(reducer: Reducer, torque: float, periods: int, solver: Solver) -> Point:
-    """Drive the output against a torque on the crank [N m]; with none, the crank is free.
+    """Drive the output against a torque on the crank [N m]; without a torque, the crank is free.
 
-    The crank is held at its speed against the torque, so that its rotor does not have to cross the play first. What the
-    output is driven by follows from a shorter run, and is what that torque asks for without losses where both shafts
-    drive: self-locking.
+    The crank runs at constant speed against the torque, so that its rotor does not have to cross the clearance first.
+    The driving torque follows from a shorter run; for a self-locking drive it is that without losses.
     """
     if not torque:
         with told_elsewhere(tuple(creeping(reducer))):
-            run = braked_run(reducer, torque, whole_periods(reducer, periods, torque), solver)
+            run = run_brake_test(reducer, torque, whole_periods(reducer, periods, torque), solver)
         return _point(torque, reducer.design.drive.speed, run, reducer)
     speed, driving = reducer.design.drive.speed, torque * reducer.design.reduction
     point = forward(reducer, -driving, speed, SPREAD_PERIODS, solver)
@@ -188,10 +198,10 @@ def _point(torque: float, speed: float, run: Run, reducer: Reducer) -> Point:
 
 
 def _named(key: Hashable, point: Point, assumed: Sequence[Input]) -> str:
-    """Name a run of the map: by its load and speed, or by what it has else."""
+    """Return the name of a run: its load and speed, or its varied input."""
     if isinstance(key, Design):
         return next(one.names[key] for one in assumed if key in one.ends)
     if isinstance(key, float):
         return sensitivity.common_name(key)
-    at = f"{point.torque:.4g} N m at {abs(point.speed) / RPM:.4g} rpm"
-    return at if isinstance(key, tuple) else _RUNS[str(key)].format(at)
+    condition = f"{point.torque:.4g} N m at {abs(point.speed) / RPM:.4g} rpm"
+    return condition if isinstance(key, tuple) else _RUNS[str(key)].format(condition)

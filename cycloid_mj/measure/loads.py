@@ -1,4 +1,4 @@
-"""Loads on every pin, tooth, output pin and the cam over a turn of the crank, Hertz pressures, and the capacity."""
+"""Loads of all ring pins or teeth, output pins and the cam over a crank turn, Hertz pressures, and the capacity."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -19,10 +19,10 @@ from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.dynamics.settling import penetration_limit
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.geometry.profile import unit
-from cycloid_mj.measure.conditions import halved
-from cycloid_mj.measure.contact_pressure import CARRIES, ContactPressures, pressed
+from cycloid_mj.measure.conditions import halve_time_step
+from cycloid_mj.measure.contact_pressure import CARRYING_SHARE, ContactPressures, contact_pressures
 from cycloid_mj.measure.measurement import Measurement
-from cycloid_mj.measure.steady import SETTLED, steady, steady_design
+from cycloid_mj.measure.steady import SETTLING_TIME, run_steady, steady_design
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.contact import HERTZ_REACH, STRIBECK
@@ -31,18 +31,19 @@ from cycloid_mj.statics.ideal import ideal_peak
 from cycloid_mj.statics.sheet import disc_shares
 
 CHECKED = 2
-"""Mesh periods of the runs with half the step, and of those that find the capacity."""
+"""Mesh periods of the runs with half the time step, and of those for the capacity."""
 
-MOST_GUESSES, CAPACITY_TOLERANCE = 4, 0.01
+MAX_ITERATIONS, CAPACITY_RTOL = 4, 0.01
+"""Iterations of the capacity at most, and its relative tolerance."""
 
 DEEPEST = 1e-3
-"""Largest depth of a contact that a design may allow [m]."""
+"""Largest penetration of a contact that a design may allow [m]."""
 
 PER_MESH_PERIOD = 24
-"""Crank angles in a mesh period at which ideal sharing is taken over the turn."""
+"""Crank angles of ideal load sharing in a mesh period."""
 
 SHOWN = 4
-"""Contacts of a kind whose forces are drawn."""
+"""Number of contacts of a kind whose forces are drawn."""
 
 FIRST_YIELD = "capacity: torque at which a contact first yields, below its surface"
 SHAKEDOWN = "shakedown limit: largest torque with elastic repeated rolling"
@@ -52,8 +53,9 @@ UNDECIDED = "none: no contact is both pressed and narrow enough for Hertz"
 
 IDEAL = {"cam": "ideal sharing, rigid cam without play", "tooth": "ideal sharing, arcs alone"}
 RIGID_CAM = (
-    "; the reference is for a rigid cam without play and is nearly met with --set stiffness.cam_n_m=1e11: as the "
-    "cam's bearing gives, which is assumed where no stiffness is given, the gear moves aside, and other teeth carry"
+    "; the reference is for a rigid cam without clearance and is nearly reached with --set stiffness.cam_n_m=1e11: "
+    "with the compliance of the cam's bearing, assumed where no stiffness is set, the disc moves sideways, and other "
+    "teeth carry"
 )
 _CRANK, _FORCE = "crank angle [deg]", "force [N]"
 
@@ -67,43 +69,43 @@ def loads(
     progress: Progress = silent,
     solver: Solver = "planar",
 ) -> Measurement:
-    """Measure the loads of a design at an output torque [N m], by default the rated one, over a turn of the crank.
+    """Measure the loads of a design over a crank turn.
 
     Parameters
     ----------
     design
-        A design, or the name of a preset or a file: what to measure, at its own crank speed.
+        A design, or the name of a preset or a file; its crank speed is that of the run.
     load
         Torque on the output [N m], more than 0; by default the rated one.
     quick
-        Some mesh periods instead of a turn.
+        Whether to run some mesh periods instead of a full turn.
     progress
-        Called after each run with how many are done, and how many there are.
+        Called after each run with the numbers of finished and of all runs.
     solver
-        What takes the steps of the runs.
+        Solver of the runs.
 
     Raises
     ------
     UsageError
-        There is no torque.
+        The torque is not positive.
     DesignError
         The crank does not turn.
     RunError
-        A run went wrong.
+        A run failed.
     """
     design = resolve(design)
     reducer = Reducer(design)
     torque = reducer.design.rated_torque if load is None else load
     if not torque > 0.0:
-        raise UsageError(f"cannot measure loads under {torque:g} N m: the torque must be more than 0")
+        raise UsageError(f"the torque is {torque:g} N m; it must be more than 0")
     loaded = steady_design(reducer).but(load={"torque": torque})
-    work = [(loaded, CHECKED if quick else reducer.mesh_periods), (halved(loaded, solver), CHECKED)]
+    work = [(loaded, CHECKED if quick else reducer.mesh_periods), (halve_time_step(loaded, solver), CHECKED)]
     whole = len(work) + 1
     run, finer = each_in_threads(
-        lambda one: steady(one[0], SETTLED, one[1], solver), work, lambda done, _: progress(done, whole)
+        lambda one: run_steady(one[0], SETTLING_TIME, one[1], solver), work, lambda done, _: progress(done, whole)
     )
-    contacts, fine = pressed(run, loaded), pressed(finer, loaded)
-    coarse = pressed(run.select(slice(0, len(finer))), loaded)
+    contacts, fine = contact_pressures(run, loaded), contact_pressures(finer, loaded)
+    coarse = contact_pressures(run.select(slice(0, len(finer))), loaded)
     limits, lasting = (_limits(contacts, loaded, allowed) for allowed in (YIELD_PRESSURE, SHAKEDOWN_PRESSURE))
     missed = {kind: _missed(loaded, contact) for kind, contact in contacts.items()}
     weakest = min(limits, key=lambda kind: limits[kind], default="")
@@ -150,16 +152,16 @@ def loads(
 
 
 def _missed(reducer: Reducer, one: ContactPressures) -> float:
-    """Compute by how much a kind's largest force over the turn exceeds that of the samples in ideal sharing.
+    """Compute the relative excess of a kind's largest force over the turn above that of the samples, by ideal sharing.
 
-    It is 0 where the samples sweep the turn.
+    It is 0 where the samples cover the turn.
     """
     turn = np.linspace(0.0, 2.0 * math.pi, PER_MESH_PERIOD * reducer.design.ring.teeth + 1)
     return max(0.0, ideal_peak(reducer, one.kind, turn) / ideal_peak(reducer, one.kind, one.angle) - 1.0)
 
 
 def _undecided(key: str, name: str) -> Quantity:
-    """Return a capacity that no contact decides."""
+    """Return a capacity without a value: no contact determines it."""
     return Quantity(key, name, math.nan, "N m", note=UNDECIDED)
 
 
@@ -173,21 +175,21 @@ def _capacity(
     unsure: float,
     solver: Solver,
 ) -> Quantity:
-    """Find the torque [N m] at which the weakest kind reaches a pressure, from runs at better and better guesses of it.
+    """Compute the torque at which the weakest kind reaches a pressure, by fixed-point iteration over runs.
 
-    `allowed` is the pressure over the yield strength; `unsure` the share by which the forces of these runs may be off.
+    `allowed` is the pressure relative to the yield strength, `unsure` the relative error of the forces of these runs.
     """
     allowed_depth = penetration_limit(reducer)
-    for _ in range(MOST_GUESSES):
-        # a contact grows deeper with its force, and may: the limit is to find runs that went wrong
+    for _ in range(MAX_ITERATIONS):
+        # penetration grows with the force: its limit is to detect failed runs, so it grows as well
         deeper = min(allowed_depth * max(1.0, torque / reducer.design.load.torque), DEEPEST)
         guess = reducer.but(load={"torque": torque}, contact={"max_penetration": deeper})
-        run = steady(guess, SETTLED, CHECKED, solver)
-        factor = _limits(pressed(run, reducer), reducer, allowed).get(weakest)
+        run = run_steady(guess, SETTLING_TIME, CHECKED, solver)
+        factor = _limits(contact_pressures(run, reducer), reducer, allowed).get(weakest)
         if factor is None:
             return _undecided(key, name)
         before, torque = torque, torque * factor
-        if abs(torque - before) < CAPACITY_TOLERANCE * torque:
+        if abs(torque - before) < CAPACITY_RTOL * torque:
             break
     rated = reducer.design.rated_torque
     return Quantity(
@@ -196,18 +198,18 @@ def _capacity(
         torque,
         "N m",
         error=abs(torque - before) + unsure * torque,
-        note=f"{weakest} decides: its largest pressure reaches {allowed:.3g} x the yield strength, at "
-        f"{torque / rated:.2f} of the rated {rated:.4g} N m; found over {CHECKED} mesh periods",
+        note=f"limited by {weakest}, whose largest pressure reaches {allowed:.3g} x the yield strength at "
+        f"{torque / rated:.2f} of the rated {rated:.4g} N m; over {CHECKED} mesh periods",
     )
 
 
 def _of_kind(
     reducer: Reducer, contacts: ContactPressures, coarse: ContactPressures, fine: ContactPressures, missed: float
 ) -> Iterator[Quantity]:
-    """Yield the numbers of one kind.
+    """Yield the quantities of one kind.
 
-    Errors: what half the step changes over the first mesh periods, and what the samples leave out of the turn: of a
-    peak `missed`, a share of the force; of a mean half of what it changes from one half of the samples to the other.
+    Errors: change with half the time step over the first mesh periods, plus the error by the samples' part of the turn:
+    of a peak `missed`, relative to the force; of a mean half its change between the halves of the samples.
     """
     kind = contacts.kind
     allowed = YIELD_PRESSURE * reducer.contacts[kind].strength
@@ -234,13 +236,12 @@ def _of_kind(
     name = f"{kind}: largest Hertz pressure"
     note = "" if pressure > 0.0 else UNPRESSED if pressure == 0.0 else CONFORMAL
     yield Quantity(f"{kind}_pressure", name, 1e-6 * pressure, "MPa", 1e-6 * pressure_error, note=note)
-    # a contact under no pressure has no margin that a number could tell
     name, margin = f"{kind}: margin against first yield", allowed / (pressure or math.nan)
     yield Quantity(f"{kind}_margin", name, margin, "1", margin * margin * pressure_error / allowed, note=note)
 
 
 def _of_discs(run: Run, finer: Run, reducer: Reducer) -> Iterator[Quantity]:
-    """Yield the shares of several discs, and what the bearings hold; errors are what half the step changes."""
+    """Yield the shares of several discs and the reactions of the bearings; errors are changes with half the step."""
     coarse = run.select(slice(0, len(finer)))
     whole, first, fine = ([*_spatial(one, reducer)] for one in (run, coarse, finer))
     for one, other, again in zip(whole, first, fine, strict=True):
@@ -248,7 +249,7 @@ def _of_discs(run: Run, finer: Run, reducer: Reducer) -> Iterator[Quantity]:
 
 
 def _spatial(run: Run, reducer: Reducer) -> Iterator[Quantity]:
-    """Yield shares and reactions over a run: forces on the discs, turned round, are those on shaft, output and ring."""
+    """Yield shares and reactions over a run: forces on shaft, output and ring are those on the discs, reversed."""
     design = reducer.design
     output, discs = design.output, design.gear.discs
     shaft, pins, ring = (
@@ -256,18 +257,18 @@ def _spatial(run: Run, reducer: Reducer) -> Iterator[Quantity]:
     )
     _, carrier = reducer.member.ring_and_carrier(run["output_angle"])
     around = 2.0 * math.pi * np.arange(output.pins) / output.pins - carrier[:, np.newaxis]
-    place = output.pin_circle_radius * unit(around)[:, np.newaxis]
-    moments = np.sum(cross(place, pins), axis=-1)
-    whole = moments.sum(axis=1, keepdims=True)
-    # parts that cross their play carry nothing at times, of which there are no shares
-    yield from disc_shares(moments[whole[:, 0] != 0.0] / whole[whole != 0.0][:, np.newaxis])
+    position = output.pin_circle_radius * unit(around)[:, np.newaxis]
+    moments = np.sum(cross(position, pins), axis=-1)
+    total = moments.sum(axis=1, keepdims=True)
+    # without a load, as parts cross their clearance, there are no shares
+    yield from disc_shares(moments[total[:, 0] != 0.0] / total[total != 0.0][:, np.newaxis])
     yield from reaction_quantities(spatial(reducer, *(force.sum(axis=2) for force in (shaft, pins, ring))))
 
 
 def _limits(kinds: Kinds, reducer: Reducer, allowed: float) -> dict[str, float]:
-    """Compute the factor on the torque at which the pressure of a kind reaches a limit; kinds without one are left out.
+    """Compute the factor on the torque at which the pressure of each kind reaches a limit.
 
-    A kind that is conformal or not pressed has no limit; `allowed` is the limit over the yield strength.
+    Kinds that are conformal or without pressure are omitted; `allowed` is the limit relative to the yield strength.
     """
     pressures = {kind: one.peak_pressure for kind, one in kinds.items()}
     return {
@@ -288,27 +289,27 @@ def _curves(kinds: Kinds, reducer: Reducer) -> tuple[Curve, ...]:
 
 
 def _contacts(one: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
-    """Yield the force on some of the contacts of a kind that carry, the most loaded among them.
+    """Yield the force on some of the loaded contacts of a kind, including the most loaded.
 
-    Of teeth that one beside ideal sharing.
+    That of teeth is shown with ideal sharing.
     """
     peaks = one.force.max(axis=0)
-    loaded = np.flatnonzero(peaks > CARRIES * one.peak_force)
+    loaded = np.flatnonzero(peaks > CARRYING_SHARE * one.peak_force)
     most = int(np.argmax(peaks))
     spread = loaded[np.linspace(0, len(loaded) - 1, min(SHOWN, len(loaded))).astype(int)]
     places = sorted({*spread[spread != most][: SHOWN - 1].tolist(), most})
     panel = f"{one.kind}: force on {len(places)} of the {len(loaded)} that carry, of {len(peaks)}"
     degrees = np.degrees(one.angle)
     if one.kind == reducer.design.tooth_pair:
-        ideal, of = _shared(reducer, one.angle)[:, most], _named(reducer, len(peaks), most)
+        ideal, of = _shared(reducer, one.angle)[:, most], _contact_name(reducer, len(peaks), most)
         yield Curve(panel, "ideal sharing", degrees, ideal, _CRANK, _FORCE, "theory", of)
-    for place in places:
-        yield Curve(panel, _named(reducer, len(peaks), place), degrees, one.force[:, place], _CRANK, _FORCE)
+    for index in places:
+        yield Curve(panel, _contact_name(reducer, len(peaks), index), degrees, one.force[:, index], _CRANK, _FORCE)
 
 
-def _named(reducer: Reducer, contacts: int, place: int) -> str:
-    """Name one of the contacts of a kind, which stand disc after disc."""
-    disc, number = divmod(place, contacts // reducer.design.gear.discs)
+def _contact_name(reducer: Reducer, contacts: int, index: int) -> str:
+    """Return the name of a contact; contacts of a kind are ordered by disc."""
+    disc, number = divmod(index, contacts // reducer.design.gear.discs)
     return f"number {number + 1}" + (f", disc {disc + 1}" if reducer.design.gear.discs > 1 else "")
 
 
@@ -318,12 +319,12 @@ def _cam(one: ContactPressures, disc: int, phase: float) -> Iterator[Curve]:
     name = f"disc {disc + 1}" if one.vector.shape[1] > 1 else ""
     yield Curve("cam: force", name, degrees, np.hypot(x, y), _CRANK, _FORCE)
     towards = np.mod(np.degrees(np.arctan2(y, x) - phase) - degrees - 90.0, 360.0)
-    panel = "cam: direction of the force on the gear from the eccentric, counter-clockwise"
+    panel = "cam: direction of the force on the disc from the eccentric, counter-clockwise"
     yield Curve(panel, name, degrees, towards, _CRANK, "direction [deg]")
 
 
 def _around(teeth: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
-    """Yield the forces of a disc round the ring where the largest one acts, beside ideal sharing."""
+    """Yield the forces of a disc around the ring at the largest force, with ideal sharing."""
     count, row = reducer.design.ring.teeth, int(np.argmax(teeth.force.max(axis=1)))
     ring = int(np.argmax(teeth.force[row])) // count  # of a disc or, of a ring in two halves, of one of them
     of_ring, disc = slice(ring * count, (ring + 1) * count), ring // reducer.design.ring.halves
@@ -350,23 +351,24 @@ def _assumptions(reducer: Reducer) -> tuple[str, ...]:
         f"the cam turns in a full-complement roller bearing of {design.contact.cam_rollers} rollers "
         f"(contact.cam_rollers), of which the most loaded carries {STRIBECK}/Z of the force (Stribeck)"
         if design.gear.bearing == "rolling"
-        else "the cam slides in the gear's bore: Hertz's strip is only a guide there"
+        else "the cam slides in the disc's bore: Hertz's line contact is only a guide there"
     )
     return (
-        "contacts have the secant stiffness of each run's own load, here "
+        "contacts have the secant stiffness of the load of each run, here "
         f"{reducer.contacts.working_forces_text(design.pair_kinds)}",
         "Hertz's line contact over the whole face width, with the local relative curvature of the ideal mesh; edge "
-        "effects and misalignment are left out; the ring lobe's force is taken on its arc",
-        "ideal sharing takes equally stiff contacts without play on a cam that holds: the cam's give and the "
-        "clearances move the gear sideways, so that other teeth carry, and more than ideally",
+        "effects and misalignment are neglected; the force on a ring lobe acts on its arc",
+        "ideal sharing assumes equally stiff contacts without clearance and a rigid cam: compliance of the cam and "
+        "clearances move the disc sideways, so that other teeth carry, and more than ideally",
         f"a contact first yields below its surface at a peak pressure of {YIELD_PRESSURE} times the yield strength "
-        f"(von Mises, plane strain), which does no visible harm; up to {SHAKEDOWN_PRESSURE:.3g} times rolling leaves "
-        "stresses behind that keep it elastic (shakedown: Johnson 1985, 9.2, without friction); neither tells fatigue",
-        f"no pressure is given where Hertz's strip would be wider than {HERTZ_REACH} of the thinner body's radius to "
+        f"(von Mises, plane strain), without visible damage; up to {SHAKEDOWN_PRESSURE:.3g} times residual "
+        "stresses keep rolling elastic (shakedown: Johnson 1985, 9.2, without friction); neither includes fatigue",
+        f"there is no pressure where Hertz's strip would be wider than {HERTZ_REACH} of the thinner body's radius to "
         "each side (conformal, as pins in close sockets)",
         bearing,
-        f"a contact carries from {CARRIES:.0%} of the largest force of its kind; numerical error: what half the step "
-        f"changes over the first {CHECKED} mesh periods, of means also half of what they change from one half of the "
-        "samples to the other, of peaks what ideal sharing adds to them over a whole turn; of the capacity: that, the "
-        f"last change of the guess, and by how much all samples exceed the {CHECKED} mesh periods it is found from",
+        f"a contact counts as loaded from {CARRYING_SHARE:.0%} of the largest force of its kind; numerical error: "
+        f"change with half the time step over the first {CHECKED} mesh periods, for means plus half the change "
+        "between the halves of the samples, for peaks plus their excess over a full turn by ideal sharing; for the "
+        f"capacity also the change in its last iteration, and the excess of all samples above its {CHECKED} mesh "
+        "periods",
     )

@@ -1,4 +1,4 @@
-"""An efficiency as it builds up: what teeth, cam, output, seals and damping take of the input power."""
+"""Breakdown of an efficiency into the losses of teeth, cam, output, seals and damping."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -10,10 +10,13 @@ from cycloid_mj.measure.published import Published
 
 TEETH = ("pin_gear", "pin_socket", "pin_sleeve", "tooth")
 DAMPING = "damping of all contacts"
-NOTES = {"seals": "drag.crank_nm, drag.output_nm", DAMPING: "and what step and window leave of elastic energy"}
+NOTES = {
+    "seals": "drag.crank_nm, drag.output_nm",
+    DAMPING: "including elastic energy that time step and window leave open",
+}
 
 
-def build_up(powers: Powers) -> dict[str, float]:
+def loss_shares(powers: Powers) -> dict[str, float]:
     """Compute the loss of each part as a share of the input power [1], and the damping of all contacts."""
     parts = {"teeth": TEETH, "cam": ("cam",), "output": ("output",), "seals": tuple(DRAGS)}
     friction = {part: sum(powers.friction.get(kind, 0.0) for kind in kinds) for part, kinds in parts.items()}
@@ -22,31 +25,29 @@ def build_up(powers: Powers) -> dict[str, float]:
 
 
 def table(powers: Powers, published: Sequence[Published], error: float) -> Table:
-    """Tabulate the build-up in percent of the input, with the published rates below it.
+    """Tabulate the losses in percent of the input power, followed by the published rates.
 
     `error` is the numerical error of the efficiency [1].
     """
-    left, rows = 1.0, []
-    for part, share in build_up(powers).items():
-        left -= share
-        rows.append((part, 1e2 * share, 1e2 * left, NOTES.get(part, "")))
+    remaining, rows = 1.0, []
+    for part, share in loss_shares(powers).items():
+        remaining -= share
+        rows.append((part, 1e2 * share, 1e2 * remaining, NOTES.get(part, "")))
     rows.append(
         ("efficiency", 1e2 * (1.0 - powers.efficiency), 1e2 * powers.efficiency, f"numerical error {1e2 * error:.2g}")
     )
     for one in published:
-        needed = f"{one.friction:.3f}" if one.friction == one.friction else "none that was tried"
+        needed = f"{one.friction:.3f}" if one.friction == one.friction else "outside of the range run"
         rows.append(
             (f"the paper, {one.way}", 1e2 * (1.0 - one.rate), 1e2 * one.rate, f"friction of the teeth: {needed}")
         )
-    return Table(
-        "efficiency as it builds up, in % of the input power", ("part", "loss", "left over", "note"), tuple(rows)
-    )
+    return Table("losses, in % of the input power", ("part", "loss", "remainder", "note"), tuple(rows))
 
 
 def as_json(powers: Powers, published: Sequence[Published]) -> dict[str, Any]:
-    """Convert the build-up to JSON values: shares of the input power."""
+    """Convert the losses to JSON values: shares of the input power."""
     frictions = {
         one.way: {"rate": one.rate, "friction_of_teeth": one.friction if one.friction == one.friction else None}
         for one in published
     }
-    return {"build_up": {"losses": build_up(powers), "efficiency": powers.efficiency, "paper": frictions}}
+    return {"build_up": {"losses": loss_shares(powers), "efficiency": powers.efficiency, "paper": frictions}}

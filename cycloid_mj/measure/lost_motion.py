@@ -1,4 +1,4 @@
-"""Lost motion, torsional stiffness and friction's hysteresis: a slow torque loop at the output, the crank locked."""
+"""Lost motion, torsional stiffness and hysteresis by a slow torque loop at the output, with locked crank."""
 
 from cycloid_mj.base.engine import Progress, each_in_threads, silent
 from cycloid_mj.base.errors import RunError, UsageError
@@ -15,8 +15,8 @@ from cycloid_mj.statics.windup import Windup, windups
 
 ANGLES, QUICK_ANGLES = 6, 2
 SLOWER, FINER = 2.0, 4.0
-"""The checks: a loop this many times as slow, and one at a step this many times shorter."""
-LEFT_OUT = "statics is left out: it found no balance"
+"""Factors of the checks: a slower loop, and a loop with a shorter time step."""
+LEFT_OUT = "no values by statics: no static balance was found"
 
 
 def lost_motion(
@@ -32,39 +32,40 @@ def lost_motion(
     Parameters
     ----------
     design
-        A design, or the name of a preset or a file: what to measure; its own load and speed do not matter.
+        A design, or the name of a preset or a file; its load and speed do not matter.
     load
         Largest torque of the loop at the output [N m]; by default the rated input torque times the ratio.
     angles
-        How many crank angles, spread over the turn and over the mesh period; by default `ANGLES`.
+        Number of crank angles, spread over the turn and over the mesh period; by default `ANGLES`.
     quick
-        By default `QUICK_ANGLES`.
+        Whether the default is `QUICK_ANGLES`.
     progress
-        Called after each run with how many are done, and how many there are.
+        Called after each run with the numbers of finished and of all runs.
     solver
-        What takes the steps of the runs.
+        Solver of the runs.
 
     Raises
     ------
     UsageError
-        The rated torque is not positive, or there is no angle.
+        The torque or the number of angles is not positive.
     RunError
-        A run went wrong.
+        A run failed.
     """
     design = resolve(design)
     reducer = Reducer(design)
     rated = reducer.design.rated_torque if load is None else load
     angles = (QUICK_ANGLES if quick else ANGLES) if angles is None else angles
     if not rated > 0.0 or angles < 1:
-        raise UsageError(f"cannot measure under {rated:g} N m at {angles} crank angles: both must be more than 0")
+        raise UsageError(f"the torque is {rated:g} N m and the number of crank angles {angles}; both must be positive")
     reducer = reducer.working_at(rated)
     cranks = [float(crank) for crank in bench.crank_angles(reducer, angles)]
-    period, level = hysteresis.slow_period(reducer, rated), bench.ideal(reducer)
+    period, level = hysteresis.slow_period(reducer, rated), bench.without_friction(reducer)
     if solver == "planar":
         level = massless(level)
-    # the longest first, so that no processor is left alone with one
-    jobs = [(one, cranks[0], *check) for one in (reducer, level) for check in ((period, FINER), (SLOWER * period, 1.0))]
-    jobs += [(one, crank, period, 1.0) for one in (reducer, level) for crank in cranks]
+    # the longest first, so that no processor waits for one at the end
+    settings = ((period, FINER), (SLOWER * period, 1.0))
+    jobs = [(drive, cranks[0], *setting) for drive in (reducer, level) for setting in settings]
+    jobs += [(drive, crank, period, 1.0) for drive in (reducer, level) for crank in cranks]
     loops = each_in_threads(lambda job: hysteresis.loop(job[0], job[1], rated, *job[2:], solver), jobs, progress)
     checks, loops = loops[:4], loops[4:]
     measured = LostMotionLoops(
@@ -88,7 +89,7 @@ def lost_motion(
 
 
 def _statics(reducer: Reducer, cranks: list[float], rated: float) -> list[Windup]:
-    """List the static solutions; none where statics finds no balance."""
+    """List the static solutions; none where no balance is found."""
     try:
         return windups(reducer, cranks, rated)
     except RunError:
@@ -101,12 +102,12 @@ def _assumptions(measured: LostMotionLoops, period: float, solver: Solver) -> tu
     beyond = () if measured.statics else (LEFT_OUT,)
     return (
         f"the crank is locked; the torque at the output follows sin^5 over {1e3 * period:.3g} ms, up to "
-        f"{measured.service[0].rated:.4g} N m (rated input torque times the ratio, unless given)",
-        f"time step {steps[0]}, without friction and weight {steps[1]}; the numerical error is what a loop {SLOWER:g} "
-        f"times as slow and one at a step of {checks[0]} and {checks[1]} change at the first crank angle, together, "
-        "and what the crank angles leave out of the turn: by the backlash of rigid parts, and by the readings' scatter",
-        "friction is viscous below the creep speed, which is as low as the step bears: with free pins the stiffness "
-        "falls by some percent as the step does",
+        f"{measured.service[0].rated:.4g} N m (rated input torque times the ratio by default)",
+        f"time step {steps[0]}, without friction and weight {steps[1]}; numerical error: changes with a {SLOWER:g} "
+        f"times slower loop and with time steps of {checks[0]} and {checks[1]} at the first crank angle, and the error "
+        "of the turn's mean by its angles (by the backlash of rigid parts, and by the scatter of the readings)",
+        "friction is viscous below the creep speed, which is as low as the time step allows: with free pins a shorter "
+        "time step lowers the stiffness by some percent",
         structure_text(measured.reducer),
         f"contacts have the secant stiffness of one working force, that at the loop's end: "
         f"{measured.reducer.contacts.working_forces_text(measured.reducer.design.pair_kinds)}",

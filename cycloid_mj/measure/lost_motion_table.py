@@ -1,4 +1,4 @@
-"""The table and the curves of `lost_motion`: what its loops and static solutions tell."""
+"""Quantities and curves of `lost_motion` from its loops and static solutions."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -11,15 +11,15 @@ from cycloid_mj.base.result import Curve, Quantity, keyed
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.measure import bench, rigid_backlash
 from cycloid_mj.measure.hysteresis import HysteresisLoop
-from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
+from cycloid_mj.measure.sampled import Known, add_errors, error_of_extreme, error_of_mean, extreme_quantities
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE, SERIES, Windup, in_series
 
 STATICS, RIGID = "statics: springs in balance", "rigid contacts: linear programme"
 IDEAL = "without friction and weight"
-BY_WAY = "how the parts move against each other; what each spring gives is told by statics"
+BY_WAY = "by the relative motion of the parts; the compliance of each spring is listed by statics"
 _PARTS = {"output": "output pins", "cam": "cam", "mesh": "teeth, pins and sockets"}
-_OF_SPRINGS = {**_PARTS, "output": "output pins, with all that bends and twists"}
+_OF_SPRINGS = {**_PARTS, "output": "output pins, including bending and twisting parts"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,13 +29,13 @@ class LostMotionLoops:
     Attributes
     ----------
     design
-        What was measured.
+        The drive.
     service, ideal
         Loops of the design as it is, and without friction and weight, one for each crank angle.
     service_checks, ideal_checks
-        The same at the first crank angle, slower and at a shorter step: what they change is the numerical error.
+        Loops at the first crank angle, slower and with a shorter time step, for the numerical error.
     statics
-        One for each crank angle; none where a design is beyond statics.
+        One for each crank angle; none where statics find no balance.
     """
 
     reducer: Reducer
@@ -47,7 +47,7 @@ class LostMotionLoops:
 
 
 def quantities(measured: LostMotionLoops) -> dict[str, Quantity]:
-    """Collect every number of the measurement."""
+    """Collect all quantities of the measurement."""
     return keyed(_motions(measured), _stiffness(measured), _friction(measured))
 
 
@@ -63,15 +63,15 @@ def _quantity(
     note: str = "",
     known: Known | None = None,
 ) -> Quantity:
-    """Compute the mean of a reading over the crank angles; `known` tells what they leave out of the turn."""
+    """Compute the mean of a reading over the crank angles; `known` is for the error of the mean over the turn."""
     reference = float(np.mean(closed)) if len(closed) else None
     values = [read(loop) for loop in loops]
-    error = added(_error(read, loops, checks), error_of_mean(values, known))
+    error = add_errors(_error(read, loops, checks), error_of_mean(values, known))
     return Quantity(key, name, float(np.mean(values)), unit, error, reference, source if len(closed) else "", note)
 
 
 def _error(read: Callable[[HysteresisLoop], float], loops: list[HysteresisLoop], checks: list[HysteresisLoop]) -> float:
-    """Compute what the checks change of a reading at the first crank angle, together."""
+    """Compute the sum of the changes of a reading at the first crank angle with each check."""
     return sum(abs(read(check) - read(loops[0])) for check in checks)
 
 
@@ -84,12 +84,9 @@ def _extremes(
     unit: str,
     known: Known | None = None,
 ) -> list[Quantity]:
+    """List the smallest and the largest of a reading over the crank angles."""
     values, numerical = [read(loop) for loop in loops], _error(read, loops, checks)
-    least, largest = (added(numerical, error_of_extreme(values, most, known)) for most in (False, True))
-    return [
-        Quantity(f"{key}_min", f"{name}, least over the crank angle", min(values), unit, least),
-        Quantity(f"{key}_max", f"{name}, largest over the crank angle", max(values), unit, largest),
-    ]
+    return list(extreme_quantities(key, name, values, numerical, unit, known=known))
 
 
 def lost_motion(loop: HysteresisLoop) -> float:
@@ -108,17 +105,17 @@ def stiffness(loop: HysteresisLoop) -> float:
 
 
 def _motions(measured: LostMotionLoops) -> Iterator[Quantity]:
-    solved = [one.lost_motion / ARCMINUTE for one in measured.statics]
+    solved = [windup.lost_motion / ARCMINUTE for windup in measured.statics]
     known = _rigid(measured)
     rigid = known.turn if known is not None else ()
     loops = {"": (measured.service, measured.service_checks), "_ideal": (measured.ideal, measured.ideal_checks)}
     for suffix, pair in loops.items():
-        which = f", {IDEAL}" if suffix else ""
-        at = f"lost motion at +-3 % of rated torque{which}"
-        yield _quantity("lost_motion" + suffix, at, lost_motion, *pair, closed=solved, source=STATICS, known=known)
+        case = f", {IDEAL}" if suffix else ""
+        label = f"lost motion at +-3 % of rated torque{case}"
+        yield _quantity("lost_motion" + suffix, label, lost_motion, *pair, closed=solved, source=STATICS, known=known)
         if not suffix:
             yield from _extremes("lost_motion", "lost motion", lost_motion, *pair, "arcmin", known)
-        name = f"backlash{which}"
+        name = f"backlash{case}"
         backlash = "backlash" + suffix
         yield _quantity(
             backlash, name, lambda loop: loop.backlash / ARCMINUTE, *pair, closed=rigid, source=RIGID, known=known
@@ -126,13 +123,13 @@ def _motions(measured: LostMotionLoops) -> Iterator[Quantity]:
 
 
 def _rigid(measured: LostMotionLoops) -> Known | None:
-    """Return the backlash of rigid parts [arcmin] at the crank angles and over the turn; lost motion goes with it."""
+    """Return the backlash of rigid parts [arcmin] at the crank angles and over the turn; lost motion varies with it."""
     if measured.reducer.design.ring.preload or not rigid_backlash.has_linear_gaps(measured.reducer):
         return None
     cranks = np.array([loop.crank for loop in measured.service])
     return Known(
-        rigid_backlash.total(measured.reducer, cranks) / ARCMINUTE,
-        rigid_backlash.over_a_turn(measured.reducer)[1] / ARCMINUTE,
+        rigid_backlash.total_backlash(measured.reducer, cranks) / ARCMINUTE,
+        rigid_backlash.backlash_over_turn(measured.reducer)[1] / ARCMINUTE,
     )
 
 
@@ -140,7 +137,7 @@ def _stiffness(measured: LostMotionLoops) -> Iterator[Quantity]:
     unit = "N m/arcmin"
     solved = [ARCMINUTE / one.compliance(one.turn) for one in measured.statics]
     name = "torsional stiffness, 50 to 100 % of rated torque"
-    note = "friction holds the parts where the torque turns back, which makes the curve steeper there"
+    note = "friction holds the parts where the torque reverses, which makes the curve steeper there"
     pair, ideal = (measured.service, measured.service_checks), (measured.ideal, measured.ideal_checks)
     yield _quantity("stiffness", name, stiffness, *pair, unit, solved, STATICS, note)
     yield from _extremes("stiffness", "stiffness", stiffness, *pair, unit)
@@ -152,7 +149,7 @@ def _stiffness(measured: LostMotionLoops) -> Iterator[Quantity]:
         def compliance(loop: HysteresisLoop, part: str = part) -> float:
             return loop_series(measured.reducer, loop)[part] / ARCMINUTE
 
-        name = f"compliance by the way of {called[part]}, {IDEAL}"
+        name = f"compliance by the motion of {called[part]}, {IDEAL}"
         yield _quantity(f"compliance_{part}", name, compliance, *ideal, "arcmin/(N m)", closed, STATICS, BY_WAY)
 
 
@@ -166,7 +163,7 @@ def _friction(measured: LostMotionLoops) -> list[Quantity]:
     damped = float(np.mean([loop.width for loop in measured.ideal])) / ARCMINUTE
     viscous = (
         f"friction, and {damped:.2g} arcmin of damping, which vanishes in slower loops; friction is viscous below the "
-        "creep speed, lowered as far as the step bears: free pins roll, and what slides in them stays below it"
+        "creep speed, which is as low as the time step allows: free pins roll, and their sliding speeds are below it"
     )
     shifts = [abs(a.offset - b.offset) / ARCMINUTE for a, b in zip(measured.service, measured.ideal, strict=True)]
     numerical = (_error(offset, *pair) + _error(offset, measured.ideal, measured.ideal_checks)) / ARCMINUTE
@@ -186,22 +183,22 @@ def _friction(measured: LostMotionLoops) -> list[Quantity]:
             "mJ",
             [1e3 * loop.dissipated for loop in measured.service],
             "friction and damping, logged",
-            "the area is the result; where the logged powers of light free pins do not add up to it, they are not "
-            "resolved at this step",
+            "the area is the result; the logged powers of light free pins may differ where the time step does not "
+            "resolve them",
         ),
         Quantity(
             "shift",
             "shift of the loop by weight and friction, largest",
             max(shifts),
             "arcmin",
-            added(numerical, error_of_extreme(shifts, True)),
-            note="the gear's weight pulls it about the pitch point; the crank's lock holds it",
+            add_errors(numerical, error_of_extreme(shifts, True)),
+            note="the weight of the disc turns it about the pitch point; the lock of the crank supports it",
         ),
     ]
 
 
 def curves(measured: LostMotionLoops) -> tuple[Curve, ...]:
-    """List the loop at the first crank angle, whole and near zero, and the readings over the crank angle."""
+    """List the loop at the first crank angle, in full and near zero, and the readings over the crank angle."""
     loop, ideal = measured.service[0], measured.ideal[0]
     torque, turn = "torque [N m]", "turn [arcmin]"
     near = np.abs(loop.torque) <= 3.0 * LOST_MOTION_SHARE * loop.rated
@@ -227,7 +224,7 @@ def curves(measured: LostMotionLoops) -> tuple[Curve, ...]:
     for (panel, unit), (read, solved) in over_angle.items():
         axes = "crank angle [deg]", f"{panel.split(' at')[0]} [{unit}]"
         if read is lost_motion and known is not None:
-            everywhere = np.degrees(rigid_backlash.turn(measured.reducer))
+            everywhere = np.degrees(rigid_backlash.turn_angles(measured.reducer))
             drawn.append(Curve(panel, "backlash of rigid parts", everywhere, known.turn, *axes, "theory"))
         if solved:
             drawn.append(Curve(panel, "statics", crank, np.array(solved), *axes, "rings"))
@@ -243,7 +240,7 @@ def _cut(loop: HysteresisLoop, rows: Mask) -> tuple[Array, Array]:
 def by_angle(measured: LostMotionLoops) -> list[dict[str, Any]]:
     """Convert the readings at each crank angle to JSON values."""
     rows: list[dict[str, Any]] = []
-    for place, (service, ideal) in enumerate(zip(measured.service, measured.ideal, strict=True)):
+    for index, (service, ideal) in enumerate(zip(measured.service, measured.ideal, strict=True)):
         row: dict[str, Any] = {"crank_angle_deg": float(np.degrees(service.crank))}
         for name, loop in (("service", service), ("ideal", ideal)):
             row[name] = {
@@ -254,7 +251,7 @@ def by_angle(measured: LostMotionLoops) -> list[dict[str, Any]]:
                 "timestep_s": bench.step_of(loop.run),
             }
         if measured.statics:
-            solved = measured.statics[place]
+            solved = measured.statics[index]
             row["statics"] = {
                 "lost_motion_arcmin": solved.lost_motion / ARCMINUTE,
                 "stiffness_nm_per_arcmin": ARCMINUTE / solved.compliance(solved.turn),

@@ -13,33 +13,33 @@ from cycloid_mj.design import Design, material_limits
 from cycloid_mj.figures import of_measure, values_json
 
 FIRST = 3
-"""Quantities that the line of a measurement has."""
+"""Quantities in the line of a measurement."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Measurement(Presented):
-    """What one measure found of one design.
+    """Result of a measure.
 
     Attributes
     ----------
     measure
         Name of the measure, as on the command line.
     design
-        What was measured.
+        The measured design.
     quantities
-        Key -> number; the keys are those of the JSON object.
+        Key -> quantity; the keys are those of the JSON object.
     curves
-        For the figure.
+        Curves of the figure.
     tables
-        Beside the quantities.
+        Further tables.
     assumptions
-        What the numbers stand on, a sentence each; the limits of the materials come last by themselves.
+        Assumptions, a sentence each; the limits of the materials are appended.
     runs
-        Name -> underlying run, for the logs.
+        Name -> run, for the logs.
     details
-        More for a program: key -> anything that JSON can hold.
+        Further JSON values by key.
     condition
-        Under what it was measured: load, speed; it stands above the figure.
+        Load and speed, the title of the figure.
     """
 
     measure: str
@@ -53,7 +53,7 @@ class Measurement(Presented):
     condition: str = ""
 
     def __post_init__(self) -> None:
-        """State what time and heat do to the design's materials beside the assumptions, once."""
+        """Append the effects of time and temperature on the design's materials to the assumptions."""
         sentences = dict.fromkeys((*self.assumptions, *material_limits(self.design)))
         object.__setattr__(self, "assumptions", tuple(sentences))
 
@@ -63,13 +63,13 @@ class Measurement(Presented):
 
     @property
     def frame(self) -> Frame:
-        """The quantities, a row each."""
+        """A row for each quantity."""
         return quantity_frame(self.quantities)
 
     @property
     def line(self) -> str:
         """Measure, design, condition, and the first quantities."""
-        first = ", ".join(_short(key, one) for key, one in islice(self.quantities.items(), FIRST))
+        first = ", ".join(_short(key, quantity) for key, quantity in islice(self.quantities.items(), FIRST))
         return f"{self.measure} of {self.design.name}{f', {self.condition}' if self.condition else ''}; {first}"
 
     def as_json(self) -> dict[str, Any]:

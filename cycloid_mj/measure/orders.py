@@ -1,9 +1,9 @@
-"""Which cause gives which orders of the crank in a periodic error.
+"""Orders of the crank in a periodic error, by cause.
 
-An order is a number of cycles in a turn of the crank. The crank turns by theta against the ring and by theta N/(N-1)
-against gear and output, which turn the other way by theta/(N-1). So what belongs to the ring repeats after a turn, at
-whole orders; what belongs to gear or output at multiples of N/(N-1); and what all teeth have alike at the mesh order N.
-Where the ring turns, by theta/N, its own repeats at multiples of (N-1)/N, that of gear and carrier at whole orders.
+An order is a number of cycles in a crank turn. The crank turns by theta relative to the ring and by theta N/(N-1)
+relative to disc and output, which turn in the opposite direction by theta/(N-1). Errors of the ring therefore repeat at
+whole orders, errors of disc or output at multiples of N/(N-1), and those common to all teeth at the mesh order N. Where
+the ring turns, by theta/N, its errors repeat at multiples of (N-1)/N, those of disc and carrier at whole orders.
 """
 
 from collections.abc import Callable
@@ -18,25 +18,25 @@ from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.reducer import Reducer
 
 Place = Literal["gear", "stage"]
-"""Where an error shows: in the gear's turn, or in the output's turn against the gear's, the stage of output pins."""
+"""Signal of an error: the rotation of the disc, or that of the output relative to the disc (stage of output pins)."""
 
 
 @dataclass(frozen=True)
 class Cause:
-    """What gives an error of certain orders.
+    """A cause of errors with certain orders.
 
     Attributes
     ----------
     key, name
         For programs and for people.
     place
-        Where it shows.
+        Signal in which it appears.
     base
-        Its orders are multiples of this [1].
+        Base of its orders [1].
     takes
-        Whether a multiple is one of them: multiples (n,), 1, 2, ..., to a mask (n,).
+        Function from multiples of the base, shape (n,), to a mask of those that are its orders.
     why
-        The orders, and the reason.
+        The orders, and the reason, in words.
     """
 
     key: str
@@ -51,13 +51,13 @@ class Cause:
         return orders.rms(self._mask(orders.order))
 
     def strongest(self, orders: Orders) -> tuple[float, float]:
-        """Compute the strongest of its orders and its amplitude."""
+        """Return the strongest of its orders and the amplitude."""
         amplitude = np.where(self._mask(orders.order), orders.amplitude, 0.0)
-        place = int(np.argmax(amplitude))
-        return float(orders.order[place]), float(amplitude[place])
+        index = int(np.argmax(amplitude))
+        return float(orders.order[index]), float(amplitude[index])
 
     def has(self, order: float) -> bool:
-        """Tell whether an order is one of its own."""
+        """Return whether the cause has an order."""
         return bool(self._mask(np.array([order]))[0])
 
     def _mask(self, order: Array) -> Mask:
@@ -71,16 +71,16 @@ class Cause:
 
 
 def base_orders(reducer: Reducer) -> tuple[Fraction, Fraction]:
-    """Compute the base orders of errors that go with the ring, and with the holes, in cycles of a crank turn.
+    """Compute the base orders of errors of the ring and of the holes, in cycles per crank turn.
 
-    They are 1 and N/(N-1), or (N-1)/N and 1 where the ring runs ahead of the crank.
+    They are 1 and N/(N-1), or (N-1)/N and 1 where the ring turns.
     """
     teeth, lobes = reducer.design.ring.teeth, reducer.design.lobes
     return Fraction(reducer.mesh_periods, teeth), Fraction(reducer.mesh_periods, lobes)
 
 
 def causes(reducer: Reducer) -> tuple[Cause, ...]:
-    """List the causes of transmission error that a design can have, with the orders that they give."""
+    """List the causes of transmission error of a design, with their orders."""
     design = reducer.design
     teeth, lobes, pins = design.ring.teeth, design.lobes, design.output.pins
     ring = "pins" if design.ring.kind == "pin" else "lobes"
@@ -98,7 +98,7 @@ def causes(reducer: Reducer) -> tuple[Cause, ...]:
             of_mesh,
             float(mesh),
             lambda k: k % teeth == 0,
-            f"{times}{teeth}, {2 * teeth}, ...: the mesh itself, and what all teeth have alike (clearance, elasticity, "
+            f"{times}{teeth}, {2 * teeth}, ...: the mesh, and properties common to all teeth (clearance, elasticity, "
             f"modification, the cam's eccentricity)",
         ),
         Cause(
@@ -107,9 +107,9 @@ def causes(reducer: Reducer) -> tuple[Cause, ...]:
             of_mesh,
             float(mesh),
             lambda k: k % teeth > 0,
-            f"{times}whole orders but multiples of {teeth}: an error of one ring {ring[:-1]} acts as a function of its "
-            f"angle from the crank, so gives all of them; an error that goes m times round the ring gives m, "
-            f"{teeth} - m, {teeth} + m, ...; the gear's weight gives 1",
+            f"{times}whole orders except multiples of {teeth}: an error of one ring {ring[:-1]} acts as a function of "
+            f"its angle to the crank, so it causes all of them; an error with m periods around the ring causes m, "
+            f"{teeth} - m, {teeth} + m, ...; the weight of the disc causes 1",
         ),
         Cause(
             "holes",
@@ -117,8 +117,8 @@ def causes(reducer: Reducer) -> tuple[Cause, ...]:
             of_holes,
             float(holes),
             lambda k: (k % pins > 0) & (k % lobes > 0),
-            f"multiples of {holes}: the eccentric's direction goes round the gear so often in a crank turn, "
-            f"past each hole, each output pin and each of the gear's lobes",
+            f"multiples of {holes}: number of turns of the eccentric relative to the disc in a crank turn, past each "
+            f"hole, each output pin and each lobe",
         ),
         Cause(
             "eccentricity",
@@ -126,7 +126,7 @@ def causes(reducer: Reducer) -> tuple[Cause, ...]:
             of_holes,
             float(holes),
             lambda k: k % pins == 0,
-            f"multiples of {pins} x {holes} = {pins * float(holes):.4g}: what all {pins} output pins have "
-            f"alike (clearance, elasticity, the cam's eccentricity)",
+            f"multiples of {pins} x {holes} = {pins * float(holes):.4g}: properties common to all {pins} output "
+            f"pins (clearance, elasticity, the cam's eccentricity)",
         ),
     )

@@ -1,4 +1,4 @@
-"""Output torques that a paper gives for a design, put beside ours, and the friction that would give them here."""
+"""Published output torques of a design, and the friction that would explain them in this model."""
 
 import math
 from collections.abc import Sequence
@@ -9,18 +9,18 @@ from cycloid_mj.base.result import Quantity, Table
 
 @dataclass(frozen=True)
 class Published:
-    """A published output torque, and the friction that gives it.
+    """A published output torque, and the friction that explains it.
 
     Attributes
     ----------
     way, source
-        How it was found, simulated or measured, and where it stands.
+        Whether it was simulated or measured, and the reference.
     torque, ideal
-        That torque, and the one without losses at the same input torque [N m].
+        The torque, and that without losses at the same input torque [N m].
     friction
-        Coefficient of all sliding pairs that gives this rate, interpolated; not a number where none tried encloses it.
+        Coefficient of all sliding pairs at which the model has this rate, interpolated; NaN outside of the range run.
     error
-        What the interpolation misses, by a run with that friction; None without such a run.
+        Error of the interpolation, by a run with that friction; None without such a run.
     """
 
     way: str
@@ -32,17 +32,17 @@ class Published:
 
     @property
     def rate(self) -> float:
-        """Output torque as a share of that without losses."""
+        """Output torque relative to that without losses."""
         return self.torque / self.ideal
 
 
 def friction_quantities(published: Sequence[Published]) -> list[Quantity]:
     """List the frictions as quantities."""
-    note = "all pairs that slide alike; rolling bearings and seals as designed"
+    note = "the same for all sliding pairs; rolling bearings and seals as designed"
     return [
         Quantity(
             f"friction_for_paper_{one.way}",
-            f"friction that gives the paper's {one.torque:g} N m, {one.way}",
+            f"friction at the paper's {one.torque:g} N m, {one.way}",
             one.friction,
             "1",
             one.error,
@@ -52,16 +52,16 @@ def friction_quantities(published: Sequence[Published]) -> list[Quantity]:
     ]
 
 
-def tables(ours: float, published: Sequence[Published]) -> tuple[Table, ...]:
-    """Put our output torque [N m] at the design's friction beside the published ones, if there are any."""
+def tables(output_torque: float, published: Sequence[Published]) -> tuple[Table, ...]:
+    """Tabulate the output torque [N m] at the design's friction and the published ones, if there are any."""
     if not published:
         return ()
     first = published[0]
     rows = [(f"the paper, {one.way}", one.torque, 1e2 * one.rate, one.friction) for one in published]
     return (
         Table(
-            f"output torque beside the paper's ({first.source})",
-            ("", "output torque [N m]", "rate [%]", "friction that gives it"),
-            (("here", ours, 1e2 * ours / first.ideal, "as designed"), *rows),
+            f"output torque, compared with {first.source}",
+            ("", "output torque [N m]", "rate [%]", "friction"),
+            (("this model", output_torque, 1e2 * output_torque / first.ideal, "as designed"), *rows),
         ),
     )

@@ -1,10 +1,9 @@
-"""What some crank angles leave out of a mean, and of the extremes, over the turn: a part of the numerical error.
+"""Error of a mean and of extremes over the turn that are measured at a few crank angles: part of the numerical error.
 
-Where a closed form is near the measured values, it tells its own part exactly, and only what it does not explain is
-judged by its scatter.
+A closed form near the measured values contributes its part exactly; only the remainder is estimated by its scatter.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,32 +11,33 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.result import Quantity
 
 TWO_SIDED = 0.683
-"""Confidence of an error: that of one standard deviation."""
+"""Confidence level of an error: that of one standard deviation."""
 
 
 @dataclass(frozen=True, eq=False)
 class Known:
-    """A closed form at the crank angles that were measured, shape (k,), and all over the turn, shape (n,)."""
+    """A closed form at the measured crank angles, shape (k,), and over the full turn, shape (n,)."""
 
     sampled: Array
     turn: Array
 
 
 def error_of_mean(values: npt.ArrayLike, known: Known | None = None) -> float | None:
-    """Compute by how much the mean of values at some crank angles, shape (k,), may miss that over the turn.
+    """Estimate the error of the mean over the turn by values at some crank angles, shape (k,).
 
-    Of what the closed form does not explain: the standard error of the mean, by Student's t for so few values.
+    For the remainder of the closed form it is the standard error of the mean, by Student's t.
 
     Returns
     -------
     float or None
-        In the unit of the values; None where it is not known: one value, and no closed form.
+        In the unit of the values; None for a single value without a closed form.
     """
     from scipy.special import stdtrit
 
-    explained, rest = _parted(np.asarray(values, float), known)
+    explained, rest = _split(np.asarray(values, float), known)
     if rest.size == 1:
         return None if known is None else abs(explained(np.mean))
     spread = float(rest.std(ddof=1)) / np.sqrt(rest.size)
@@ -45,25 +45,69 @@ def error_of_mean(values: npt.ArrayLike, known: Known | None = None) -> float | 
 
 
 def error_of_extreme(values: npt.ArrayLike, largest: bool, known: Known | None = None) -> float | None:
-    """Compute by how much the largest (or least) of some values, shape (k,), may miss that over the turn.
+    """Estimate the error of the largest (or smallest) value over the turn by values at crank angles, shape (k,).
 
-    Of what the closed form does not explain: its range over the number of values. A sine that is sampled k times in its
-    period rises above the samples by less.
+    For the remainder of the closed form it is its range over the number of values: the peak of a sine that is sampled k
+    times in its period exceeds the samples by less.
     """
-    explained, rest = _parted(np.asarray(values, float), known)
+    explained, rest = _split(np.asarray(values, float), known)
     if rest.size == 1:
         return None if known is None else abs(explained(np.max if largest else np.min))
     return abs(explained(np.max if largest else np.min)) + float(np.ptp(rest)) / rest.size
 
 
-def added(*errors: float | None) -> float | None:
-    """Add parts of an error; None where one of them is not known."""
+def add_errors(*errors: float | None) -> float | None:
+    """Add parts of an error; None where one of them is None."""
     known = [error for error in errors if error is not None]
     return sum(known) if len(known) == len(errors) else None
 
 
-def _parted(values: Array, known: Known | None) -> tuple[Callable[[Callable[[Array], Any]], float], Array]:
-    """Get what a closed form says that the samples miss of a statistic, and what it does not explain of the values."""
+def _split(values: Array, known: Known | None) -> tuple[Callable[[Callable[[Array], Any]], float], Array]:
+    """Return the error of a statistic by the closed form, as a function of it, and the remainder of the values."""
     if known is None:
         return lambda statistic: 0.0, values
     return lambda statistic: float(statistic(known.turn) - statistic(known.sampled)), values - known.sampled
+
+
+def extreme_quantities(
+    key: str,
+    name: str,
+    values: npt.ArrayLike,
+    numerical: float,
+    unit: str,
+    *,
+    scale: float = 1.0,
+    known: Known | None = None,
+    reference: Known | None = None,
+    source: str = "",
+) -> Iterator[Quantity]:
+    """Yield the smallest and the largest of values over the crank angle as quantities ``key_min`` and ``key_max``.
+
+    Parameters
+    ----------
+    key, name, unit, source
+        As of `Quantity`.
+    values
+        Values at some crank angles, shape (k,).
+    numerical
+        Numerical error of a value.
+    scale
+        Size of the unit: values, errors and closed forms are divided by it.
+    known
+        Closed form near the values, for the error; see `error_of_extreme`.
+    reference
+        Closed form that is the reference of both.
+    """
+    values = np.asarray(values, float)
+    for end, word, largest in (("min", "least", False), ("max", "largest", True)):
+        statistic = np.max if largest else np.min
+        error = add_errors(numerical, error_of_extreme(values, largest, known))
+        yield Quantity(
+            f"{key}_{end}",
+            f"{name}, {word} over the crank angle",
+            float(statistic(values)) / scale,
+            unit,
+            None if error is None else error / scale,
+            None if reference is None else float(statistic(reference.turn)) / scale,
+            source,
+        )

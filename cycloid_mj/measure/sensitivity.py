@@ -1,4 +1,4 @@
-"""How the output rate answers to the friction of each pair, with pins free, fixed and sleeved."""
+"""Sensitivity of the output rate to the friction of each pair, with free, fixed and sleeved pins."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -14,19 +14,19 @@ from cycloid_mj.measure.steady import steady_design
 from cycloid_mj.reducer import Reducer
 
 SLIDING = (0.0, 0.1)
-"""Coefficients of one sliding pair, tried one pair at a time."""
+"""Coefficients of a sliding pair, varied one pair at a time."""
 ROLLING = (0.0, 0.003)
-"""Coefficients of a rolling bearing beside the design's own: left out, and the most of needles with a cage (JTEKT)."""
+"""Coefficients of a rolling bearing: none, and the largest of caged needles (JTEKT)."""
 COMMON = (0.0, 0.02, 0.05, 0.1)
-"""Coefficients of all sliding pairs together; from these the friction of a given rate is interpolated."""
+"""Common coefficients of all sliding pairs, between which the friction of a rate is interpolated."""
 EVERY, OWN, NONE = "all sliding", "as designed", "none"
 PERIODS = 8
-"""Fewest mesh periods of a row."""
+"""Mesh periods of a row at least."""
 
 
 @dataclass(frozen=True)
 class FrictionVariant:
-    """One row: how the ring's pins are held, the pair whose friction is set, its coefficient [1], and the design."""
+    """A row: support of the ring's pins, the pair whose friction is set, its coefficient [1], and the design."""
 
     pins: str
     pair: str
@@ -35,20 +35,20 @@ class FrictionVariant:
 
     @property
     def name(self) -> str:
-        """What its run is called."""
+        """Name of its run."""
         held = "" if self.pins == NONE else f", {self.pins} pins"
         return f"friction as designed{held}" if self.pair == OWN else f"friction {self.friction:g} of {self.pair}{held}"
 
 
 def variations(reducer: Reducer, quick: bool = False) -> list[FrictionVariant]:
-    """List the rows of a design's table: its own friction first, then one pair at a time, then all together."""
+    """List the rows of a design's table: its friction, then each pair on its own, then all together."""
     kinds = [steady_design(kind) for kind in ring_kinds(reducer)[: 1 if quick else None]]
     rows = [row for kind in kinds for row in _of_ring(kind, quick)]
     return rows if quick else [*rows, *_of_bearings(kinds[0])]
 
 
 def ring_kinds(reducer: Reducer) -> list[Reducer]:
-    """List the design, and with its pins held in each other way; an internal gear has none."""
+    """List the design, and its variants with the other supports of the ring's pins."""
     if reducer.design.ring.kind == "nonpin":
         return [reducer]
     others = [pins for pins in ("free", "fixed", "sleeved") if pins != reducer.design.ring.pins]
@@ -56,12 +56,12 @@ def ring_kinds(reducer: Reducer) -> list[Reducer]:
 
 
 def pins_of(reducer: Reducer) -> str:
-    """Tell how the ring's pins are held."""
+    """Return the support of the ring's pins: free, fixed, sleeved, or `NONE` for an internal gear."""
     return NONE if reducer.design.ring.kind == "nonpin" else f"{reducer.design.ring.pins}"
 
 
 def sliding_pairs(reducer: Reducer) -> list[str]:
-    """List the kinds of pair whose parts slide on each other."""
+    """List the kinds of sliding pairs."""
     design = reducer.design
     ring = design.ring
     pairs = [design.tooth_pair, *["pin_socket"] * ring.has_sockets, *["pin_sleeve"] * ring.has_sleeves]
@@ -69,19 +69,19 @@ def sliding_pairs(reducer: Reducer) -> list[str]:
 
 
 def with_common_friction(reducer: Reducer, friction: float) -> Reducer:
-    """Return the design with one coefficient for all pairs that slide."""
+    """Return the design with one coefficient for all sliding pairs."""
     return reducer.but(friction=dict.fromkeys(sliding_pairs(reducer), friction))
 
 
 def common_name(friction: float) -> str:
-    """Return what a run with one coefficient for all pairs that slide is called."""
-    return f"friction {friction:.3g} of all that slide"
+    """Return the name of a run with one coefficient for all sliding pairs."""
+    return f"friction {friction:.3g} of all sliding pairs"
 
 
 def friction_for(rates: Mapping[float, float], target: float) -> float:
-    """Interpolate the common friction that gives a rate; not a number where none of those tried encloses it.
+    """Interpolate the common friction at a rate; NaN outside of the range run.
 
-    Losses 1/rate - 1 grow almost in proportion to the friction: they are what is interpolated.
+    The interpolated quantity is the relative loss 1/rate - 1, which is nearly proportional to the friction.
     """
     from scipy.interpolate import PchipInterpolator
 
@@ -92,17 +92,17 @@ def friction_for(rates: Mapping[float, float], target: float) -> float:
 
 
 def slope(rates: Mapping[float, float]) -> float:
-    """Compute by how much the rate changes with the common friction, over those tried [1]."""
+    """Compute the mean slope of the rate over the common friction [1]."""
     return (rates[max(rates)] - rates[min(rates)]) / (max(rates) - min(rates))
 
 
 def common_rates(by_variant: Mapping[FrictionVariant, float], pins: str) -> dict[float, float]:
-    """Map common friction to rate, for one way of holding the pins."""
+    """Map the common friction to the rate, for one support of the pins."""
     return {row.friction: rate for row, rate in by_variant.items() if row.pair == EVERY and row.pins == pins}
 
 
 def table(reducer: Reducer, by_variant: Mapping[FrictionVariant, float]) -> Table:
-    """Tabulate the sensitivity, each row beside the row of the design's own friction."""
+    """Tabulate the rates, and their change from the design's friction."""
     ideal = reducer.design.rated_torque
     base = {row.pins: rate for row, rate in by_variant.items() if row.pair == OWN}
     return Table(
@@ -123,7 +123,7 @@ def table(reducer: Reducer, by_variant: Mapping[FrictionVariant, float]) -> Tabl
 
 
 def curves(by_variant: Mapping[FrictionVariant, float], published: Sequence[Published]) -> list[Curve]:
-    """Compute the rate over the common friction, with the published rates that lie on it."""
+    """Return curves of the rate over the common friction, with the published rates on them."""
     panel, x, y = "output rate by the friction of all sliding pairs", "friction coefficient", "rate [%]"
     drawn = []
     for pins in dict.fromkeys(row.pins for row in by_variant):
@@ -131,9 +131,9 @@ def curves(by_variant: Mapping[FrictionVariant, float], published: Sequence[Publ
         friction = np.array(sorted(rates))
         name = "internal gear" if pins == NONE else f"{pins} pins"
         drawn.append(Curve(panel, name, friction, 1e2 * np.array([rates[key] for key in friction]), x, y))
-    for one in (each for each in published if math.isfinite(each.friction)):
-        place = (np.array([one.friction]), np.array([1e2 * one.rate]))
-        drawn.append(Curve(panel, f"the paper, {one.way}", *place, x, y, "points"))
+    for each in (each for each in published if math.isfinite(each.friction)):
+        point = (np.array([each.friction]), np.array([1e2 * each.rate]))
+        drawn.append(Curve(panel, f"the paper, {each.way}", *point, x, y, "points"))
     return drawn
 
 
@@ -151,7 +151,7 @@ def _of_ring(reducer: Reducer, quick: bool) -> list[FrictionVariant]:
 
 
 def _of_bearings(reducer: Reducer) -> list[FrictionVariant]:
-    """List the rows of the rolling bearings, and of sliding in their place."""
+    """List the rows of the rolling bearings, and of plain bearings in their place."""
     rows, pins = [], pins_of(reducer)
     plain: dict[str, dict[str, Any]] = {"cam": {"gear": {"bearing": "plain"}}, "output": {"output": {"rollers": False}}}
     for pair in [pair for pair in plain if pair not in sliding_pairs(reducer)]:

@@ -1,6 +1,6 @@
-"""How far a rate moves with the inputs that are assumed: each varied alone, over the range that it may have.
+"""Range of a rate over its assumed inputs, each varied on its own over its plausible range.
 
-A numerical error says how well a model is solved; where its inputs are assumptions, it is no error of the rate.
+The numerical error of a rate does not include the uncertainty of its inputs.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,31 +11,41 @@ from cycloid_mj.base.result import Table
 from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
 
-PLAY = (0.5, 2.0)
-"""Factors on a clearance: what a drawing says against what a gauge finds."""
-MOST_PLAY = 1e-3
+CLEARANCE_FACTORS = (0.5, 2.0)
+"""Factors on a clearance: measured against drawn."""
+MAX_CLEARANCE = 1e-3
 """Largest clearance that a design may have [m]."""
-CAM_PLAY = (0.1, 2.0)
-"""The same on the cam's, down to a bearing next to preload."""
-CAM_STIFFNESS = (0.5, 4.0)
+CAM_CLEARANCE_FACTORS = (0.1, 2.0)
+"""Factors on the cam's clearance, down to a nearly preloaded bearing."""
+CAM_STIFFNESS_FACTORS = (0.5, 4.0)
 """Factors on the cam's stiffness: a row of few rollers, and about that of a plain journal without play."""
-TEETH = (0.02, 0.1)
+TOOTH_FRICTION = (0.02, 0.1)
 """Friction of lubricated hardened steel on steel, from a full film to boundary lubrication (assumed)."""
-BEARING = (0.001, 0.003)
+BEARING_FRICTION = (0.001, 0.003)
 """Friction of rolling bearings: cylindrical rollers 0.0008 to 0.0012, needles with a cage 0.0020 to 0.0030 (JTEKT)."""
 CREEP, DAMPING = (0.001, 0.02), (0.1, 0.5)
-"""What only regularises the contacts: creep speed [m/s] and damping as a share of critical."""
-
+"""Parameters that regularise the contacts: creep speed [m/s] and damping ratio."""
 
 PERIODS = 4
-"""Fewest mesh periods of a run with an input varied."""
+"""Mesh periods of a run with a varied input at least."""
 
 
 @dataclass(frozen=True)
 class Input:
-    """One input at the ends of its range: the values there, in `unit`, and the designs with them.
+    """An input at the ends of its range.
 
-    `table` of the design is what it is in, `low_values` and `high_values` are the values there [SI], by their keys.
+    Attributes
+    ----------
+    name, unit
+        Name and unit, for tables.
+    low, high
+        Values at the ends [`unit`].
+    table
+        Table of the design that it belongs to.
+    low_values, high_values
+        Values at the ends [SI], by key.
+    low_design, high_design
+        Designs with these values.
     """
 
     name: str
@@ -55,7 +65,7 @@ class Input:
 
     @property
     def names(self) -> dict[Design, str]:
-        """What the designs at both ends are called: the input and its value there."""
+        """Names of the designs at both ends: the input and its value."""
         unit = "" if self.unit == "1" else f" {self.unit}"
         return {
             self.low_design: f"{self.name} {self.low:.3g}{unit}",
@@ -68,8 +78,8 @@ class Input:
 
 
 @dataclass(frozen=True)
-class Moved:
-    """What a rate becomes at the ends of an input's range [1]."""
+class InputEffect:
+    """Values of a rate at the ends of an input's range [1]."""
 
     input: Input
     value_low: float
@@ -77,45 +87,59 @@ class Moved:
 
 
 def inputs(reducer: Reducer) -> list[Input]:
-    """List the assumed inputs that a design's rate rests on."""
+    """List the assumed inputs of a design's rate."""
     design = reducer.design
     seats = [kind for kind in design.pair_kinds if kind not in ("cam", "output")]
     stiffness = reducer.contacts["cam"].stiffness
     return [
-        _play(reducer, "mesh play", seats, PLAY),
-        _play(reducer, "cam play", ["cam"], CAM_PLAY),
-        _input(reducer, "cam stiffness", "N/m", "stiffness", ["cam"], [share * stiffness for share in CAM_STIFFNESS]),
-        _input(reducer, "friction of the teeth", "1", "friction", seats, TEETH),
-        _bearing(reducer, "cam", design.gear.bearing == "rolling", BEARING),
-        _bearing(reducer, "output", design.output.has_needles, (BEARING[0], plain_roller(reducer))),
+        _play(reducer, "mesh play", seats, CLEARANCE_FACTORS),
+        _play(reducer, "cam play", ["cam"], CAM_CLEARANCE_FACTORS),
+        _input(
+            reducer,
+            "cam stiffness",
+            "N/m",
+            "stiffness",
+            ["cam"],
+            [share * stiffness for share in CAM_STIFFNESS_FACTORS],
+        ),
+        _input(reducer, "friction of the teeth", "1", "friction", seats, TOOTH_FRICTION),
+        _bearing(reducer, "cam", design.gear.bearing == "rolling", BEARING_FRICTION),
+        _bearing(reducer, "output", design.output.has_needles, (BEARING_FRICTION[0], plain_roller(reducer))),
         _input(reducer, "creep speed", "mm/s", "contact", ["creep_speed"], CREEP, 1e3),
         _input(reducer, "contact damping", "of critical", "contact", ["damping_ratio"], DAMPING),
     ]
 
 
 def slow_ends(varied: Sequence[Input]) -> set[Design]:
-    """Collect the ends of the creep speed's own range, which is there to show what friction lacks below it."""
-    return {end for one in varied if "creep_speed" in one.low_values for end in one.ends}
+    """Collect the ends of the range of the creep speed, which shows how much friction is missing below it."""
+    return {end for each in varied if "creep_speed" in each.low_values for end in each.ends}
 
 
-def moved(varied: Sequence[Input], rates: Mapping[Any, float]) -> tuple[Moved, ...]:
-    """Put the rates [1] of the designs at both ends of every input's range beside it; `rates` holds them by design."""
-    return tuple(Moved(one, *(rates[end] for end in one.ends)) for one in varied)
+def pair_rates(varied: Sequence[Input], rates: Mapping[Any, float]) -> tuple[InputEffect, ...]:
+    """Pair each input with the rates [1] of the designs at both ends of its range; `rates` are by design."""
+    return tuple(InputEffect(each, *(rates[end] for end in each.ends)) for each in varied)
 
 
 def plain_roller(reducer: Reducer) -> float:
-    """Compute the friction at the rim of a roller that is a plain sleeve sliding on its core, as a ring sleeve does."""
+    """Compute the friction at the rim of a roller that is a plain sleeve sliding on its core."""
     design = reducer.design
     return design.friction.pin_sleeve * design.output.root_radius / design.output.pin_radius
 
 
-def table(rate: str, base: float, moved: Sequence[Moved]) -> Table:
-    """Tabulate the spread of a rate, by name, about the design's own [1] in percent."""
+def table(rate: str, base: float, effects: Sequence[InputEffect]) -> Table:
+    """Tabulate the effect of each input on a rate in percent; `base` is the rate of the design [1]."""
     rows = [
-        (one.input.name, one.input.unit, one.input.low, one.input.high, 1e2 * one.value_low, 1e2 * one.value_high)
-        for one in moved
+        (
+            effect.input.name,
+            effect.input.unit,
+            effect.input.low,
+            effect.input.high,
+            1e2 * effect.value_low,
+            1e2 * effect.value_high,
+        )
+        for effect in effects
     ]
-    low, high = spread(base, moved)
+    low, high = spread(base, effects)
     return Table(
         f"{rate} by assumed inputs, one at a time: {1e2 * low:.1f} to {1e2 * high:.1f} %",
         ("input", "unit", "low", "high", "at low [%]", "at high [%]"),
@@ -123,33 +147,33 @@ def table(rate: str, base: float, moved: Sequence[Moved]) -> Table:
     )
 
 
-def spread_text(base: float, moved: Sequence[Moved]) -> str:
-    """Tell the spread of a rate beside its numerical error."""
-    low, high = spread(base, moved)
-    widest = max(moved, key=lambda one: abs(one.value_high - one.value_low)).input.name
-    return f"by its assumed inputs, one at a time, {1e2 * low:.1f} to {1e2 * high:.1f} %, the widest by {widest}"
+def spread_text(base: float, effects: Sequence[InputEffect]) -> str:
+    """Describe the range of a rate over its inputs."""
+    low, high = spread(base, effects)
+    widest = max(effects, key=lambda effect: abs(effect.value_high - effect.value_low)).input.name
+    return f"range over its assumed inputs, one at a time: {1e2 * low:.1f} to {1e2 * high:.1f} %, widest for {widest}"
 
 
-def spread(base: float, moved: Sequence[Moved]) -> tuple[float, float]:
-    """Compute the least and the largest of a rate over all inputs [1]."""
-    values = [base, *(value for one in moved for value in (one.value_low, one.value_high))]
+def spread(base: float, effects: Sequence[InputEffect]) -> tuple[float, float]:
+    """Compute the smallest and the largest rate over all inputs [1]."""
+    values = [base, *(value for effect in effects for value in (effect.value_low, effect.value_high))]
     return min(values), max(values)
 
 
-def as_json(base: float, moved: Sequence[Moved]) -> dict[str, Any]:
-    """Convert the spread to JSON values."""
-    low, high = spread(base, moved)
+def as_json(base: float, effects: Sequence[InputEffect]) -> dict[str, Any]:
+    """Convert the effects and the range to JSON values."""
+    low, high = spread(base, effects)
     return {
         "sensitivity": [
             {
-                "input": one.input.name,
-                "unit": one.input.unit,
-                "low": one.input.low,
-                "high": one.input.high,
-                "value_low": one.value_low,
-                "value_high": one.value_high,
+                "input": effect.input.name,
+                "unit": effect.input.unit,
+                "low": effect.input.low,
+                "high": effect.input.high,
+                "value_low": effect.value_low,
+                "value_high": effect.value_high,
             }
-            for one in moved
+            for effect in effects
         ],
         "spread": {"value": base, "low": low, "high": high},
     }
@@ -158,15 +182,16 @@ def as_json(base: float, moved: Sequence[Moved]) -> dict[str, Any]:
 def _input(
     reducer: Reducer, name: str, unit: str, table: str, keys: Sequence[str], ends: Sequence[float], scale: float = 1.0
 ) -> Input:
-    """Return an input that sets values of a table of the design, all alike, to either end; `scale` makes the unit."""
+    """Return an input that sets keys of a table to equal values; `scale` converts SI to the unit."""
     low, high = (dict.fromkeys(keys, end) for end in ends)
     return _between(reducer, name, unit, (scale * ends[0], scale * ends[1]), table, low, high)
 
 
 def _play(reducer: Reducer, name: str, kinds: Sequence[str], factors: Sequence[float]) -> Input:
-    """Return the plays of pairs in series, which add up."""
+    """Return the input of the clearances of pairs in series, which add up."""
     low, high = (
-        {kind: min(factor * getattr(reducer.design.clearance, kind), MOST_PLAY) for kind in kinds} for factor in factors
+        {kind: min(factor * getattr(reducer.design.clearance, kind), MAX_CLEARANCE) for kind in kinds}
+        for factor in factors
     )
     least, most = (sum(1e6 * play for play in end.values()) for end in (low, high))
     return _between(reducer, name, "um", (least, most), "clearance", low, high)
@@ -181,12 +206,12 @@ def _between(
     low: Mapping[str, float],
     high: Mapping[str, float],
 ) -> Input:
-    """Return an input with the designs that have these values of a table."""
+    """Return an input, with the designs at its ends."""
     designs = [reducer.but(**{table: values}).design for values in (low, high)]
     return Input(name, unit, *ends, table, low, high, *designs)
 
 
 def _bearing(reducer: Reducer, kind: str, rolls: bool, rolling: tuple[float, float]) -> Input:
-    """Return the friction of cam or output pins: of a bearing, or of what slides."""
-    name, key, ends = ("'s rollers", f"{kind}_rolling", rolling) if rolls else (", sliding", kind, TEETH)
+    """Return the input of the friction of cam or output pins, rolling or sliding."""
+    name, key, ends = ("'s rollers", f"{kind}_rolling", rolling) if rolls else (", sliding", kind, TOOTH_FRICTION)
     return _input(reducer, f"friction of the {kind}{name}", "1", "friction", [key], ends)

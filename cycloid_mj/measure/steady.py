@@ -1,4 +1,4 @@
-"""Runs at a steady state, and the mean powers over their whole periods."""
+"""Runs at a steady state, over full periods of mesh and output pins."""
 
 import math
 
@@ -14,30 +14,28 @@ from cycloid_mj.measure.conditions import LOG_RATE, require_motion
 from cycloid_mj.measure.reaction import masses
 from cycloid_mj.reducer import Reducer
 
-SETTLED = 0.01
-"""Time [s] after which a run under a held crank counts: the load's rise, and the time that it takes to ring out."""
+SETTLING_TIME = 0.01
+"""Time after which a run with driven crank is evaluated [s]: rise of the load, and decay of its oscillation."""
 
-NEAR_WHOLE = 0.1
-"""By how much of a period the output pins may miss a whole number of theirs."""
+PERIOD_TOLERANCE = 0.1
+"""Deviation from a whole number of periods of the output pins that is accepted, in periods."""
 
 REMEDY = (
     "the samples are too coarse for these powers: set settings.log_rate_hz to 40000 or more, or a shorter time step"
 )
 """Remedy of an open power balance: the duration of these runs is not the design's."""
 
-HEAVY = 0.02
-"""Weight of the discs, as a share of the load's force on their cams, from which the crank's turn shows in the losses:
-at 0.02 they go up and down by some 1 % of themselves."""
+HEAVY_DISC_SHARE = 0.02
+"""Weight of the discs relative to the load's force on their cams from which losses vary over the crank turn, by 1 %."""
 
 
 def whole_periods(reducer: Reducer, least: int, load: float | None = None) -> int:
-    """Round up to mesh periods after which the output pins are near to whole periods as well.
+    """Return a number of mesh periods, `least` or more, after which the output pins are near a full period as well.
 
-    Seen from the ring, torque and losses repeat with the mesh, every 2 pi/N of the crank, and with the output pins,
-    which pass the direction of the eccentric every 2 pi/pins x (N - 1)/N of it: m mesh periods are m pins/(N - 1) of
-    theirs. After N - 1 of the one and `pins` of the other all repeats, which is why a whole turn of the crank is no
-    better a window. Where discs are `HEAVY` against the `load` on the output [N m], by default the rated torque, it is:
-    then these are two turns.
+    Relative to the ring, torque and losses repeat with the mesh, every 2 pi/N of the crank, and with the output pins,
+    which pass the direction of the eccentric every 2 pi/pins x (N - 1)/N: m mesh periods are m pins/(N - 1) of theirs.
+    A full crank turn is no better, except where the weight of the discs matters against the `load` on the output [N m],
+    by default the rated torque (`HEAVY_DISC_SHARE`): then it is two turns.
     """
     design = reducer.design
     ratio = design.output.pins / design.lobes
@@ -48,16 +46,16 @@ def whole_periods(reducer: Reducer, least: int, load: float | None = None) -> in
         return abs(count * ratio - round(count * ratio))
 
     candidates = range(least, max(least, design.lobes) + 1)
-    return next((count for count in candidates if missed(count) <= NEAR_WHOLE), least)
+    return next((count for count in candidates if missed(count) <= PERIOD_TOLERANCE), least)
 
 
 def _heavy(reducer: Reducer, load: float) -> bool:
     design, gravity = reducer.design, reducer.design.environment
     weight = design.gear.discs * masses(reducer)[GEAR].mass * math.hypot(gravity.gravity_x, gravity.gravity_y)
-    return weight * design.gear.eccentricity * design.reduction > HEAVY * abs(load)
+    return weight * design.gear.eccentricity * design.reduction > HEAVY_DISC_SHARE * abs(load)
 
 
-def steady(
+def run_steady(
     reducer: Reducer,
     settled: float,
     periods: int,
@@ -65,14 +63,23 @@ def steady(
     compiled: Model | None = None,
     course: DriveCycle | None = None,
 ) -> Run:
-    """Run a design from full speed; give its samples of so many mesh periods after a time `settled` [s].
+    """Run a design from full speed; return the samples of some mesh periods in steady state.
 
-    `compiled` is a model for another `course`, by default the solver's own.
-
-    A drive that settles more slowly than the paper's is given as much longer.
+    Parameters
+    ----------
+    reducer
+        The drive under its load.
+    settled
+        Time before the first sample [s], multiplied by the slowness of the drive relative to the paper's.
+    periods
+        Number of mesh periods.
+    solver
+        Solver of the run.
+    compiled, course
+        Model and drive cycle; by default the solver's own at constant speed and load.
     """
     settled *= slowness(reducer)
-    timed = densely_logged(reducer).steady(settled, periods / reducer.mesh_periods)
+    timed = with_log_rate(reducer).steady(settled, periods / reducer.mesh_periods)
     run = simulate(timed.design, compiled or model_for(solver, timed), course)
     run = run.select(run.time >= settled * (1.0 - 1e-9))
     warn(reducer.design.name, balance_warnings(run, reducer, REMEDY))
@@ -85,7 +92,7 @@ def steady_design(reducer: Reducer) -> Reducer:
     return reducer.but(settings={"log_rate": max(LOG_RATE, reducer.design.settings.log_rate)})
 
 
-def densely_logged(reducer: Reducer) -> Reducer:
+def with_log_rate(reducer: Reducer) -> Reducer:
     """Return the design with a log rate that resolves the passing of its teeth."""
     lowest = lowest_log_rate(reducer)
     return reducer.but(settings={"log_rate": lowest}) if lowest > reducer.design.settings.log_rate else reducer

@@ -16,20 +16,20 @@ from cycloid_mj.base.units import ARCSECONDS, RPM
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.dynamics.run import Solver, model_for
 from cycloid_mj.measure import te_table
-from cycloid_mj.measure.conditions import DRAG, halved, require_motion
+from cycloid_mj.measure.conditions import DRAG_SHARE, halve_time_step, require_motion
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.orders import base_orders, causes
-from cycloid_mj.measure.trace import ErrorCurves, Trace, TraceCondition, copied, trace
+from cycloid_mj.measure.trace import ErrorCurves, Trace, TraceCondition, copied, run_trace
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import transmission_error
 from cycloid_mj.statics.structure import structure_text
 
 CHECKED = 3
-"""Mesh periods that are run again with half the step."""
+"""Mesh periods that are run again with half the time step."""
 SOLVED = 8
-"""Crank angles in a mesh period at which statics are solved."""
+"""Crank angles of statics in a mesh period."""
 SLOW = 0.25
-"""Slow crank speed as a share of the design's."""
+"""Slow crank speed relative to the design's."""
 
 
 def te(
@@ -47,27 +47,28 @@ def te(
     Parameters
     ----------
     design
-        A design, or the name of a preset or a file: the design; its drive gives the speed.
+        A design, or the name of a preset or a file; its drive sets the speed.
     load
         Torque of the loaded runs [N m]; by default the rated one, drive.torque times the ratio.
     drag
-        Torque of the unloaded runs [N m], by default `DRAG` of the rated one; at 0 the gear floats in its backlash.
+        Torque of the unloaded runs [N m], by default `DRAG_SHARE` of the rated one; at 0 the disc floats in its
+        clearances.
     slow
         Slow crank speed [rad/s], by default `SLOW` of the design's.
     turns
-        Crank turns, seen from the ring; N - 1 of them part the orders of the ring from those of the holes.
+        Crank turns relative to the ring; N - 1 of them separate the orders of the ring from those of the holes.
     quick
-        At speed only, and no runs with half the step.
+        Whether to skip the slow runs and those with half the time step.
     progress
-        Called after each run with how many are done, and how many there are.
+        Called after each run with the numbers of finished and of all runs.
     solver
-        What takes the steps of the runs.
+        Solver of the runs.
     """
     design = resolve(design)
     reducer = Reducer(design)
     require_motion(reducer)
     rated = reducer.design.rated_torque
-    torques = {"unloaded": DRAG * rated if drag is None else drag, "loaded": rated if load is None else load}
+    torques = {"unloaded": DRAG_SHARE * rated if drag is None else drag, "loaded": rated if load is None else load}
     speed = abs(reducer.design.drive.speed)
     paces = {"speed": speed} if quick else {"slow": SLOW * speed if slow is None else slow, "speed": speed}
     ways = {"forward": 1.0, "reverse": -1.0}
@@ -88,7 +89,7 @@ def te(
         quantities=keyed(te_table.quantities(reducer, traces, finer, statics, turns)),
         curves=te_table.curves(reducer, traces, statics),
         assumptions=_assumptions(reducer, turns),
-        runs={case.key: trace.run for case, trace in traces.items()},
+        runs={case.key: run_trace.run for case, run_trace in traces.items()},
         details={"orders": te_table.details(reducer, traces, turns)},
     )
 
@@ -96,8 +97,8 @@ def te(
 def _traces(
     reducer: Reducer, cases: list[TraceCondition], turns: float, progress: Progress, check: bool, solver: Solver
 ) -> Mapping[tuple[TraceCondition, float], Trace]:
-    """Run the cases, and some mesh periods of the forward ones with half the step if they are to be checked."""
-    half = halved(reducer, solver)
+    """Run the cases, and with `check` some mesh periods of the forward ones with half the time step."""
+    half = halve_time_step(reducer, solver)
     models = {1.0: (reducer, model_for(solver, reducer), turns)}
     if check:
         models[0.5] = (half, model_for(solver, half), CHECKED / reducer.mesh_periods)
@@ -105,12 +106,12 @@ def _traces(
     tasks = [
         (reducer, copied(compiled), turns, case) for case, share in work for reducer, compiled, turns in [models[share]]
     ]
-    traces = each_in_threads(lambda task: trace(*task), tasks, progress)
+    traces = each_in_threads(lambda task: run_trace(*task), tasks, progress)
     return dict(zip(work, traces, strict=True))
 
 
 def _statics(reducer: Reducer, case: TraceCondition, turns: int) -> ErrorCurves:
-    """Solve a case in statics."""
+    """Compute the errors of a case by statics."""
     design = reducer.design
     points = SOLVED * design.ring.teeth * turns + 1
     crank = np.linspace(0.0, turns * reducer.mesh_turn, points)
@@ -127,22 +128,23 @@ def _assumptions(reducer: Reducer, turns: int) -> tuple[str, ...]:
     ring, holes = base_orders(reducer)
     multiples, apart_from = (holes, "ring") if ring == 1 else (ring, "holes")
     apart = (
-        f"orders are cycles in a crank turn; fewer than {lobes} turns cannot tell whole orders from multiples of "
-        f"{multiples} in one signal: the gear's error is read in whole orders (of the {apart_from}), the output's "
-        "against the gear in multiples"
+        f"orders are cycles in a crank turn; fewer than {lobes} turns cannot separate whole orders from multiples of "
+        f"{multiples} in one signal: the disc's error is evaluated in whole orders (of the {apart_from}), that of the "
+        "output relative to the disc in multiples"
     )
     return (
         f"shafts run in rigid bearings without runout; {structure_text(reducer)}",
-        f"unless it is given, the drag of an unloaded reducer is {DRAG:.0%} of the rated torque: with none, the gear "
-        "floats in its backlash; up to the rated torque presses the flanks together before the window",
-        "statics: the ideal mesh's contacts as springs at their gaps, without friction, and without inertia but the "
-        "gear's centrifugal force; friction makes the teeth press harder, which winds a loaded gear up further",
+        f"the default drag of an unloaded reducer is {DRAG_SHARE:.0%} of the rated torque: without it the disc floats "
+        "in its clearances; up to the rated torque presses the flanks together before the window",
+        "statics: contacts of the ideal mesh as springs with gaps, without friction, and without inertia except the "
+        "centrifugal force of the disc; friction increases the tooth forces, and with them the wind-up of a loaded "
+        "disc",
         "contacts have the secant stiffness of one working force in all runs, that of the loaded ones: "
         f"{reducer.contacts.working_forces_text(design.pair_kinds)}",
-        f"numerical error: what half the step changes over the first {CHECKED} mesh periods of the run forward, told "
-        "of the run in reverse as well (not known with --quick), and half of what levels change from one half of the "
-        "window to the other, as no turn of the crank is like the next; of orders: the rms of what half the step "
-        "changes, which none of them exceeds",
+        f"numerical error: change with half the time step over the first {CHECKED} mesh periods of the forward run, "
+        "also used for the reverse run (not available with --quick), and half the change of a level between the "
+        "halves of the window, as crank turns differ; of orders: the rms of the change with half the step, an upper "
+        "bound of each",
         *(f"orders of {cause.name}: {cause.why}" for cause in causes(reducer)),
-        *([] if te_table.apart(reducer, turns) else [apart]),
+        *([] if te_table.separates_orders(reducer, turns) else [apart]),
     )

@@ -1,4 +1,4 @@
-"""Numbers, curves and orders of a measured transmission error."""
+"""Quantities, curves and orders of a measured transmission error."""
 
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
@@ -14,24 +14,24 @@ from cycloid_mj.measure.trace import ErrorCurves, Trace, TraceCondition
 from cycloid_mj.reducer import Reducer
 
 HIGHEST = 3
-"""Mesh orders up to which orders are told."""
-TOLD = 12
-"""Strongest orders that are told of a case."""
+"""Mesh orders up to which orders are listed."""
+MAX_STRONGEST = 12
+"""Number of the strongest orders that are listed for a case."""
 STATICS = "statics"
 _CRANK, _ERROR = "crank angle [deg]", "error [arcsec]"
 _ORDER, _AMPLITUDE = "order [cycles in a crank turn]", "amplitude [arcsec]"
 _PACES = {"slow": "slow", "speed": "at speed"}
-_PLACES = {"gear": "gear", "stage": "output against the gear"}
+_PLACES = {"gear": "disc", "stage": "output against the disc"}
 
 
 Found = Mapping[TraceCondition, Trace]
 Finer = Mapping[tuple[str, str], Trace]
-"""Load and pace -> the start of the run forward, with half the step."""
+"""Load and pace -> the start of the forward run, with half the time step."""
 Statics = Mapping[TraceCondition, ErrorCurves]
 
 
 def quantities(reducer: Reducer, traces: Found, finer: Finer, statics: Statics, turns: int) -> list[Quantity]:
-    """List the numbers: levels of each case, shifts between cases, and what each cause gives over so many turns."""
+    """List the quantities: levels of each case, shifts between cases, and the orders of each cause over some turns."""
     levels = [
         Quantity(
             key=f"{shaft}_{name}_{case.key}",
@@ -50,7 +50,7 @@ def quantities(reducer: Reducer, traces: Found, finer: Finer, statics: Statics, 
 
 
 def curves(reducer: Reducer, traces: Found, statics: Statics) -> tuple[Curve, ...]:
-    """List the errors against crank angle, whole and about their means, and the spectra of the `chosen` cases."""
+    """List the errors over the crank angle, in full and about their means, and the spectra of the `chosen` cases."""
     paces = dict.fromkeys(case.pace for case in traces)
     drawn = [*_panel(traces, statics, next(iter(paces)), "output", whole=True)]
     drawn += [curve for pace in paces for shaft in ("gear", "output") for curve in _panel(traces, statics, pace, shaft)]
@@ -63,8 +63,8 @@ def curves(reducer: Reducer, traces: Found, statics: Statics) -> tuple[Curve, ..
 
 
 def _panel(traces: Found, statics: Statics, pace: str, shaft: str, whole: bool = False) -> Iterator[Curve]:
-    """Yield the curves of one shaft at one pace, less their means or `whole`, each beside its own statics."""
-    panel = f"{shaft}, {_PACES[pace]}" + ("" if whole else ", less its mean")
+    """Yield the curves of a shaft at one pace with those of statics, minus their means unless `whole` is set."""
+    panel = f"{shaft}, {_PACES[pace]}" + ("" if whole else ", minus its mean")
     shown = {case: f"{case.load}, {case.way}" for case in traces if case.pace == pace}
     for case, words in shown.items():
         solved = statics[case]
@@ -80,8 +80,8 @@ def _about_mean(error: Array, whole: bool) -> Array:
     return error if whole else error - error.mean()
 
 
-def apart(reducer: Reducer, turns: int) -> bool:
-    """Tell whether so many crank turns part all orders: those of the output are multiples of N/(N-1) of the crank's."""
+def separates_orders(reducer: Reducer, turns: int) -> bool:
+    """Return whether some crank turns separate all orders; those of the output are multiples of N/(N-1)."""
     return turns % reducer.design.lobes == 0
 
 
@@ -90,7 +90,7 @@ def details(reducer: Reducer, traces: Found, turns: int) -> dict[str, Any]:
     return {
         "turns": turns,
         "turns_that_part_orders": reducer.design.lobes,
-        "apart": apart(reducer, turns),
+        "apart": separates_orders(reducer, turns),
         "causes": [cause.as_json() for cause in causes(reducer)],
         "cases": {case.key: _strongest(reducer, trace) for case, trace in traces.items()},
     }
@@ -103,21 +103,22 @@ def chosen(traces: Found) -> list[TraceCondition]:
 
 
 def _shifts(reducer: Reducer, traces: Found, finer: Finer, statics: Statics) -> Iterator[Quantity]:
-    """Yield what lies between the mean errors of two cases: backlash between directions, wind-up between loads.
+    """Yield the differences of mean errors: between directions the backlash, between loads the wind-up.
 
-    Both are positive: a carrier turns against the crank, so lags at a larger angle; a ring, with it, at a smaller.
+    Both are positive: a carrier turns against the crank and so lags at a larger angle, a ring turns with it and lags at
+    a smaller one.
     """
     case = chosen(traces)[0]
     cases = {(trace.load, trace.way): trace for trace in traces if trace.pace == case.pace}
     back, ahead, loaded = ("unloaded", "forward"), ("unloaded", "reverse"), ("loaded", "forward")
     pairs = {
-        "reversal": ("forward less reverse, unloaded: backlash", back, ahead),
-        "wind_up": ("loaded less unloaded, forward: elastic wind-up", loaded, back),
+        "reversal": ("forward minus reverse, unloaded: backlash", back, ahead),
+        "wind_up": ("loaded minus unloaded, forward: elastic wind-up", loaded, back),
     }
     if reducer.member.sense < 0:
         pairs = {
-            "reversal": ("reverse less forward, unloaded: backlash", ahead, back),
-            "wind_up": ("unloaded less loaded, forward: elastic wind-up", back, loaded),
+            "reversal": ("reverse minus forward, unloaded: backlash", ahead, back),
+            "wind_up": ("unloaded minus loaded, forward: elastic wind-up", back, loaded),
         }
     for shaft in ("gear", "output"):
         for key, (words, one, other) in pairs.items():
@@ -133,7 +134,11 @@ def _shifts(reducer: Reducer, traces: Found, finer: Finer, statics: Statics) -> 
 def _caused(reducer: Reducer, traces: Found, finer: Finer, statics: Statics, turns: int) -> Iterator[Quantity]:
     """Yield the rms value of each cause's orders, and its strongest order."""
     count = f"{turns} of {reducer.design.lobes} crank turns"
-    beside = "" if apart(reducer, turns) else f"; over {count}, orders next to it are in it (--turns)"
+    beside = (
+        ""
+        if separates_orders(reducer, turns)
+        else f"; over {count}, it includes neighbouring orders (use more --turns)"
+    )
     for case in chosen(traces):
         for cause in causes(reducer):
             seen, solved = (_spectrum(reducer, part[case], cause.place, cause.base) for part in (traces, statics))
@@ -151,12 +156,12 @@ def _caused(reducer: Reducer, traces: Found, finer: Finer, statics: Statics, tur
 
 
 def _strongest(reducer: Reducer, trace: Trace) -> list[dict[str, Any]]:
-    """List the strongest orders of a run, each with the cause whose order it is."""
+    """List the strongest orders of a run with their causes."""
     rows = []
     for place, base in _bases(reducer).items():
         seen = _spectrum(reducer, trace, place, base)
         mine = [cause for cause in causes(reducer) if cause.place == place]
-        for k in np.argsort(seen.amplitude)[::-1][:TOLD]:
+        for k in np.argsort(seen.amplitude)[::-1][:MAX_STRONGEST]:
             order = float(seen.order[k])
             cause = next((one.key for one in mine if one.has(order)), "between")
             rows.append(
@@ -174,7 +179,7 @@ def _spectrum(reducer: Reducer, errors: ErrorCurves, place: str, base: float) ->
 
 
 def _step_error(traces: Found, finer: Finer, case: TraceCondition, shaft: str, level: str) -> float | None:
-    """Find by how much half the step changes a level, and half of what it changes from one half turn to the other."""
+    """Compute the change of a level with half the time step, plus half its change between the halves of the window."""
     if not finer:
         return None
     measure, error = _LEVELS[level][1], getattr(traces[case], shaft)

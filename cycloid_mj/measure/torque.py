@@ -1,4 +1,4 @@
-"""The paper's test (Hsieh 2014, Fig. 19): a given torque on the crank, the output held at its speed by a brake."""
+"""Test of Hsieh 2014, Fig. 19: a given torque on the crank, the output held at its speed by a brake."""
 
 import math
 from collections.abc import Hashable, Mapping, Sequence
@@ -20,26 +20,26 @@ from cycloid_mj.dynamics.massless import assumptions, massless
 from cycloid_mj.dynamics.regime import creeping, creeping_in
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure import loss_breakdown, sensitivity, spread, steady
-from cycloid_mj.measure.brake_test import DECAY, braked_run
+from cycloid_mj.measure.brake_test import DECAY, run_brake_test
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency
-from cycloid_mj.measure.conditions import drag_assumption, halved
+from cycloid_mj.measure.conditions import drag_assumption, halve_time_step
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.published import Published, friction_quantities, tables
 from cycloid_mj.measure.sensitivity import FrictionVariant
-from cycloid_mj.measure.spread import Moved
+from cycloid_mj.measure.spread import InputEffect
 from cycloid_mj.measure.steady import first_half, steady_design, whole_periods
 from cycloid_mj.reducer import Reducer
 
-_RUNS: dict[Hashable, str] = {"own": "as designed", "halved": "the same with half the step"}
-"""Words for the tests that do not vary the design."""
+_RUNS: dict[Hashable, str] = {"own": "as designed", "halved": "the same with half the time step"}
+"""Names of the runs that do not vary the design."""
 
 PERIODS, QUICK_PERIODS = 12, 4
-"""Fewest mesh periods of the main run: a third of a crank turn, or less."""
+"""Mesh periods of the main run at least: a third of a crank turn, or less."""
 
 
 @dataclass(frozen=True, eq=False)
 class BrakedRun:
-    """One braked run, its mean powers, and the sizes of its mean output and input torque [N m]."""
+    """A braked run, its mean powers, and its mean output and input torque [N m]."""
 
     run: Run
     powers: Powers
@@ -59,15 +59,16 @@ def torque(
     Parameters
     ----------
     design
-        A design, or the name of a preset or a file: what to measure, at its own crank speed.
+        A design, or the name of a preset or a file; its crank speed is that of the test.
     quick
-        A shorter average, no halved step, and friction varied for all sliding pairs of the design alone.
+        Whether to average over a shorter time, skip the run with half the time step, and vary only the friction of all
+        sliding pairs together.
     progress
-        Called after each run with how many are done, and how many there are.
+        Called after each run with the numbers of finished and of all runs.
     published
-        Torques that a paper gives for this design, to stand beside ours.
+        Published torques of this design, for comparison.
     solver
-        What takes the steps of the runs.
+        Solver of the runs.
     """
     design = resolve(design)
     reducer = Reducer(design)
@@ -77,7 +78,7 @@ def torque(
     assumed = spread.inputs(steady)
     tested: dict[Hashable, tuple[Reducer, int]] = {"own": (steady, main)}
     if not quick:
-        tested["halved"] = halved(steady, solver), main
+        tested["halved"] = halve_time_step(steady, solver), main
     tested |= {
         row: (massless(Reducer(row.design)), whole_periods(Reducer(row.design), sensitivity.PERIODS)) for row in rows
     }
@@ -89,7 +90,7 @@ def torque(
     ours, finer = tests["own"], tests.get("halved")
     rates = {key: test.powers.efficiency for key, test in tests.items()}
     by_row = {row: rates[row] for row in rows}
-    by_input = spread.moved(assumed, rates)
+    by_input = spread.pair_rates(assumed, rates)
     held = steady.but(load={"torque": ours.output})
     with told_elsewhere(tuple(creeping(held))):
         at_held_crank = held_efficiency(steady, ours.output, main, solver)
@@ -124,30 +125,32 @@ def torque(
 
 
 def _loaded(reducer: Reducer) -> Reducer:
-    """Return what runs under the rated torque: its contacts have the stiffness of the output torque without losses."""
+    """Return the drive with the contact stiffness of the rated output torque without losses."""
     return reducer.working_at(reducer.design.rated_torque)
 
 
 def _untold_test(reducer: Reducer, periods: int, solver: Solver) -> BrakedRun:
-    """Run the rated test; of friction that is not whole `torque` tells, for all tests in one line."""
+    """Run the rated test without the warning about incomplete friction, which `torque` issues for all tests at once."""
     with told_elsewhere(tuple(creeping(_loaded(reducer)))):
         return rated_test(reducer, periods, solver)
 
 
 def rated_test(reducer: Reducer, periods: int, solver: Solver = "planar") -> BrakedRun:
     """Run the test under the rated torque over so many mesh periods."""
-    run = braked_run(reducer, reducer.design.drive.torque, periods, solver)
+    run = run_brake_test(reducer, reducer.design.drive.torque, periods, solver)
     output, crank = (abs(float(np.mean(run[name]))) for name in ("load_torque", "crank_torque"))
     return BrakedRun(run, mean_powers(run), output, crank)
 
 
 def held_efficiency(reducer: Reducer, load: float, periods: int, solver: Solver = "planar") -> float:
-    """Compute the efficiency under a load [N m] with the crank held at its speed: the second method."""
-    return mean_powers(steady.steady(reducer.but(load={"torque": load}), steady.SETTLED, periods, solver)).efficiency
+    """Compute the efficiency under a load [N m] at constant crank speed, as a second method."""
+    return mean_powers(
+        steady.run_steady(reducer.but(load={"torque": load}), steady.SETTLING_TIME, periods, solver)
+    ).efficiency
 
 
 def rate_error(ours: BrakedRun, finer: BrakedRun | None) -> float:
-    """Compute the numerical error of the rate: half the average, and half the step where it was run."""
+    """Compute the numerical error of the rate: the change with half the averaging time, and with half the time step."""
     others = [mean_powers(first_half(ours.run)), *([finer.powers] if finer else [])]
     return max(abs(other.efficiency - ours.powers.efficiency) for other in others)
 
@@ -159,9 +162,10 @@ def with_friction(
     error: float | None,
     solver: Solver,
 ) -> list[Published]:
-    """List published torques with the friction that gives each of them.
+    """Return published torques with the friction that explains each of them.
 
-    With the numerical `error` of a rate, each is run: what it misses and that error make the friction's, by the slope.
+    With the numerical `error` of a rate, each is run at its friction; the error of the friction follows from the
+    deviation, that error and the slope.
     """
     rates = sensitivity.common_rates(by_variant, sensitivity.pins_of(reducer))
     figures = [replace(one, friction=sensitivity.friction_for(rates, one.rate)) for one in published]
@@ -183,12 +187,12 @@ def rate_test(reducer: Reducer, friction: float, periods: int, solver: Solver) -
 
 
 def _with_common(reducer: Reducer, friction: float) -> Reducer:
-    """Return what runs with one friction for all sliding pairs."""
+    """Return the drive with one friction for all sliding pairs, and massless pins."""
     return massless(sensitivity.with_common_friction(reducer, friction))
 
 
 def _quantities(
-    reducer: Reducer, ours: BrakedRun, finer: BrakedRun | None, at_held_crank: float, by_input: Sequence[Moved]
+    reducer: Reducer, ours: BrakedRun, finer: BrakedRun | None, at_held_crank: float, by_input: Sequence[InputEffect]
 ) -> list[Quantity]:
     ideal = reducer.design.rated_torque
     powers, closed = ours.powers, ideal_efficiency(reducer, ours.output)
@@ -235,12 +239,12 @@ def _quantities(
         Quantity("efficiency", "efficiency by powers", 1e2 * powers.efficiency, "%", 1e2 * error),
         Quantity(
             "efficiency_crank_held",
-            "efficiency, crank held under this load",
+            "efficiency at constant crank speed under this load",
             1e2 * at_held_crank,
             "%",
             None,
             1e2 * powers.efficiency,
-            "by the brake",
+            "braked run",
         ),
         Quantity("balance_residual", "residual of the energy balance", 1e2 * powers.residual, "% of input"),
     ]
@@ -258,7 +262,7 @@ def _curves(reducer: Reducer, ours: BrakedRun) -> tuple[Curve, ...]:
     orders = tapered_orders(angle, torque, 4.0 * teeth, teeth)
     if orders is not None:
         low, high = orders.band
-        words = f"order of the crank, right within 1 % from {low:.3g} to {high:.4g}"
+        words = f"order of the crank, accurate to 1 % from {low:.3g} to {high:.4g}"
         curves.append(Curve("its ripple by order", "", orders.order, orders.amplitude, words, "amplitude [N m]"))
     return tuple(curves)
 
@@ -269,15 +273,16 @@ def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:
     pins = round(periods * design.output.pins / design.lobes, 2)
     return (
         f"friction of the pairs that slide: {friction}; of rolling bearings: cam {design.friction_of('cam'):g}, "
-        f"output {design.friction_of('output'):g}; {drag_assumption(reducer)}; the shafts' own bearings are left out",
+        f"output {design.friction_of('output'):g}; {drag_assumption(reducer)}; the bearings of the shafts are "
+        "neglected",
         "contacts have the secant stiffness of one working force in all runs: "
         f"{reducer.contacts.working_forces_text(design.pair_kinds)}",
-        f"mean over {periods} mesh periods, {pins:g} periods of the output pins: torque repeats with both, and hardly "
-        "with the crank's turn",
-        "the motor's torque falls with its speed, which damps the ringing of its inertia on the mesh in "
-        f"{1e3 * DECAY:g} ms (to 1/e); the mean is the torque given, as the brake holds the mean speed",
-        "numerical error: half the step (unless --quick) or half the average, whichever changes more; of a friction: "
-        "that, and what a run with it misses, by the slope",
-        "some of the ringing is still in the mesh when a row of the table begins to count: up to 0.1 points",
+        f"mean over {periods} mesh periods, {pins:g} periods of the output pins: the torque repeats with both, and "
+        "hardly with the crank turn",
+        "the motor's torque falls with its speed, which damps the oscillation of its inertia on the mesh within "
+        f"{1e3 * DECAY:g} ms (to 1/e); its mean is the given torque, as the brake keeps the mean speed",
+        "numerical error: change with half the time step (unless --quick) or half the averaging time, whichever is "
+        "larger; of a friction: that and the deviation of a run with it, by the slope",
+        "the oscillation has not fully decayed at the start of the table's runs: up to 0.1 points",
         *assumptions(reducer, "runs with an input varied"),
     )

@@ -1,4 +1,4 @@
-"""Runs for the transmission error: one condition each, read on a grid of crank angles."""
+"""Runs of the transmission error: one condition each, evaluated on a grid of crank angles."""
 
 from dataclasses import dataclass, replace
 
@@ -16,18 +16,17 @@ from cycloid_mj.geometry.kinematics import CrankLaw
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.structure import wind_up
 
-"""In a radian."""
 SETTLING, RISE = 0.020, 0.008
-"""Time before the window, and time in which the load comes on [s]."""
+"""Time before the window, and rise time of the load [s]."""
 SAMPLES = 48
-"""In a mesh period."""
+"""Samples of a mesh period."""
 PRESSED = 0.016
-"""Time in which flanks are pressed together first [s]."""
+"""Time for which the flanks are pressed together before the window [s]."""
 
 
 @dataclass(frozen=True)
 class TraceCondition:
-    """One condition.
+    """Load, direction and speed of a run.
 
     Attributes
     ----------
@@ -47,18 +46,18 @@ class TraceCondition:
 
     @property
     def key(self) -> str:
-        """Key of the case in names."""
+        """Key of the condition."""
         return f"{self.load}_{self.way}_{self.pace}"
 
     @property
     def words(self) -> str:
-        """The case in words."""
+        """The condition in words."""
         return f"{self.load}, {self.way}, {'slow' if self.pace == 'slow' else 'at speed'}"
 
 
 @dataclass(frozen=True, eq=False)
 class ErrorCurves:
-    """Errors of gear and output [arcsec] at increasing crank angles [rad] from 0, shape (n,) each."""
+    """Errors of disc and output [arcsec] at increasing crank angles [rad] from 0, shape (n,) each."""
 
     crank: Array
     gear: Array
@@ -66,7 +65,7 @@ class ErrorCurves:
 
     @property
     def stage(self) -> Array:
-        """Turn of the output against the gear [arcsec], shape (n,)."""
+        """Rotation of the output relative to the disc [arcsec], shape (n,)."""
         return self.output - self.gear
 
 
@@ -84,11 +83,11 @@ def copied(compiled: Model) -> Model:
     return replace(compiled, spec=compiled.spec.copy())
 
 
-def pressed(reducer: Reducer, compiled: Model, start: float = 0.0) -> DriveCycle:
-    """Return the course of a design at constant speed from a crank angle [rad], its flanks pressed together first.
+def preload_cycle(reducer: Reducer, compiled: Model, start: float = 0.0) -> DriveCycle:
+    """Return the drive cycle at constant speed from a crank angle [rad], with the flanks pressed together first.
 
-    A light drag alone lets the gear swing in its play for some 30 ms; up to the rated torque, which comes and goes as a
-    sine squared, that ends in a few.
+    With a light drag alone the disc oscillates in its clearance for some 30 ms; a pulse of up to the rated torque, a
+    sine squared, shortens this to a few ms.
     """
     design = reducer.design
     law, way = CrankLaw(design.drive.speed, 0.0), braking(reducer)
@@ -100,8 +99,8 @@ def pressed(reducer: Reducer, compiled: Model, start: float = 0.0) -> DriveCycle
     return DriveCycle(start, design.drive.speed, lambda time: start + servo_target(compiled, law, time), load)
 
 
-def trace(reducer: Reducer, compiled: Model, turns: float, case: TraceCondition) -> Trace:
-    """Run a case over some crank turns from the crank angle 0, or back from a whole turn to it."""
+def run_trace(reducer: Reducer, compiled: Model, turns: float, case: TraceCondition) -> Trace:
+    """Run a condition over some crank turns from the crank angle 0, or back to it from a full turn."""
     way = float(np.sign(case.speed))
     per_second = SAMPLES * reducer.mesh_periods * abs(case.speed) / (2.0 * np.pi)
     settling = SETTLING * slowness(reducer)
@@ -113,15 +112,15 @@ def trace(reducer: Reducer, compiled: Model, turns: float, case: TraceCondition)
         load={"torque": case.torque, "rise": RISE},
         settings={"log_rate": min(per_second, 1.0 / compiled.timestep)},
     )
-    # Both ways sweep the same angles, so that their curves can be laid over each other.
+    # Both directions cover the same angles, so that their curves can be compared.
     start = (0.0 if way > 0.0 else 2.0 * np.pi * np.ceil(turns)) - case.speed * settling
-    run = simulate(reducer.design, compiled, pressed(reducer, compiled, start))
+    run = simulate(reducer.design, compiled, preload_cycle(reducer, compiled, start))
     window = run.select(run.time >= settling - 2.0 / reducer.design.settings.log_rate)
     return _read(window, reducer, turns, way)
 
 
 def _read(run: Run, reducer: Reducer, turns: float, way: float) -> Trace:
-    """Read the errors at equal steps of the crank, the end of the window left out."""
+    """Evaluate the errors at equal intervals of the crank angle, without the end of the window."""
     from scipy.interpolate import CubicSpline
 
     order = slice(None, None, int(way))
@@ -130,7 +129,7 @@ def _read(run: Run, reducer: Reducer, turns: float, way: float) -> Trace:
     swept = 2.0 * np.pi * turns
     first = 0.0 if way > 0.0 else 2.0 * np.pi * np.ceil(turns) - swept
     grid = first + swept * np.arange(points) / points
-    # straight lines would take 2.6 % from what repeats three times in a mesh period
+    # linear interpolation would lose 2.6 % of the third harmonic of the mesh
     twisted = wind_up(reducer) * run["load_torque"]
     turns_by = (gear_error(run, reducer), output_error(run, reducer) + twisted)
     gear, output = (ARCSECONDS * CubicSpline(crank, turn[order])(grid) for turn in turns_by)

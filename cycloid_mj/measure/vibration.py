@@ -15,21 +15,21 @@ from cycloid_mj.design import Named, resolve
 from cycloid_mj.dynamics.massless import require_pin_bodies
 from cycloid_mj.dynamics.planar.timestep import for_accelerations
 from cycloid_mj.dynamics.run import Solver, model_for
-from cycloid_mj.measure.conditions import DRAG, halved, require_motion
+from cycloid_mj.measure.conditions import DRAG_SHARE, halve_time_step, require_motion
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.reaction import unbalance, weight
 from cycloid_mj.measure.trace import copied
-from cycloid_mj.measure.vibration_runs import Sway, sway
+from cycloid_mj.measure.vibration_runs import VibrationRun, run_vibration
 from cycloid_mj.reducer import Reducer
 
 SHARES = (0.5, 0.75, 1.0, 1.25, 1.5)
-"""Crank speeds of the sweep as shares of the design's."""
+"""Crank speeds of the sweep relative to the design's."""
 SHOWN = ("gear_centre", "output", "housing")
 """Signals whose spectra are drawn."""
 _RPM, _HZ = "crank speed [rpm]", "frequency [Hz]"
-_NOTE = "the sum of all contact forces; m a leaves out what free pins and sleeves push with"
+_NOTE = "sum of all contact forces; m a does not include the inertia of free pins and sleeves"
 _SIGNALS = {
-    "gear_centre": ("acceleration of the gear's centre", "m/s2"),
+    "gear_centre": ("acceleration of the disc's centre", "m/s2"),
     "output": ("acceleration of the output", "rad/s2"),
     "housing": ("force on the housing", "N"),
 }
@@ -41,7 +41,7 @@ _OF_PLANES = {
     "shaft_bearing_far": ("force of the shaft's bearing far from the discs", "N"),
     "shaft_bearing_near": ("force of the shaft's bearing near the discs", "N"),
 }
-"""Signals of several discs, which pull in planes of their own."""
+"""Signals of several discs, whose forces act in different planes."""
 _ALL = _SIGNALS | _OF_COUNTERWEIGHT | _OF_PLANES
 
 
@@ -59,35 +59,35 @@ def vibration(
     Parameters
     ----------
     design
-        A design, or the name of a preset or a file: the design.
+        A design, or the name of a preset or a file.
     load
         Torque of the loaded runs [N m]; by default the rated one, drive.torque times the ratio.
     speeds
-        Crank speeds beside the design's own [rad/s]; by default `SHARES` of it.
+        Crank speeds besides the design's [rad/s]; by default `SHARES` of it.
     turns
-        Crank turns of each run, after it has settled.
+        Crank turns of each run after it has settled.
     quick
-        At the design's speed only, and without half the step.
+        Whether to measure only the design's speed, and skip the runs with half the time step.
     progress
-        Called after each run with how many are done, and how many there are.
+        Called after each run with the numbers of finished and of all runs.
     solver
-        What takes the steps of the runs.
+        Solver of the runs.
     """
     design = resolve(design)
     reducer = Reducer(design)
     require_motion(reducer)
     require_pin_bodies(reducer, "vibration")
     rated, speed = reducer.design.rated_torque, reducer.design.drive.speed
-    torques = {"unloaded": DRAG * rated, "loaded": rated if load is None else load}
+    torques = {"unloaded": DRAG_SHARE * rated, "loaded": rated if load is None else load}
     reducer = reducer.working_at(torques["loaded"])
     if solver == "planar":
         reducer = reducer.but(settings={"timestep": for_accelerations(reducer)})
     swept = [] if quick else list(speeds) or [share * speed for share in SHARES]
-    half = halved(reducer, solver)
+    half = halve_time_step(reducer, solver)
     points = [(reducer, model_for(solver, reducer), one) for one in sorted({speed, *swept}, key=abs)]
     points += [] if quick else [(half, model_for(solver, half), speed)]
     tasks = [(one, copied(model), *loaded, pace, turns) for one, model, pace in points for loaded in torques.items()]
-    levels = each_in_threads(lambda task: sway(*task), tasks, progress)
+    levels = each_in_threads(lambda task: run_vibration(*task), tasks, progress)
     checks = {} if quick else {level.load: level for level in levels[-len(torques) :]}
     full = levels[: len(levels) - len(checks)]
     at_speed = [one for one in full if one.speed == speed]
@@ -99,17 +99,19 @@ def vibration(
         quantities=keyed(_levels(reducer, at_speed, checks), _unbalance(reducer, at_speed, checks)),
         curves=(*_sweep(reducer, full), *_spectra(reducer, at_speed)),
         assumptions=(
-            "bearings and housing are rigid; a bearing's force is what contacts and weight leave of its body's inertia",
-            "departures are from the closed form (Eqs 12 and 14) at the measured crank, forces from their mean",
+            "bearings and housing are rigid; a bearing's force is the inertia of its body minus contact forces and "
+            "weight",
+            "accelerations are relative to the closed form (Eqs 12 and 14) at the measured crank angle, forces to "
+            "their mean",
             *_planes_assumption(reducer),
             _band_assumption(at_speed[0]),
-            f"unloaded: a drag of {DRAG:.0%} of the rated torque, which presses the flanks together before the window; "
-            "the spectra are at the design's speed",
+            f"unloaded: a drag of {DRAG_SHARE:.0%} of the rated torque, which presses the flanks together before the "
+            "window; the spectra are at the design's speed",
             "contacts have the secant stiffness of one working force in all runs, that of the loaded ones: "
             f"{reducer.contacts.working_forces_text(reducer.design.pair_kinds)}",
-            "numerical error: what half the step changes at the design's speed (not known with --quick), of an rms "
-            "also what half the window changes; unloaded pins rattle, and a run with other rounding may end some "
-            "percent off",
+            "numerical error: change with half the time step at the design's speed (not available with --quick), of an "
+            "rms also the change with half the window; unloaded pins rattle, and a run with other rounding may differ "
+            "by some percent",
         ),
         runs={f"{one.load}_{abs(one.rpm):.0f}rpm": one.run for one in full},
         details={"band_hz": 0.5 * at_speed[0].rate, "sweep": [_row(reducer, one) for one in full]},
@@ -117,16 +119,18 @@ def vibration(
 
 
 def _signals(reducer: Reducer) -> tuple[str, ...]:
-    """List the keys of what is measured of a design."""
+    """List the keys of a design's signals."""
     return (*_SIGNALS, *(_OF_PLANES if reducer.design.gear.discs > 1 else _OF_COUNTERWEIGHT))
 
 
 def _shown(reducer: Reducer) -> tuple[str, ...]:
-    """List the keys of what spectra are drawn of."""
+    """List the keys of the signals whose spectra are drawn."""
     return (*SHOWN, *(_OF_PLANES if reducer.design.gear.discs > 1 else ()))
 
 
-def _levels(reducer: Reducer, at_speed: Sequence[Sway], checks: Mapping[str, Sway]) -> Iterator[Quantity]:
+def _levels(
+    reducer: Reducer, at_speed: Sequence[VibrationRun], checks: Mapping[str, VibrationRun]
+) -> Iterator[Quantity]:
     """Yield the levels at the design's speed; the balance of momentum is the second method for the housing's force."""
     closed, still = reducer.design.gear.eccentricity * reducer.design.drive.speed**2, float(np.hypot(*weight(reducer)))
     for one in at_speed:
@@ -135,7 +139,7 @@ def _levels(reducer: Reducer, at_speed: Sequence[Sway], checks: Mapping[str, Swa
             name, unit = _ALL[key]
             value, error = one.rms(key), _error(one, check, methodcaller("rms", key))
             error = None if error is None else max(error, abs(one.rms_of_half(key) - value))
-            reference, source = (one.rms("momentum"), "m a of gear and shaft") if key == "housing" else (None, "")
+            reference, source = (one.rms("momentum"), "m a of disc and shaft") if key == "housing" else (None, "")
             note = _NOTE if key == "housing" else ""
             words = f"rms {name} below {5e-4 * one.rate:.3g} kHz, {one.load}"
             yield Quantity(f"{key}_rms_{one.load}", words, value, unit, error, reference, source, note)
@@ -144,15 +148,19 @@ def _levels(reducer: Reducer, at_speed: Sequence[Sway], checks: Mapping[str, Swa
             words = f"share of the power of the {name} above {5e-4 * one.rate:.3g} kHz, {one.load}"
             error = _error(one, check, methodcaller("above", key))
             error = None if error is None else 1e2 * error
-            note = f"sampled at {1e-3 * one.sampled_rate:.4g} kHz; the figures hold what is below"
+            note = f"sampled at {1e-3 * one.sampled_rate:.4g} kHz; the figures include the part below"
             yield Quantity(f"{key}_above_band_{one.load}", words, 1e2 * one.above(key), "%", error, note=note)
-        words, error = f"whole acceleration of the gear's centre, {one.load}", _error(one, check, _orbit)
+        words, error = f"full acceleration of the disc's centre, {one.load}", _error(one, check, _orbit)
         yield Quantity(f"orbit_{one.load}", words, one.orbit, "m/s2", error, closed, "c omega^2")
         words, error = f"mean force on the housing, {one.load}", _error(one, check, _mean_force)
-        yield Quantity(f"mean_force_{one.load}", words, _mean_force(one), "N", error, still, "weight of what moves")
+        yield Quantity(
+            f"mean_force_{one.load}", words, _mean_force(one), "N", error, still, "weight of the moving parts"
+        )
 
 
-def _unbalance(reducer: Reducer, at_speed: Sequence[Sway], checks: Mapping[str, Sway]) -> Iterator[Quantity]:
+def _unbalance(
+    reducer: Reducer, at_speed: Sequence[VibrationRun], checks: Mapping[str, VibrationRun]
+) -> Iterator[Quantity]:
     """Yield the unbalance of gear and shaft, from the solids, and the rotating force that the first run shows."""
     unbalanced, square, single = unbalance(reducer), reducer.design.drive.speed**2, reducer.design.gear.discs == 1
     one, check = at_speed[0], checks.get(at_speed[0].load)
@@ -161,7 +169,7 @@ def _unbalance(reducer: Reducer, at_speed: Sequence[Sway], checks: Mapping[str, 
     for key, how, closed in (*bare, ("housing", balanced, unbalanced.balanced)):
         yield Quantity(
             key=f"{key}_rotating",
-            name=f"force that goes round with the crank{how}",
+            name=f"force that rotates with the crank{how}",
             value=one.rotating(key),
             unit="N",
             error=_error(one, check, methodcaller("rotating", key)),
@@ -169,26 +177,26 @@ def _unbalance(reducer: Reducer, at_speed: Sequence[Sway], checks: Mapping[str, 
             source="sum of m c omega^2",
         )
     couple = abs(unbalanced.couple) * square
-    beside = "the counterweight lies beside the gear" if single else "discs balance each other"
-    note = f"{beside}: the force is balanced, the couple is not"
+    arrangement = "the counterweight lies next to the disc" if single else "discs balance each other"
+    note = f"{arrangement}: the force is balanced, the couple is not"
     yield Quantity("unbalance", f"unbalance{without or ' of discs and cams'}", 1e6 * unbalanced.bare, "g mm")
     yield Quantity("couple", f"rocking couple{balanced}", couple, "N m", note=note)
 
 
-def _error(sway: Sway, check: Sway | None, read: Callable[[Sway], float]) -> float | None:
-    """Compute by how much half the step changes a reading."""
-    return None if check is None else abs(read(check) - read(sway))
+def _error(run: VibrationRun, check: VibrationRun | None, read: Callable[[VibrationRun], float]) -> float | None:
+    """Compute the change of a reading with half the time step; None without a check."""
+    return None if check is None else abs(read(check) - read(run))
 
 
-def _orbit(sway: Sway) -> float:
-    return sway.orbit
+def _orbit(run: VibrationRun) -> float:
+    return run.orbit
 
 
-def _mean_force(sway: Sway) -> float:
-    return float(np.hypot(*sway.mean_force))
+def _mean_force(run: VibrationRun) -> float:
+    return float(np.hypot(*run.mean_force))
 
 
-def _sweep(reducer: Reducer, levels: Sequence[Sway]) -> Iterator[Curve]:
+def _sweep(reducer: Reducer, levels: Sequence[VibrationRun]) -> Iterator[Curve]:
     """Yield the levels over speed, with the closed form of the unbalance."""
     bare = unbalance(reducer).bare
     for key in _signals(reducer):
@@ -205,7 +213,7 @@ def _sweep(reducer: Reducer, levels: Sequence[Sway]) -> Iterator[Curve]:
             yield Curve(panel, load, x, y, _RPM, f"rms [{unit}]", "points" if len(points) == 1 else "line")
 
 
-def _spectra(reducer: Reducer, at_speed: Sequence[Sway]) -> Iterator[Curve]:
+def _spectra(reducer: Reducer, at_speed: Sequence[VibrationRun]) -> Iterator[Curve]:
     """Yield the spectra at the design's speed: of vectors, the root of both components' squares."""
     for key in _shown(reducer):
         name, unit = _ALL[key]
@@ -215,7 +223,7 @@ def _spectra(reducer: Reducer, at_speed: Sequence[Sway]) -> Iterator[Curve]:
             if axes:
                 size = np.sqrt(np.sum([spectrum.amplitude**2 for spectrum in axes], axis=0))
                 low, high = (order * turns_per_second for order in axes[0].band)
-                words = f"{_HZ}, right within 1 % from {low:.0f} to {high:.0f} Hz"
+                words = f"{_HZ}, accurate to 1 % from {low:.0f} to {high:.0f} Hz"
                 frequency, panel = axes[0].order * turns_per_second, f"spectrum of the {name}"
                 yield Curve(panel, one.load, frequency, size, words, f"amplitude [{unit}]")
 
@@ -224,20 +232,20 @@ def _planes_assumption(reducer: Reducer) -> tuple[str, ...]:
     if reducer.design.gear.discs == 1:
         return ()
     return (
-        "several discs: the gear's centre is that of gear 1; each disc's forces act in its own plane, tilting moments "
+        "several discs: the disc's centre is that of disc 1; forces act in the plane of each disc, tilting moments "
         "are about the middle of all discs, and the shaft is a beam on its two bearings, without its own unbalance",
     )
 
 
-def _band_assumption(one: Sway) -> str:
+def _band_assumption(one: VibrationRun) -> str:
     return (
-        f"accelerations and forces are sampled at {1e-3 * one.sampled_rate:.4g} kHz and filtered before they are kept "
-        f"at {1e-3 * one.rate:.4g} kHz: their rms holds what is below {5e-4 * one.rate:.3g} kHz (the filter falls from "
-        f"{1e-3 * BAND * one.rate:.3g} to {1e-3 * (1.0 - BAND) * one.rate:.3g} kHz), the spectra end at "
-        f"{1e-3 * BAND * one.rate:.3g} kHz"
+        f"accelerations and forces are sampled at {1e-3 * one.sampled_rate:.4g} kHz and filtered before they are "
+        f"stored at {1e-3 * one.rate:.4g} kHz: their rms includes the part below {5e-4 * one.rate:.3g} kHz (the "
+        f"filter falls from {1e-3 * BAND * one.rate:.3g} to {1e-3 * (1.0 - BAND) * one.rate:.3g} kHz), the spectra "
+        f"end at {1e-3 * BAND * one.rate:.3g} kHz"
     )
 
 
-def _row(reducer: Reducer, sway: Sway) -> dict[str, Any]:
-    levels = {f"{key}_rms": sway.rms(key) for key in _signals(reducer)}
-    return {"speed_rpm": sway.rpm, "load": sway.load, "orbit_m_s2": sway.orbit, **levels}
+def _row(reducer: Reducer, run: VibrationRun) -> dict[str, Any]:
+    levels = {f"{key}_rms": run.rms(key) for key in _signals(reducer)}
+    return {"speed_rpm": run.rpm, "load": run.load, "orbit_m_s2": run.orbit, **levels}

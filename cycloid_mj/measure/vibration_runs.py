@@ -21,13 +21,13 @@ from cycloid_mj.dynamics.run import Model, simulate
 from cycloid_mj.dynamics.settling import slowness
 from cycloid_mj.measure.conditions import LOG_RATE
 from cycloid_mj.measure.reaction import masses, of_discs, reaction, shaft_acceleration, without_counterweight
-from cycloid_mj.measure.trace import RISE, SETTLING, pressed
+from cycloid_mj.measure.trace import RISE, SETTLING, preload_cycle
 from cycloid_mj.reducer import Reducer
 
-FASTER = 10
+OVERSAMPLING = 10
 """Samples taken for each one that is kept, or as many as there are steps."""
 
-MARGIN = 12
+END_SAMPLES = 12
 """Samples after the window, which the filter and the differences reach into."""
 
 ACCELERATIONS = ("gear_centre", "output", "momentum")
@@ -35,7 +35,7 @@ ACCELERATIONS = ("gear_centre", "output", "momentum")
 
 
 @dataclass(frozen=True, eq=False)
-class Sway:
+class VibrationRun:
     """What sways at one speed and load, over whole crank turns, up to half of the rate that it is kept at.
 
     Attributes
@@ -100,19 +100,21 @@ class Sway:
         return self.speed / RPM
 
 
-def sway(reducer: Reducer, compiled: Model, load: str, torque: float, speed: float, turns: int) -> Sway:
+def run_vibration(
+    reducer: Reducer, compiled: Model, load: str, torque: float, speed: float, turns: int
+) -> VibrationRun:
     """Run a design at a crank speed [rad/s] under a torque [N m], over some crank turns after it has settled."""
-    every = max(1, min(FASTER, int(1.0 / (LOG_RATE * compiled.timestep) + 1e-6)))
+    every = max(1, min(OVERSAMPLING, int(1.0 / (LOG_RATE * compiled.timestep) + 1e-6)))
     settling = SETTLING * slowness(reducer)
     reducer = reducer.steady(
         settling,
         turns,
-        samples=MARGIN * every,
+        samples=END_SAMPLES * every,
         drive={"speed": speed},
         load={"torque": torque, "rise": RISE},
         settings={"log_rate": every * LOG_RATE},
     )
-    run = simulate(reducer.design, compiled, pressed(reducer, compiled))
+    run = simulate(reducer.design, compiled, preload_cycle(reducer, compiled))
     step = float(np.mean(np.diff(run.time)))
     of, accelerations = masses(reducer), acceleration(series(run, settle=settling))
     orbits = [np.diff(run.block(planar_speeds(gear)[:2]), axis=0) / step for gear in gears(reducer.design.gear.discs)]
@@ -131,7 +133,7 @@ def sway(reducer: Reducer, compiled: Model, load: str, torque: float, speed: flo
     first = int(np.searchsorted(run.time[::every], settling))
     rows = slice(first, first + round(turns * 2.0 * np.pi / abs(speed) / (every * step)))
     fine = slice(every * rows.start, every * rows.stop)
-    return Sway(
+    return VibrationRun(
         load=load,
         speed=speed,
         crank=np.abs(run["crank_angle"][::every][rows]),

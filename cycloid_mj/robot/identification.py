@@ -346,7 +346,7 @@ def _efficiency_spread(reducer: Reducer) -> str:
 
     assumed = spread.inputs(reducer)
     return spread.spread_text(
-        rate(reducer), spread.moved(assumed, {end: rate(Reducer(end)) for one in assumed for end in one.ends})
+        rate(reducer), spread.pair_rates(assumed, {end: rate(Reducer(end)) for one in assumed for end in one.ends})
     )
 
 

@@ -18,7 +18,7 @@ from cycloid_mj.base.result import Table
 from cycloid_mj.comparison import StartSpread, settle_run
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.massless import massless
-from cycloid_mj.measure.brake_test import braked_run
+from cycloid_mj.measure.brake_test import run_brake_test
 from cycloid_mj.measure.steady import steady_design, whole_periods
 from cycloid_mj.reducer import Reducer
 from hsieh2014.hypothesis import acting
@@ -309,7 +309,7 @@ def torques_by_turn(design: Design, turns: int = TEST_TURNS) -> Array:
     The damping of soft contacts delays the output torque by some turns, far more than that of line contacts.
     """
     steady = massless(steady_design(Reducer(design)).working_at(design.rated_torque))
-    run = braked_run(steady, design.drive.torque, whole_periods(steady, turns * design.ring.teeth))
+    run = run_brake_test(steady, design.drive.torque, whole_periods(steady, turns * design.ring.teeth))
     return np.array([abs(float(np.mean(part))) for part in np.array_split(run["load_torque"], turns)])
 
 

@@ -9,12 +9,12 @@ from cycloid_mj.base.result import Range
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.massless import massless
 from cycloid_mj.measure.sensitivity import friction_for, with_common_friction
-from cycloid_mj.measure.spread import BEARING, TEETH
+from cycloid_mj.measure.spread import BEARING_FRICTION, TOOTH_FRICTION
 from cycloid_mj.measure.steady import steady_design, whole_periods
 from cycloid_mj.measure.torque import rated_test
 from cycloid_mj.reducer import Reducer
 
-GRID = (0.0, 0.01, 0.03, 0.06, TEETH[1])
+GRID = (0.0, 0.01, 0.03, 0.06, TOOTH_FRICTION[1])
 """Friction coefficients of the teeth for the interpolation [1]."""
 
 SEALS = 0.02
@@ -28,10 +28,22 @@ REACHED = 2e-3
 
 RANGES = (
     Range(
-        "friction.pin_gear, pin_socket, tooth", 0.0, TEETH[1], "1", "a model without friction to boundary lubrication"
+        "friction.pin_gear, pin_socket, tooth",
+        0.0,
+        TOOTH_FRICTION[1],
+        "1",
+        "a model without friction to boundary lubrication",
     ),
-    Range("friction.cam_rolling", 0.0, BEARING[1], "1", "a model without friction to needles with a cage (JTEKT)"),
-    Range("friction.output_rolling", 0.0, BEARING[1], "1", "a model without friction to needles with a cage (JTEKT)"),
+    Range(
+        "friction.cam_rolling", 0.0, BEARING_FRICTION[1], "1", "a model without friction to needles with a cage (JTEKT)"
+    ),
+    Range(
+        "friction.output_rolling",
+        0.0,
+        BEARING_FRICTION[1],
+        "1",
+        "a model without friction to needles with a cage (JTEKT)",
+    ),
     Range("drag.crank_nm", 0.0, SEALS, "N m", "none to a lip seal on the shaft (SKF)"),
 )
 """What the paper leaves open of its torque test, with the searched ranges."""
@@ -59,7 +71,7 @@ class Bearings:
 
 AS_DESIGNED = Bearings("with cam and output pins as designed", None, None)
 WITHOUT = Bearings("without friction of cam and output pins", 0.0, 0.0)
-MOST = Bearings("with the most friction of cam, output pins and seals", BEARING[1], BEARING[1], SEALS)
+MOST = Bearings("with the most friction of cam, output pins and seals", BEARING_FRICTION[1], BEARING_FRICTION[1], SEALS)
 WITHOUT_CAM = Bearings("without friction of the cam", 0.0, None)
 WITHOUT_OUTPUT = Bearings("without friction of the output pins", None, 0.0)
 SEARCHED = (AS_DESIGNED, WITHOUT, MOST)

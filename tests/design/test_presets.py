@@ -16,7 +16,7 @@ from cycloid_mj.design import PRESETS, dump, load, loads, reasons
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.measure import bench, rigid_backlash
-from cycloid_mj.measure.backlash import press
+from cycloid_mj.measure.backlash import press_to_stops
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import powers
 from cycloid_mj.validate.energy import balance
@@ -55,15 +55,15 @@ def test_values_of_a_preset_have_reasons_until_they_are_changed(tmp_path) -> Non
 @pytest.mark.slow
 def test_the_printed_drive_has_the_backlash_of_its_drawing() -> None:
     assert math.degrees(summary(Reducer(PRINTED)).backlash) == pytest.approx(PLAY, rel=0.01)
-    _, turn = rigid_backlash.over_a_turn(Reducer(PRINTED))
+    _, turn = rigid_backlash.backlash_over_turn(Reducer(PRINTED))
     assert math.degrees(turn.mean()) == pytest.approx(PLAY, rel=0.01)
 
 
 @pytest.mark.slow
 def test_the_printed_drive_is_pressed_to_its_backlash() -> None:
     angles = [float(angle) for angle in bench.crank_angles(Reducer(PRINTED), 2)]
-    found = [press(bench.ideal(Reducer(PRINTED)), angle, longer=2.0).backlash for angle in angles]
-    assert found == pytest.approx(rigid_backlash.total(Reducer(PRINTED), angles).tolist(), rel=0.005)
+    found = [press_to_stops(bench.without_friction(Reducer(PRINTED)), angle, longer=2.0).backlash for angle in angles]
+    assert found == pytest.approx(rigid_backlash.total_backlash(Reducer(PRINTED), angles).tolist(), rel=0.005)
 
 
 @pytest.fixture(scope="module")

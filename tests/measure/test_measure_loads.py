@@ -12,9 +12,9 @@ from designs import unlike
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, override
-from cycloid_mj.measure.contact_pressure import CARRIES, pressed, relative_curvature
+from cycloid_mj.measure.contact_pressure import CARRYING_SHARE, contact_pressures, relative_curvature
 from cycloid_mj.measure.loads import SHOWN, UNDECIDED, UNPRESSED, YIELD_PRESSURE, loads
-from cycloid_mj.measure.steady import steady
+from cycloid_mj.measure.steady import run_steady
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.ideal import ideal_peak
 from cycloid_mj.statics.sheet import UNLOADED
@@ -43,12 +43,12 @@ def found():
 def test_ideal_loads_are_those_of_statics() -> None:
     """F_i = T l_i / sum l^2 on the pins, their like on the output pins, and both together on the cam, within 1 %."""
     design = override(FIXED, IDEAL)
-    run = steady(Reducer(design), 0.008, 1)
-    for kind, one in pressed(run, Reducer(design)).items():
+    run = run_steady(Reducer(design), 0.008, 1)
+    for kind, one in contact_pressures(run, Reducer(design)).items():
         expected = ideal_peak(Reducer(design), kind, one.angle)
         assert one.peak_force == pytest.approx(expected, rel=0.01), kind
     spoiled = override(design, ["load.torque_nm=1.05"])
-    assert pressed(run, Reducer(design))["cam"].peak_force != pytest.approx(
+    assert contact_pressures(run, Reducer(design))["cam"].peak_force != pytest.approx(
         ideal_peak(Reducer(spoiled), "cam", run["crank_angle"]), rel=0.01
     )
 
@@ -68,7 +68,7 @@ def test_a_kind_that_nothing_presses_has_no_margin_and_decides_nothing(monkeypat
         def lifted(*args) -> dict:
             return {
                 kind: replace(one, vector=0.0 * one.vector, pressure=0.0 * one.pressure) if kind in kinds else one
-                for kind, one in pressed(*args).items()
+                for kind, one in contact_pressures(*args).items()
             }
 
         monkeypatch.setattr(import_module("cycloid_mj.measure.loads"), "pressed", lifted)
@@ -150,7 +150,7 @@ def test_contacts_that_are_drawn_carry_and_the_most_loaded_is_among_them(found) 
         drawn = [one for one in found.curves if one.panel.startswith(f"{kind}: force on") and one.style == "line"]
         assert 2 <= len(drawn) <= SHOWN
         assert max(one.y.max() for one in drawn) == found[f"{kind}_peak_force"]
-        assert all(one.y.max() > CARRIES * found[f"{kind}_peak_force"] for one in drawn)
+        assert all(one.y.max() > CARRYING_SHARE * found[f"{kind}_peak_force"] for one in drawn)
     ideal = next(one for one in found.curves if one.name == "ideal sharing")
     assert ideal.of in {one.name for one in found.curves}
     assert ideal.y.max() > 0.0

@@ -5,7 +5,7 @@ import pytest
 from designs import unlike
 
 from cycloid_mj.measure import bench, rigid_backlash
-from cycloid_mj.measure.sampled import Known, added, error_of_extreme, error_of_mean
+from cycloid_mj.measure.sampled import Known, add_errors, error_of_extreme, error_of_mean
 from cycloid_mj.reducer import Reducer
 
 TURN = np.linspace(0.0, 2.0 * np.pi, 721)
@@ -33,8 +33,8 @@ def test_of_one_value_alone_nothing_is_known():
     assert error_of_mean([1.0]) is None
     assert error_of_extreme([1.0], True) is None
     assert error_of_mean([1.0], Known(np.array([1.0]), np.array([1.0, 2.0]))) == pytest.approx(0.5)
-    assert added(1.0, None) is None
-    assert added(1.0, 2.0) == 3.0
+    assert add_errors(1.0, None) is None
+    assert add_errors(1.0, 2.0) == 3.0
 
 
 @pytest.mark.parametrize("count", [2, 3, 6, 8])
@@ -56,8 +56,8 @@ def test_backlash_at_two_angles_misses_the_turn_by_no_more_than_its_error():
     """The closed form stands for the simulation here: it differs from it by less than its scatter."""
     design = unlike("few")
     cranks = bench.crank_angles(Reducer(design), 2)
-    turn = rigid_backlash.over_a_turn(Reducer(design))[1]
-    known = Known(rigid_backlash.total(Reducer(design), cranks), turn)
+    turn = rigid_backlash.backlash_over_turn(Reducer(design))[1]
+    known = Known(rigid_backlash.total_backlash(Reducer(design), cranks), turn)
     simulated = known.sampled * (1.0 + 1e-3)
     assert abs(simulated.mean() - turn.mean()) <= error_of_mean(simulated, known) + 1.1e-3 * turn.mean()
     assert error_of_mean(simulated, known) > 1e-3 * turn.mean()
@@ -67,7 +67,7 @@ def test_a_coarse_polygon_is_near_the_fine_one():
     design = unlike("few")
     cranks = np.linspace(0.0, 6.0, 7)
     fine, coarse = (
-        rigid_backlash.total(Reducer(design), cranks),
-        rigid_backlash.total(Reducer(design), cranks, rigid_backlash.COARSE_SIDES),
+        rigid_backlash.total_backlash(Reducer(design), cranks),
+        rigid_backlash.total_backlash(Reducer(design), cranks, rigid_backlash.COARSE_SIDES),
     )
     assert np.all((coarse >= fine * (1.0 - 1e-9)) & (coarse < fine * (1.0 + 1.6e-4)))

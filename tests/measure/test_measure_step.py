@@ -15,7 +15,7 @@ from cycloid_mj.dynamics.regime import lowest_log_rate
 from cycloid_mj.dynamics.settling import swing_period
 from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.measure import bench, hysteresis
-from cycloid_mj.measure.steady import REMEDY, steady, steady_design
+from cycloid_mj.measure.steady import REMEDY, run_steady, steady_design
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.friction_path import Losses, course_along
 
@@ -25,7 +25,9 @@ CRANK = float(bench.crank_angles(Reducer(TEETH21), 2)[1])
 
 def test_held_pins_take_a_longer_step_than_sliding_ones_but_not_any_step():
     rated = TEETH21.rated_torque
-    held, sliding = (bench.step(one, rated, "mujoco") for one in (Reducer(TEETH21), bench.ideal(Reducer(TEETH21))))
+    held, sliding = (
+        bench.step(one, rated, "mujoco") for one in (Reducer(TEETH21), bench.without_friction(Reducer(TEETH21)))
+    )
     # the least force that friction holds is none: no limit but the longest
     assert sliding < held < bench.LONGEST_STEP
     assert bench.step(Reducer(TEETH21), 4.0 * rated, "mujoco") < held
@@ -71,7 +73,7 @@ def test_a_run_that_goes_wrong_is_made_again_at_half_the_step_and_names_it():
     period = hysteresis.slow_period(Reducer(TEETH21), rated)
     finer = bench.step(Reducer(TEETH21), rated, "mujoco") / 16e-6
     torque, duration = hysteresis.signal(rated, period), 0.3 * period
-    too_long = bench.benched(Reducer(TEETH21), rated, duration, 100, finer, "mujoco")
+    too_long = bench.prepare_bench(Reducer(TEETH21), rated, duration, 100, finer, "mujoco")
     with pytest.raises(RunError, match="penetrates by"):
         bench.locked_run(too_long, CRANK, torque, "mujoco")
     run = bench.run_to_the_end(Reducer(TEETH21), CRANK, torque, rated, duration, 100, finer, "mujoco")
@@ -107,7 +109,7 @@ def test_runs_of_measures_are_logged_densely_enough_at_any_speed() -> None:
     fast = Reducer(override(PRESETS["pin"], ['ring.pins="fixed"', "drive.speed_rpm=12000"]))
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        run = steady(steady_design(fast), 1e-3, 4)
+        run = run_steady(steady_design(fast), 1e-3, 4)
     assert not [str(one.message) for one in caught if "log_rate_hz" in str(one.message)]
     rate = 1.0 / float(np.mean(np.diff(run.time)))
     assert rate >= 0.99 * min(lowest_log_rate(fast), 1.0 / timestep(fast))
@@ -118,7 +120,7 @@ def test_runs_of_measures_are_logged_densely_enough_at_any_speed() -> None:
 def test_the_remedy_of_an_open_balance_is_valid_for_a_measure() -> None:
     """A measure takes no drive.hold_s: its warning names the log rate, which it does take."""
     reducer = Reducer(override(PRESETS["pin"], ['ring.pins="fixed"', "load.torque_nm=30"]))
-    run = steady(steady_design(reducer), 0.01, 8)
+    run = run_steady(steady_design(reducer), 0.01, 8)
     spoiled = replace(run, columns={**run.columns, "load_torque": 1.5 * run["load_torque"]})
     said = balance_warnings(spoiled, reducer, REMEDY)
     assert said

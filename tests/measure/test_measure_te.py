@@ -14,7 +14,7 @@ from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.geometry.ideal_loads import ideal_load_sharing
 from cycloid_mj.measure.orders import Cause, causes
 from cycloid_mj.measure.te import te
-from cycloid_mj.measure.trace import TraceCondition, trace
+from cycloid_mj.measure.trace import TraceCondition, run_trace
 from cycloid_mj.measure.vibration import vibration
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
@@ -118,7 +118,7 @@ def test_one_pin_in_error_shows_as_its_displacement_over_its_arm() -> None:
     """Cam and output pins are without play, so the pin in the way stops the gear alone: n . d / l."""
     tight = ["clearance.cam_um=0.01", "clearance.output_um=0.01", "clearance.pin_gear_um=8.0"]
     design = fixed(*tight, "errors.pin_y_um={1=-5.0}")
-    found = trace(Reducer(design), build(design), 1.0, TraceCondition("unloaded", "forward", "slow", 0.1, 30.0))
+    found = run_trace(Reducer(design), build(design), 1.0, TraceCondition("unloaded", "forward", "slow", 0.1, 30.0))
     rigid = ARCSECONDS * kinematic_error(design, found.crank)
     assert np.ptp(found.gear) == pytest.approx(np.ptp(rigid), rel=0.05)
     assert np.std(found.gear) == pytest.approx(np.std(rigid), rel=0.05)
@@ -137,7 +137,7 @@ def test_no_error_no_load_and_no_clearance_leave_no_transmission_error(name: str
     """Weight is a load: the gear's, which goes round in its frame, winds it up by 0.05 arcsec once a turn."""
     pins = ['ring.pins="fixed"'] if name == "pin" else []
     design = Reducer(override(PRESETS[name], [*pins, *CLOSED, "environment.gravity_y_m_s2=0"])).at_rated_load
-    found = trace(
+    found = run_trace(
         design,
         build(design.design),
         1.0,

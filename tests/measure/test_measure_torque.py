@@ -19,9 +19,9 @@ from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.measure import MEASURES, sensitivity, steady
 from cycloid_mj.measure.back_driving import BreakAway, FromRest, break_away
-from cycloid_mj.measure.brake_test import braked_run
+from cycloid_mj.measure.brake_test import run_brake_test
 from cycloid_mj.measure.closed_form import ideal_efficiency, wang_efficiency
-from cycloid_mj.measure.conditions import LOG_RATE, halved
+from cycloid_mj.measure.conditions import LOG_RATE, halve_time_step
 from cycloid_mj.measure.efficiency_map import backward, forward, run_map
 from cycloid_mj.measure.steady import steady_design, whole_periods
 from cycloid_mj.measure.torque import held_efficiency, rated_test
@@ -108,14 +108,16 @@ def test_the_chosen_step_gives_the_figures_of_a_short_one(kind):
 
 
 def test_half_the_step_is_half_of_the_chosen_or_the_given_one():
-    assert timestep(halved(Reducer(FIXED), "mujoco")) == 5e-6
-    assert timestep(halved(Reducer(override(FIXED, ["settings.timestep_us=3.0"])), "planar")) == pytest.approx(1.5e-6)
+    assert timestep(halve_time_step(Reducer(FIXED), "mujoco")) == 5e-6
+    assert timestep(halve_time_step(Reducer(override(FIXED, ["settings.timestep_us=3.0"])), "planar")) == pytest.approx(
+        1.5e-6
+    )
 
 
 def test_window_holds_whole_periods_of_the_output_pins():
     count = whole_periods(Reducer(FIXED), 12)
     assert count == 13
-    assert abs(count * 8 / 35 - 3) <= steady.NEAR_WHOLE
+    assert abs(count * 8 / 35 - 3) <= steady.PERIOD_TOLERANCE
     assert whole_periods(Reducer(FIXED), 35) == 35
 
 
@@ -160,7 +162,7 @@ def test_pins_that_turn_take_the_easier_way():
 
 def test_output_drives_against_the_crank():
     design = steady_design(Reducer(FIXED))
-    found = mean_powers(braked_run(design, -design.design.drive.torque, 13))
+    found = mean_powers(run_brake_test(design, -design.design.drive.torque, 13))
     assert found.output > 0.0 > found.crank
     # losses alike both ways, to the second order of the loss
     ahead = held_efficiency(design, 36.68, PERIODS)
@@ -268,7 +270,7 @@ def test_map_is_that_of_the_points_asked_for(efficiency):
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (["torque", "pin", "--design", "pin"], "two of the designs are called 'pin'"),
+        (["torque", "pin", "--design", "pin"], "two designs have the name 'pin'"),
         (["torque", "nopin"], "nopin"),
         (["efficiency", "--load-nm", "0"], "must be more than 0"),
         (["efficiency", "--speed-rpm", "1e9"], "--speed-rpm"),

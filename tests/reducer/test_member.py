@@ -18,11 +18,11 @@ from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.geometry.kinematics import point_path
 from cycloid_mj.geometry.modification import tooth_profile
 from cycloid_mj.measure import bench, hysteresis, rigid_backlash
-from cycloid_mj.measure.backlash import press
+from cycloid_mj.measure.backlash import press_to_stops
 from cycloid_mj.measure.closed_form import ideal_efficiency
 from cycloid_mj.measure.orders import causes
 from cycloid_mj.measure.te_table import quantities
-from cycloid_mj.measure.trace import ErrorCurves, TraceCondition, trace
+from cycloid_mj.measure.trace import ErrorCurves, TraceCondition, run_trace
 from cycloid_mj.parts import body_solids, mass_properties, turning_inertia
 from cycloid_mj.reducer import Reducer, member
 from cycloid_mj.reducer.limits import best_fit, stops
@@ -241,7 +241,7 @@ def test_structural_twist_rotates_the_output_only(turning: str) -> None:
     assert found[1].gear_turn == pytest.approx(found[0].gear_turn, rel=1e-9)
     for way, sign in (("forward", 1.0), ("reverse", -1.0)):
         case = TraceCondition("loaded", way, "speed", torque, sign * stiff.drive.speed)
-        first, second = (trace(Reducer(one), build(one), 0.02, case) for one in (stiff, soft))
+        first, second = (run_trace(Reducer(one), build(one), 0.02, case) for one in (stiff, soft))
         twist = sign * Reducer(stiff).member.sense * more * torque * ARCSECONDS
         assert second.output - first.output == pytest.approx(np.full(first.output.size, twist), rel=1e-3)
         assert second.gear == pytest.approx(first.gear, rel=1e-4)
@@ -253,15 +253,18 @@ def test_structural_twist_rotates_the_output_only(turning: str) -> None:
 
 
 def test_backlash_at_the_ring_is_measured_as_the_programme_has_it(at_the_ring) -> None:
-    found, known = press(bench.ideal(Reducer(at_the_ring)), 0.7, longer=4.0).backlash, stops(Reducer(at_the_ring), 0.7)
+    found, known = (
+        press_to_stops(bench.without_friction(Reducer(at_the_ring)), 0.7, longer=4.0).backlash,
+        stops(Reducer(at_the_ring), 0.7),
+    )
     assert found == pytest.approx(known[1] - known[0], rel=0.005)
-    parts = rigid_backlash.parts_alone(Reducer(at_the_ring), 0.7)
+    parts = rigid_backlash.backlash_of_each(Reducer(at_the_ring), 0.7)
     gear, clearance = at_the_ring.gear, at_the_ring.clearance
     assert parts["cam"] == pytest.approx(2.0 * clearance.cam / (gear.eccentricity * at_the_ring.ring.teeth))
 
 
 def test_the_loop_at_the_ring_has_the_slope_of_statics(at_the_ring) -> None:
-    level = bench.ideal(Reducer(at_the_ring)).working_at(at_the_ring.rated_torque)
+    level = bench.without_friction(Reducer(at_the_ring)).working_at(at_the_ring.rated_torque)
     rated = level.design.rated_torque
     loop = hysteresis.loop(level, 0.7, rated, hysteresis.slow_period(level, rated), 1.0)
     known = windups(level, [0.7], rated)[0]
@@ -278,7 +281,7 @@ def test_the_transmission_error_of_the_ring_is_that_of_statics(at_the_ring) -> N
     free = slow.but(friction=FREE_OF_LOSSES["friction"])
     compiled = build(free.but(load={"torque": case.torque}))
     periods, loaded = 3 / Reducer(slow).mesh_periods, Reducer(free.but(contact={"working_load": case.torque}))
-    found = trace(loaded, compiled, periods, case)
+    found = run_trace(loaded, compiled, periods, case)
     solved = transmission_error(loaded, found.crank, case.torque)
     theory = ARCSECONDS * Reducer(free).member.sense * solved
     assert found.gear == pytest.approx(theory[:, 0], abs=0.02 * np.abs(theory[:, 0]).max())

@@ -115,7 +115,7 @@ def test_joint_parameters_match_the_full_model(told: dict) -> None:
     found = sheet(Reducer(design)).quantities
     assert told["ratio"]["value"] == design.lobes
     assert told["backlash_arcmin"]["value"] == pytest.approx(
-        rigid_backlash.over_a_turn(Reducer(design))[1].mean() / ARCMINUTE, rel=0.002
+        rigid_backlash.backlash_over_turn(Reducer(design))[1].mean() / ARCMINUTE, rel=0.002
     )
     assert told["backlash_arcmin"]["value"] == pytest.approx(found["backlash"].value, rel=0.002)
     assert told["stiffness_nm_per_arcmin"]["value"] == pytest.approx(found["stiffness_ideal"].value, rel=0.01)
@@ -275,7 +275,7 @@ def test_the_joint_of_a_printed_drive_holds_whatever_its_play(um: float, tmp_pat
     design = cm.load("p15.toml").but(clearance=dict.fromkeys(("pin_gear", "cam", "output"), um * 1e-6))
     reduced = cm.reduce(design)
     found = compare_with_full_model(Reducer(design), reduced)
-    by_gaps = rigid_backlash.over_a_turn(Reducer(design))[1].mean()
+    by_gaps = rigid_backlash.backlash_over_turn(Reducer(design))[1].mean()
     assert reduced.backlash == pytest.approx(by_gaps, rel=0.02)
     assert found.missed == []
 
@@ -355,7 +355,7 @@ def test_other_designs_hold_too(name: str) -> None:
     the losses of light loads bend."""
     design, reduced = unlike(name), joint_of(name)
     assert compare_with_full_model(Reducer(design), reduced).missed == []
-    assert reduced.backlash == pytest.approx(rigid_backlash.over_a_turn(Reducer(design))[1].mean(), rel=0.005)
+    assert reduced.backlash == pytest.approx(rigid_backlash.backlash_over_turn(Reducer(design))[1].mean(), rel=0.005)
     if name == "printed":
         assert reduced.quantities["back_driving_efficiency"].value == 0.0
         assert "self-locking" in reduced.quantities["back_driving_efficiency"].note

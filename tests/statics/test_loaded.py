@@ -107,7 +107,9 @@ def test_under_next_to_no_load_the_output_turns_by_its_backlash(name):
     )
     # Limits are linear in the clearances, the balance follows the curves; exact gaps lie between, 0.4 % from either.
     wide = {"printed": 1.2e-2, "few": 2e-3}
-    assert width == pytest.approx(rigid_backlash.total(Reducer(design), springs.crank), rel=wide.get(name, 1e-3))
+    assert width == pytest.approx(
+        rigid_backlash.total_backlash(Reducer(design), springs.crank), rel=wide.get(name, 1e-3)
+    )
 
 
 @pytest.mark.parametrize("name", DESIGNS)

@@ -345,11 +345,11 @@ def test_hertz_pressure_of_the_loads_is_that_of_statics():
 
 def test_the_cam_has_one_answer_here_and_in_measure_loads():
     """Its most loaded roller: 719 MPa at 1402 N, not 5.7 MPa of a force smeared over 120 deg."""
-    from cycloid_mj.measure.contact_pressure import pressed
+    from cycloid_mj.measure.contact_pressure import contact_pressures
 
     run = made_run(PIN, scale=0.0)
     loads = part_loads(run, Reducer(PIN), "shaft", QUARTERS)
-    measured = pressed(run, Reducer(PIN))["cam"]
+    measured = contact_pressures(run, Reducer(PIN))["cam"]
     found = line_stress(loads, Reducer(PIN)).peak_pressure[:, 0]
     assert found == pytest.approx(measured.pressure[turn(run, Reducer(PIN), QUARTERS).rows, 0], rel=1e-12)
     roller = 15e-3 * np.sin(np.pi / 20)
@@ -362,14 +362,14 @@ def test_the_cam_has_one_answer_here_and_in_measure_loads():
 
 def test_a_conformal_contact_has_no_hertz_figure():
     """A plain cam with a micrometre of play has none, on shaft, in gear, or in `measure loads`; one with 1 mm does."""
-    from cycloid_mj.measure.contact_pressure import pressed
+    from cycloid_mj.measure.contact_pressure import contact_pressures
 
     for changes, conformal in (([], True), (["clearance.cam_um=1000.0", "clearance.output_um=500.0"], False)):
         design = override(PIN, ['gear.bearing="plain"', *changes])
         run = made_run(design, scale=0.0)
         found = line_stress(part_loads(run, Reducer(design), "shaft", QUARTERS), Reducer(design))
         assert np.isnan(found.peak_pressure).all() == conformal
-        assert np.isnan(pressed(run, Reducer(design))["cam"].peak_pressure) == conformal
+        assert np.isnan(contact_pressures(run, Reducer(design))["cam"].peak_pressure) == conformal
 
 
 # The paper's claims, from findings made by hand
