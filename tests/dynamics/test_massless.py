@@ -157,7 +157,7 @@ def test_what_a_measure_takes_from_massless_pins_it_says(monkeypatch):
         seen.append(reducer.design.ring.pins)
         raise StopIteration
 
-    monkeypatch.setattr(efficiency_map, "steady", steady_run)
+    monkeypatch.setattr(efficiency_map, "run_steady", steady_run)
     monkeypatch.setattr(efficiency_map, "break_away", lambda reducer, solver: SimpleNamespace(locked=True))
 
     def tried(tasks, progress):
