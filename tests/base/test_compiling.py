@@ -79,7 +79,7 @@ def test_it_is_said_of_planar_steps_and_of_code_for_c(capsys, caplog, monkeypatc
         njit(lambda x: x)(1)
         raise DesignError("enough")
 
-    monkeypatch.setattr("cycloid_mj.dynamics.planar.stepper._compiled", lambda: advance)
+    monkeypatch.setattr("cycloid_mj.dynamics.planar.stepper._compile_steps", lambda: advance)
     assert main([*RUN, "--solver", "planar", "--out", str(tmp_path)]) == 1
     assert capsys.readouterr().err.count("compiling the contact code") == 1
     monkeypatch.setattr(compile_cache, "_said", set())

@@ -1,14 +1,15 @@
-"""The equations of a step: the implicit midpoint rule, linear in the speeds but for what each contact does.
+"""One time step of the planar solver: implicit midpoint rule, solved by a semismooth Newton method.
 
-With the speeds v in the middle of a step h, v0 at its start and the force f in its middle,
+With the speeds v at the midpoint of a step h, v0 at its start and the force f at the midpoint,
 
     2 M/h (v - v0) = f(q0 + h/2 v, v)
 
-Contacts are those of a pose near the middle, and their forces are linear about it: a normal force N - S n v that never
-pulls, friction -creep t v up to Coulomb's limit, and what the normal turns by as round parts roll in each other. Which
-of them press, creep or slide is changed until none changes (a semismooth Newton method). Moving pins meet no other pin:
-each is eliminated by itself (Schur), which leaves discs, output and crank. Where a step is too long for what they do in
-their play, their M/h (v - v0) takes the place of the left side: implicit Euler, which damps that.
+Contacts are searched at a predicted midpoint, and their forces are linear about it: a normal force N - S n v that never
+pulls, friction -creep t v up to the Coulomb limit, and a geometric stiffness from the rotation of the normal as round
+bodies roll in each other. The states of the contacts (open, sticking, sliding) change until none changes. Pins do not
+touch each other: the block of each pin is condensed (Schur complement), which leaves discs, output and crank. If a step
+is too long for the motion of pins within their clearance, the left side of pins is M/h (v - v0), implicit Euler, which
+damps this motion.
 """
 
 import math
@@ -23,79 +24,78 @@ from cycloid_mj.dynamics.planar.contacts import (
     SLIDES_BACK,
     STICKS,
     Contacts,
+    friction_state,
     njit,
     rolling,
-    rubbing_state,
     speeds,
 )
 from cycloid_mj.dynamics.planar.system import System
 from cycloid_mj.dynamics.planar.timestep import MAX_ITERATIONS
 from cycloid_mj.statics.kernel.newton import solve as gauss
 
-COUPLED_ROUNDS = 25
-"""Rounds in which sliding friction follows its normal force; from then on it is that of the force of the round before.
+COUPLED_ITERATIONS = 25
+"""Iterations in which sliding friction follows the current normal force; later ones use that of the last iteration.
 
-Between two contacts that are wedged, friction and normal force may raise each other: what slides would stick, and what
-sticks would slide. With friction as it was, the law of all is a P-matrix.
+In a wedge friction and normal force may raise each other, so that states alternate. With given friction (a Tresca
+problem) the contact law has a P-matrix, and pivoting ends.
 """
 
-LIKE = 1e-6
-"""Share of the largest normal force by which friction of the round before may miss its limit at the end."""
+FRICTION_RTOL = 1e-6
+"""Largest change of a sliding contact's normal force in the last Tresca iteration, over the largest normal force."""
 
-AT_ONCE_ROUNDS = 6
-"""Rounds in which all contacts without a moving pin change that ask for it; from then on it is the first of them alone.
+BLOCK_ITERATIONS = 6
+"""Iterations in which every contact without a moving pin may change its state; later ones change the first one only.
 
-Contacts may change each other for ever. One at a time they come to an end, where the law of all is a P-matrix (Murty,
-Note on a Bard-type scheme for solving the complementarity problem, 1974). The two of a moving pin, gear and seat, do so
-at once, as it is light: of each pin the first alone changes in every round. Pins meet each other by way of the discs
-alone, which are heavy, so that all of them change in the rounds that one takes.
+Block pivoting may cycle. Changing one contact at a time ends if the contact law has a P-matrix (Murty, Note on a
+Bard-type scheme for solving the complementarity problem, 1974). Of the two contacts of a moving pin the first one
+changes in every iteration; pins interact through the heavy discs only, so they may all change at once.
 """
-
 
 Nine = tuple[float, float, float, float, float, float, float, float, float]
 """A matrix of shape (3, 3), row by row."""
 
 
 class Equations(NamedTuple):
-    """Room for the equations of a step with n unknowns but pins, and N pins.
+    """Working memory of a step with N pins and n other unknowns.
 
     Attributes
     ----------
     matrix, right
-        Of the unknowns but pins, shapes (n, n), (n,).
+        Equations of the other unknowns, shapes (n, n), (n,).
     pins, pins_right
-        Of each pin, one after the other, shapes (3 N, 3), (3 N,).
-    by_pin, of_pin
-        What each pin adds to the equations of the others, and the others to its own, shapes (n N, 3), (3 N, n).
+        Diagonal blocks and right sides of the pins, shapes (3 N, 3), (3 N,).
+    pin_columns, pin_rows
+        Coupling blocks: columns of each pin in the other equations, and rows of the others in its own, shapes (n N, 3),
+        (3 N, n).
     coupled
-        Whether a pin meets anything that moves, shape (N,).
+        Whether a pin touches a body that moves, shape (N,).
     settled
-        Whether no contact of a pin has changed in this round, shape (N,).
+        Whether no contact of a pin has changed in this iteration, shape (N,).
     shaft_state
-        Of the drags of output and crank, as of contacts, shape (2,).
+        States of the drags of output and crank, as those of contacts, shape (2,).
     """
 
     matrix: Array
     right: Array
     pins: Array
     pins_right: Array
-    by_pin: Array
-    of_pin: Array
+    pin_columns: Array
+    pin_rows: Array
     coupled: Integers
     settled: Integers
     shaft_state: Integers
 
 
-def room_for_equations(system: System) -> Equations:
-    """Make room for the equations of a reducer."""
+def allocate_equations(system: System) -> Equations:
+    """Return the working memory for a reducer."""
     size, pins = len(system.inertia), len(system.place) * system.free
     return Equations(
         matrix=np.zeros((size, size)),
         right=np.zeros(size),
         pins=np.zeros((3 * pins, 3)),
         pins_right=np.zeros(3 * pins),
-        by_pin=np.zeros((size * pins, 3)),
-        of_pin=np.zeros((3 * pins, size)),
+        pin_columns=np.zeros((size * pins, 3)),
+        pin_rows=np.zeros((3 * pins, size)),
         coupled=np.zeros(pins, dtype=np.int64),
         settled=np.zeros(pins, dtype=np.int64),
         shaft_state=np.full(2, STICKS),
@@ -110,29 +110,39 @@ def solve(
     equations: Equations,
     q0: Array,
     v0: Array,
-    near: Array,
+    predicted: Array,
     command: Array,
     step: float,
     pin_span: float,
     v: Array,
 ) -> int:
-    """Solve a step [s] from the pose q0 at speeds v0 for the speeds v in its middle, with `count` contacts near `near`.
+    """Solve a step [s] from pose q0 and speeds v0 for the midpoint speeds, which are written to v.
 
-    `command` is that of output and crank, an angle [rad] or a torque [N m]; in the time `pin_span` [s] forces bring
-    pins from v0 to v: half a step, or by implicit Euler a whole one. Returns the number of rounds, one more than
-    `MAX_ITERATIONS` where contacts still change.
+    Parameters
+    ----------
+    contacts, count
+        Contacts, and their number, found at the `predicted` midpoint speeds.
+    command
+        Of output and crank: an angle [rad] or a torque [N m].
+    pin_span
+        Time [s] in which forces accelerate pins from v0 to v: half a step, or a full step by implicit Euler.
+
+    Returns
+    -------
+    int
+        Number of Newton iterations; `MAX_ITERATIONS` + 1 if contact states still changed in the last one.
     """
-    for rounds in range(1, MAX_ITERATIONS + 1):
-        at_once, coupled = rounds <= AT_ONCE_ROUNDS, rounds <= COUPLED_ROUNDS
-        _assemble(system, contacts, count, equations, q0, v0, near, command, step, pin_span, coupled)
-        _eliminate(system, equations)
+    for iterations in range(1, MAX_ITERATIONS + 1):
+        all_change, coupled = iterations <= BLOCK_ITERATIONS, iterations <= COUPLED_ITERATIONS
+        _assemble(system, contacts, count, equations, q0, v0, predicted, command, step, pin_span, coupled)
+        _condense_pins(system, equations)
         gauss(equations.matrix, equations.right, equations.right, 0.0)
         size = len(equations.right)
         for i in range(size):
             v[i] = equations.right[i]
-        _substitute(equations, v)
-        if not _changes(system, contacts, count, equations, near, v, 0.5 * step, at_once, coupled):
-            return rounds
+        _recover_pins(equations, v)
+        if not _update_states(system, contacts, count, equations, predicted, v, 0.5 * step, all_change, coupled):
+            return iterations
     return MAX_ITERATIONS + 1
 
 
@@ -144,12 +154,13 @@ def _assemble(
     equations: Equations,
     q0: Array,
     v0: Array,
-    near: Array,
+    predicted: Array,
     command: Array,
     step: float,
     pin_span: float,
     coupled_friction: bool,
 ) -> None:
+    """Assemble the linear equations of an iteration: inertia, gravity, servos, drags and contacts."""
     matrix, right = equations.matrix, equations.right
     pins, pins_right = equations.pins, equations.pins_right
     size, half = len(right), 0.5 * step
@@ -166,7 +177,7 @@ def _assemble(
         i = size - 2 + shaft
         mx, my = system.unbalance[shaft, 0], system.unbalance[shaft, 1]
         if mx != 0.0 or my != 0.0:
-            turn = q0[i] + half * near[i]
+            turn = q0[i] + half * predicted[i]
             s, c = math.sin(turn), math.cos(turn)
             right[i] += (c * mx - s * my) * gy - (s * mx + c * my) * gx
         stiffness, damping = system.servo[shaft, 0], system.servo[shaft, 1]
@@ -178,7 +189,7 @@ def _assemble(
                 matrix[i, i] += system.drag[shaft, 1]
             else:
                 right[i] -= limit if equations.shaft_state[shaft] == SLIDES else -limit
-    coupled, by_pin, of_pin = equations.coupled, equations.by_pin, equations.of_pin
+    coupled, pin_columns, pin_rows = equations.coupled, equations.pin_columns, equations.pin_rows
     mass, inertia = system.pin[0], system.pin[1]
     for i in range(len(coupled)):
         own, first = size + 3 * i, 3 * i
@@ -192,151 +203,174 @@ def _assemble(
         if coupled[i]:
             for m in range(3):
                 for k in range(size):
-                    by_pin[size * i + k, m] = 0.0
-                    of_pin[first + m, k] = 0.0
+                    pin_columns[size * i + k, m] = 0.0
+                    pin_rows[first + m, k] = 0.0
             coupled[i] = 0
-    _add_contacts(contacts, count, equations, near, coupled_friction)
+    _add_contacts(contacts, count, equations, predicted, coupled_friction)
 
 
-class Side(NamedTuple):
-    """Three unknowns of a part in a contact.
+class LeverArms(NamedTuple):
+    """Effect of a contact on the three unknowns of a body, and of these on the contact.
 
     Attributes
     ----------
     pushed
-        Force on them per force along the normal, with the friction that goes with it where the contact slides.
-    normal, tangent, middle
-        How they move it along normal and tangent, and the middle of a round surface along the tangent.
+        Generalised force per normal force, with the friction of a sliding contact.
+    normal, tangent, midpoint
+        Motion of the contact point along normal and tangent, and of the centre of a round surface along the tangent,
+        per speed of each unknown.
     """
 
     pushed: tuple[float, float, float]
     normal: tuple[float, float, float]
     tangent: tuple[float, float, float]
-    middle: tuple[float, float, float]
+    midpoint: tuple[float, float, float]
 
 
 @njit
-def _side(sign: float, nx: float, ny: float, normal: float, tangent: float, middle: float, sliding: float) -> Side:
+def _lever_arms(
+    sign: float, nx: float, ny: float, normal: float, tangent: float, midpoint: float, sliding: float
+) -> LeverArms:
     along, aside = (sign * nx, sign * ny, sign * normal), (-sign * ny, sign * nx, sign * tangent)
     pushed = (along[0] - sliding * aside[0], along[1] - sliding * aside[1], along[2] - sliding * aside[2])
-    return Side(pushed, along, aside, (aside[0], aside[1], sign * middle))
+    return LeverArms(pushed, along, aside, (aside[0], aside[1], sign * midpoint))
 
 
 @njit
-def _add_contacts(contacts: Contacts, count: int, equations: Equations, near: Array, coupled_friction: bool) -> None:
-    """Add the forces of the contacts that press to the equations of the parts that they are on.
+def _add_contacts(
+    contacts: Contacts, count: int, equations: Equations, predicted: Array, coupled_friction: bool
+) -> None:
+    """Add the forces of closed contacts to the equations of their bodies.
 
-    Where friction is not coupled to the normal force, it is that of the `pressing` of the round before.
+    If friction is not coupled to the normal force, it follows the `normal_force` of the previous iteration.
     """
     matrix, right, pins, pins_right = equations.matrix, equations.right, equations.pins, equations.pins_right
-    by_pin, of_pin, coupled = equations.by_pin, equations.of_pin, equations.coupled
+    pin_columns, pin_rows, coupled = equations.pin_columns, equations.pin_rows, equations.coupled
     size = len(right)
     for k in range(count):
         contact = contacts[k]
         if contact.state == OPEN:
             continue
-        nx, ny, slope, bowl = contact.nx, contact.ny, contact.slope, contact.bowl * contact.pressing
-        creep, sliding, dragging = contact.creep, 0.0, 0.0
+        nx, ny, slope, geometric_stiffness = (
+            contact.nx,
+            contact.ny,
+            contact.slope,
+            contact.geometric_stiffness * contact.normal_force,
+        )
+        creep, sliding, given_friction = contact.creep, 0.0, 0.0
         if contact.state != STICKS:
             creep, sliding = 0.0, contact.friction if contact.state == SLIDES else -contact.friction
             if not coupled_friction:
-                sliding, dragging = 0.0, sliding * contact.pressing
-        force, rolled = contact.force, bowl * rolling(contact, near)
+                sliding, given_friction = 0.0, sliding * contact.normal_force
+        force, rolling_force = contact.force, geometric_stiffness * rolling(contact, predicted)
         disc, own, shaft = contact.disc, contact.pin, contact.shaft
         pin = 3 * ((own - size) // 3)
         of_shaft = contact.shaft_normal - sliding * contact.shaft_tangent
         if disc >= 0:
-            side = _side(1.0, nx, ny, contact.disc_normal, contact.disc_tangent, contact.disc_middle, sliding)
-            _add_block(matrix, disc, disc, side, side, slope, creep, bowl)
+            side = _lever_arms(1.0, nx, ny, contact.disc_normal, contact.disc_tangent, contact.disc_centre, sliding)
+            _add_block(matrix, disc, disc, side, side, slope, creep, geometric_stiffness)
             for a in range(3):
-                right[disc + a] += force * side.pushed[a] + rolled * side.middle[a] - dragging * side.tangent[a]
+                right[disc + a] += (
+                    force * side.pushed[a] + rolling_force * side.midpoint[a] - given_friction * side.tangent[a]
+                )
             if shaft >= 0:
                 for a in range(3):
-                    by_slip, by_roll = creep * side.tangent[a], bowl * side.middle[a]
+                    by_slip, by_roll = creep * side.tangent[a], geometric_stiffness * side.midpoint[a]
                     matrix[disc + a, shaft] += (
                         slope * side.pushed[a] * contact.shaft_normal
                         + by_slip * contact.shaft_tangent
-                        + by_roll * contact.shaft_middle
+                        + by_roll * contact.shaft_centre
                     )
                     matrix[shaft, disc + a] += (
                         slope * of_shaft * side.normal[a]
                         + by_slip * contact.shaft_tangent
-                        + by_roll * contact.shaft_middle
+                        + by_roll * contact.shaft_centre
                     )
             if own >= 0:
-                other = _side(-1.0, nx, ny, contact.pin_normal, contact.pin_tangent, 0.0, sliding)
+                other = _lever_arms(-1.0, nx, ny, contact.pin_normal, contact.pin_tangent, 0.0, sliding)
                 coupled[pin // 3] = 1
-                _add_block(of_pin, pin, disc, other, side, slope, creep, bowl)
-                _add_block(by_pin, size * (pin // 3) + disc, 0, side, other, slope, creep, bowl)
+                _add_block(pin_rows, pin, disc, other, side, slope, creep, geometric_stiffness)
+                _add_block(pin_columns, size * (pin // 3) + disc, 0, side, other, slope, creep, geometric_stiffness)
         if own >= 0:
-            side = _side(contact.side, nx, ny, contact.pin_normal, contact.pin_tangent, 0.0, sliding)
-            _add_block(pins, pin, 0, side, side, slope, creep, bowl)
+            side = _lever_arms(contact.side, nx, ny, contact.pin_normal, contact.pin_tangent, 0.0, sliding)
+            _add_block(pins, pin, 0, side, side, slope, creep, geometric_stiffness)
             for a in range(3):
-                pins_right[pin + a] += force * side.pushed[a] + rolled * side.middle[a] - dragging * side.tangent[a]
+                pins_right[pin + a] += (
+                    force * side.pushed[a] + rolling_force * side.midpoint[a] - given_friction * side.tangent[a]
+                )
             if shaft >= 0:
                 coupled[pin // 3] = 1
                 for a in range(3):
-                    by_slip, by_roll = creep * side.tangent[a], bowl * side.middle[a]
-                    by_pin[size * (pin // 3) + shaft, a] += (
+                    by_slip, by_roll = creep * side.tangent[a], geometric_stiffness * side.midpoint[a]
+                    pin_columns[size * (pin // 3) + shaft, a] += (
                         slope * of_shaft * side.normal[a]
                         + by_slip * contact.shaft_tangent
-                        + by_roll * contact.shaft_middle
+                        + by_roll * contact.shaft_centre
                     )
-                    of_pin[pin + a, shaft] += (
+                    pin_rows[pin + a, shaft] += (
                         slope * side.pushed[a] * contact.shaft_normal
                         + by_slip * contact.shaft_tangent
-                        + by_roll * contact.shaft_middle
+                        + by_roll * contact.shaft_centre
                     )
         if shaft >= 0:
-            right[shaft] += force * of_shaft + rolled * contact.shaft_middle - dragging * contact.shaft_tangent
+            right[shaft] += (
+                force * of_shaft + rolling_force * contact.shaft_centre - given_friction * contact.shaft_tangent
+            )
             matrix[shaft, shaft] += (
                 slope * of_shaft * contact.shaft_normal
                 + creep * contact.shaft_tangent**2
-                + bowl * contact.shaft_middle**2
+                + geometric_stiffness * contact.shaft_centre**2
             )
 
 
 @njit
 def _add_block(
-    target: Array, row: int, column: int, on: Side, by: Side, slope: float, creep: float, bowl: float
+    target: Array,
+    row: int,
+    column: int,
+    on: LeverArms,
+    by: LeverArms,
+    slope: float,
+    creep: float,
+    geometric_stiffness: float,
 ) -> None:
-    """Add what the force on one part changes by with the speeds of another, or of its own."""
+    """Add the derivative of the force on body `on` by the speeds of body `by` to a matrix."""
     for a in range(3):
-        by_normal, by_slip, by_roll = slope * on.pushed[a], creep * on.tangent[a], bowl * on.middle[a]
+        by_normal, by_slip, by_roll = slope * on.pushed[a], creep * on.tangent[a], geometric_stiffness * on.midpoint[a]
         for b in range(3):
-            target[row + a, column + b] += by_normal * by.normal[b] + by_slip * by.tangent[b] + by_roll * by.middle[b]
+            target[row + a, column + b] += by_normal * by.normal[b] + by_slip * by.tangent[b] + by_roll * by.midpoint[b]
 
 
 @njit
-def _eliminate(system: System, equations: Equations) -> None:
-    """Eliminate every pin: invert its block, and take what it adds to the others off their equations."""
+def _condense_pins(system: System, equations: Equations) -> None:
+    """Condense the block of every pin into the equations of the other unknowns (Schur complement)."""
     matrix, right, pins, pins_right = equations.matrix, equations.right, equations.pins, equations.pins_right
-    by_pin, of_pin, coupled = equations.by_pin, equations.of_pin, equations.coupled
+    pin_columns, pin_rows, coupled = equations.pin_columns, equations.pin_rows, equations.coupled
     size = len(right)
     most = max(size - 2, system.ring_shaft + 1)
     for i in range(len(coupled)):
         first, others = 3 * i, size * i
-        inverse = _inverted(pins, first)
-        x, y, z = _times(inverse, pins_right[first], pins_right[first + 1], pins_right[first + 2])
+        inverse = _inverse(pins, first)
+        x, y, z = _product(inverse, pins_right[first], pins_right[first + 1], pins_right[first + 2])
         pins_right[first], pins_right[first + 1], pins_right[first + 2] = x, y, z
         if not coupled[i]:
             continue
         for b in range(most):
-            of_pin[first, b], of_pin[first + 1, b], of_pin[first + 2, b] = _times(
-                inverse, of_pin[first, b], of_pin[first + 1, b], of_pin[first + 2, b]
+            pin_rows[first, b], pin_rows[first + 1, b], pin_rows[first + 2, b] = _product(
+                inverse, pin_rows[first, b], pin_rows[first + 1, b], pin_rows[first + 2, b]
             )
         for a in range(most):
-            p0, p1, p2 = by_pin[others + a, 0], by_pin[others + a, 1], by_pin[others + a, 2]
+            p0, p1, p2 = pin_columns[others + a, 0], pin_columns[others + a, 1], pin_columns[others + a, 2]
             if p0 == 0.0 and p1 == 0.0 and p2 == 0.0:
                 continue
             right[a] -= p0 * x + p1 * y + p2 * z
             for b in range(most):
-                matrix[a, b] -= p0 * of_pin[first, b] + p1 * of_pin[first + 1, b] + p2 * of_pin[first + 2, b]
+                matrix[a, b] -= p0 * pin_rows[first, b] + p1 * pin_rows[first + 1, b] + p2 * pin_rows[first + 2, b]
 
 
 @njit
-def _times(m: Nine, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """Multiply a matrix by a vector."""
+def _product(m: Nine, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """Return the product of a matrix and a vector."""
     return (
         m[0] * x + m[1] * y + m[2] * z,
         m[3] * x + m[4] * y + m[5] * z,
@@ -345,8 +379,8 @@ def _times(m: Nine, x: float, y: float, z: float) -> tuple[float, float, float]:
 
 
 @njit
-def _inverted(m: Array, row: int) -> Nine:
-    """Invert the matrix of shape (3, 3) that begins in a row."""
+def _inverse(m: Array, row: int) -> Nine:
+    """Return the inverse of the (3, 3) matrix that begins at a row of m."""
     a, b, c = m[row, 0], m[row, 1], m[row, 2]
     d, e, f = m[row + 1, 0], m[row + 1, 1], m[row + 1, 2]
     g, h, i = m[row + 2, 0], m[row + 2, 1], m[row + 2, 2]
@@ -366,37 +400,36 @@ def _inverted(m: Array, row: int) -> Nine:
 
 
 @njit
-def _substitute(equations: Equations, v: Array) -> None:
-    """Compute the speeds of pins from those of all others."""
-    coupled, of_pin, pins_right = equations.coupled, equations.of_pin, equations.pins_right
+def _recover_pins(equations: Equations, v: Array) -> None:
+    """Compute the speeds of the condensed pins from the other speeds."""
+    coupled, pin_rows, pins_right = equations.coupled, equations.pin_rows, equations.pins_right
     size = len(equations.right)
     for i in range(len(coupled)):
         for m in range(3):
             value = pins_right[3 * i + m]
             if coupled[i]:
                 for b in range(size):
-                    value -= of_pin[3 * i + m, b] * v[b]
+                    value -= pin_rows[3 * i + m, b] * v[b]
             v[size + 3 * i + m] = value
 
 
 @njit
-def _changes(
+def _update_states(
     system: System,
     contacts: Contacts,
     count: int,
     equations: Equations,
-    near: Array,
+    predicted: Array,
     v: Array,
     half: float,
-    at_once: bool,
+    all_change: bool,
     coupled_friction: bool,
 ) -> bool:
-    """Compute the forces at speeds v, set the states that they ask for, and tell whether one has changed.
+    """Compute the contact forces at speeds v, update the contact states, and return whether one has changed.
 
-    Of each moving pin the first contact changes; of all others the first, or all `at_once`. Where friction is not
-    coupled, it is to come out as it was.
-
-    A contact that was open closes where its gap does; one that has closed bears what it bears, until that is nothing.
+    Of each moving pin the first contact changes; of all other contacts the first, or `all_change`. If friction is not
+    coupled, the result is also True until it agrees with the normal force. An open contact closes when its gap does; a
+    closed one opens when its force vanishes.
     """
     changed, others_settled, largest, moved = False, True, 0.0, 0.0
     size, settled = len(equations.right), equations.settled
@@ -404,30 +437,30 @@ def _changes(
         settled[i] = 1
     for k in range(count):
         contact = contacts[k]
-        before, bore, pin = contact.state, contact.pressing, (contact.pin - size) // 3
-        one_by_one = pin >= 0 or not at_once
+        before, previous, pin = contact.state, contact.normal_force, (contact.pin - size) // 3
+        one_by_one = pin >= 0 or not all_change
         contact.speed, contact.slip = speeds(contact, v)
-        pressing = contact.force - contact.slope * contact.speed
+        normal_force = contact.force - contact.slope * contact.speed
         if before == OPEN:
-            gap = contact.gap + half * (contact.speed - speeds(contact, near)[0])
+            gap = contact.gap + half * (contact.speed - speeds(contact, predicted)[0])
             if gap >= 0.0:
-                pressing = 0.0
-        contact.pressing, contact.rubbing = max(pressing, 0.0), 0.0
-        largest = max(largest, contact.pressing)
+                normal_force = 0.0
+        contact.normal_force, contact.friction_force = max(normal_force, 0.0), 0.0
+        largest = max(largest, contact.normal_force)
         if before in (SLIDES, SLIDES_BACK):
-            moved = max(moved, abs(contact.pressing - bore))
+            moved = max(moved, abs(contact.normal_force - previous))
         after = OPEN
         if (before == SLIDES and contact.slip < 0.0) or (before == SLIDES_BACK and contact.slip > 0.0):
             after = STICKS  # what turns round comes to rest on the way, even if friction as it was parts it
-        elif pressing > 0.0:
-            after = rubbing_state(contact, contact.slip)
+        elif normal_force > 0.0:
+            after = friction_state(contact, contact.slip)
             if before == OPEN and not coupled_friction:
                 after = STICKS  # the force that it would have had is no measure of friction
         elif before == STICKS and one_by_one and contact.friction > 0.0:
             after = SLIDES if contact.slip > 0.0 else SLIDES_BACK  # creep alone may part what presses
-        if pressing > 0.0:
-            limit = contact.friction * pressing
-            contact.rubbing = -max(-limit, min(limit, contact.creep * contact.slip))
+        if normal_force > 0.0:
+            limit = contact.friction * normal_force
+            contact.friction_force = -max(-limit, min(limit, contact.creep * contact.slip))
         if after == before:
             continue
         changed = True
@@ -444,7 +477,7 @@ def _changes(
             after = STICKS
             if system.drag[shaft, 1] * abs(speed) > limit:
                 after = SLIDES if speed > 0.0 else SLIDES_BACK
-            if after != equations.shaft_state[shaft] and (at_once or others_settled):
+            if after != equations.shaft_state[shaft] and (all_change or others_settled):
                 equations.shaft_state[shaft] = after
                 changed, others_settled = True, False
-    return changed or (not coupled_friction and moved > LIKE * largest)
+    return changed or (not coupled_friction and moved > FRICTION_RTOL * largest)

@@ -1,4 +1,4 @@
-"""A design made ready for planar steps: what ``mjcf.ReducerModel`` is for MuJoCo's."""
+"""Model of a design for the planar solver, the counterpart of ``mjcf.ReducerModel``."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -24,21 +24,21 @@ class PlanarModel:
     Attributes
     ----------
     reducer
-        What it is of.
+        The reducer.
     system
-        It in the plane.
+        Its arrays for the solver.
     timestep
         Time step [s].
     laws
         The contact law of each kind of pair, on the disc where it is stiffest.
     servo_gains
-        kp [N m/rad] and kv [N m s/rad] of the servo on the shaft that is held.
+        kp [N m/rad] and kv [N m s/rad] of the servo on the held shaft.
     crank_inertia
         Inertia of shaft and rotor about the crank axis [kg m2].
     drags
-        Names of the losses of seals and lubricant that it has.
+        Names of its losses of seals and lubricant.
     warnings
-        Why its figures may not be those of its design.
+        Warnings about its results.
     """
 
     reducer: Reducer
@@ -56,24 +56,24 @@ class PlanarModel:
         return self.reducer.mechanism.pairs
 
     def with_slope(self, slope: float) -> "PlanarModel":
-        """Return the model with a crank torque of its command less `slope` [N m s/rad] times the crank's speed."""
+        """Return the model with a crank torque that falls with the crank speed by `slope` [N m s/rad]."""
         servo = self.system.servo.copy()
         servo[1] = 0.0, slope
         return replace(self, system=self.system._replace(servo=servo))
 
     def stepper(self, course: DriveCycle, every: int) -> Stepper:
-        """Start steps of a course, with a sample at one in `every`."""
+        """Return a stepper at the start of a drive cycle, with one sample in `every` steps."""
         places, speeds = start(self.reducer, course.angle, course.speed)
         return Stepper(self.system, self.timestep, places, speeds, every, follows_pins(self.reducer, self.timestep))
 
 
 def planar_model(reducer: Reducer, held: Held = "crank", step: float = 0.0) -> PlanarModel:
-    """Make a reducer ready for planar steps [s], by default those of `choose_step`; `held` is as of ``mjcf.build``.
+    """Return the planar model of a reducer with a time step [s], by default `choose_step`; `held` as in ``mjcf.build``.
 
     Raises
     ------
     DesignError
-        A part of the design cannot be made.
+        A part of the design is not feasible.
     """
     design, laws = reducer.design, stiffest(laws_of_discs(reducer))
     system = planar_system(reducer, held)

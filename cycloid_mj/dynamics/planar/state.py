@@ -1,4 +1,4 @@
-"""Places and speeds of all unknowns at the start of a run, where the closed form has every part."""
+"""Initial positions and speeds of all unknowns, from the closed-form kinematics."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from cycloid_mj.reducer import Reducer
 
 
 def start(reducer: Reducer, crank: float, speed: float) -> tuple[Array, Array]:
-    """Compute places and speeds at a crank angle [rad] and crank speed [rad/s], in the order of a ``System``."""
+    """Compute positions and speeds at a crank angle [rad] and crank speed [rad/s], in the order of a ``System``."""
     position, velocity = joint_state(reducer, crank, speed)
     order = [
         *(joint for disc in reducer.mechanism.discs for joint in disc.joints),

@@ -1,7 +1,7 @@
-"""The steps of a run: samples of the same numbers, in the same order, as ``contact.each_step`` takes of MuJoCo.
+"""Time stepping of planar runs, with samples in the layout of ``contact.each_step``.
 
-Steps end half a step before and after the times of samples, so that a sample is what a step knows in its middle, where
-places, speeds and forces are of one time.
+Steps start and end half a step before and after the times of samples, so that a sample is the state at a midpoint,
+where positions, speeds and forces belong to the same time.
 """
 
 import math
@@ -20,62 +20,62 @@ from cycloid_mj.dynamics.contact.forces import OF_PAIR
 from cycloid_mj.dynamics.planar import contacts as touching
 from cycloid_mj.dynamics.planar import equations as solving
 from cycloid_mj.dynamics.planar import system as describing
-from cycloid_mj.dynamics.planar.contacts import MOST_TOUCHES, OPEN, Contacts, find, njit, room_for_contacts
-from cycloid_mj.dynamics.planar.equations import Equations, room_for_equations, solve
+from cycloid_mj.dynamics.planar.contacts import MAX_TOUCHES, OPEN, Contacts, allocate_contacts, find, njit
+from cycloid_mj.dynamics.planar.equations import Equations, allocate_equations, solve
 from cycloid_mj.dynamics.planar.system import System
 from cycloid_mj.reducer import impact
 from cycloid_mj.statics.kernel import newton
 
 MAX_CONTACT_SEARCHES, UNRELAXED_SEARCHES = 16, 4
-"""Largest number of contact searches in a step, a fixed-point iteration of the speeds; and after how many of them each
-goes only half the way to the speeds found, which ends oscillations between two sets of contacts."""
+"""Contact searches in a step, a fixed-point iteration of the speeds: their largest number, and the number after which
+the iteration is relaxed by one half, which ends oscillations between two sets of contacts."""
 
-FAR = 2e-2
-"""Way of a moving pin from where its contacts were looked for, as a share of its play, from which on they are looked
-for again: of a circle that rolls up in another, what is left out is half the square of it."""
+PIN_SEARCH_TOL = 2e-2
+"""Largest distance of a moving pin from the pose of its contact search, as a share of its clearance. The relative error
+of a circle that rolls in another is half of its square."""
 
-DISC_FAR = 1e-8
-"""The same of a disc [m], with the way of its teeth by its turn: a cam rolls in its bore, teeth in tight valleys."""
+DISC_SEARCH_TOL = 1e-8
+"""The same of a disc [m], including the motion of its teeth by rotation."""
 
 _OF_SHAFT, _OF_DISC, _OF_PIN = 3, 6, 4
-"""Numbers of a sample: angle, speed and torque of a shaft; places and speeds of a disc; of a pin only its spin."""
+"""Columns of a sample: angle, speed and torque of a shaft; pose and speeds of a disc; position and spin of a pin."""
 
 
 class Motion(NamedTuple):
-    """Where a run stands.
+    """State of a run.
 
     Attributes
     ----------
     q, v
-        Places and speeds at the end of the last step.
-    middle, before
-        Speeds in the middle of the last step, and of the one before it.
+        Positions and speeds at the end of the last step.
+    midpoint, before
+        Midpoint speeds of the last step and of the one before it.
     peak
         Largest normal force of each pair since the last sample [N].
     """
 
     q: Array
     v: Array
-    middle: Array
+    midpoint: Array
     before: Array
     peak: Array
 
 
 class Stepper:
-    """What a run keeps for its steps; as ``contact.each_step.EachStep``, whose samples its own are like.
+    """Stepper of a planar run, with the interface and the sample layout of ``contact.each_step.EachStep``.
 
     Parameters
     ----------
     system
-        What moves.
+        The reducer.
     step
         Time step [s].
     places, speeds
-        Of all unknowns at the time 0.
+        Of all unknowns at time 0.
     every
-        Steps from one sample to the next.
+        Time steps from one sample to the next.
     midpoint_pins
-        Whether the step follows what moving pins do in their play, which are then taken by the midpoint rule as well.
+        Whether moving pins are integrated by the midpoint rule as well, for steps that resolve their motion.
     """
 
     def __init__(
@@ -83,13 +83,13 @@ class Stepper:
     ) -> None:
         self._system, self._step, self._every = system, step, every
         self._pin_span = 0.5 * step if midpoint_pins else step
-        self._contacts, self._equations = room_for_contacts(system), room_for_equations(system)
+        self._contacts, self._equations = allocate_contacts(system), allocate_equations(system)
         discs, teeth = len(system.cams), len(system.place)
         pairs = teeth * (discs + system.free) + discs * (1 + len(system.studs))
         self._motion = Motion(
             q=places - 0.5 * step * speeds,
             v=speeds.copy(),
-            middle=speeds.copy(),
+            midpoint=speeds.copy(),
             before=speeds.copy(),
             peak=np.zeros(pairs),
         )
@@ -102,18 +102,18 @@ class Stepper:
         self._width = ends[-1]
 
     def command(self, commands: Array) -> None:
-        """Set the commands of crank and output in the next steps, shape (steps, 2); after them the last one stays."""
+        """Set the commands of crank and output for the next steps, shape (steps, 2); the last one persists."""
         self._commands, self._taken = np.ascontiguousarray(commands[:, ::-1]), 0
 
     def advance(self, samples: int) -> Array:
-        """Take the steps up to so many samples, the last of them included; return a row for each sample."""
+        """Take the steps up to and including a number of samples; return one row for each."""
         rows = np.zeros((samples, self._width))
         steps = self._due + (samples - 1) * self._every
         commands = self._commands[np.minimum(np.arange(self._taken, self._taken + steps), len(self._commands) - 1)]
         system = self._system
         lobes = np.ascontiguousarray(system.ring[:, 0]) if system.lobes else None
         with announced():  # the first steps compile
-            _compiled()(
+            _compile_steps()(
                 system,
                 lobes,
                 self._contacts,
@@ -131,8 +131,8 @@ class Stepper:
 
 
 @cache
-def _compiled() -> Any:
-    """Compile the steps up to the last of some samples, or load them; for lobes and for pins each apart."""
+def _compile_steps() -> Any:
+    """Compile or load the stepping function; lobes and pins have a version of their own."""
     sources = digest(contact_search, gap, impact, local_gap, memory, ring, teeth, touching, solving, describing, newton)
 
     @compiling.njit(cache=cacheable(), error_model="numpy", nogil=True)
@@ -151,93 +151,95 @@ def _compiled() -> Any:
     ) -> None:
         assert sources
         size, half = len(equations.right), 0.5 * step
-        middle, near, q = np.empty_like(motion.v), np.empty_like(motion.v), np.empty_like(motion.q)
-        sums, scratch = np.zeros_like(motion.peak), np.zeros((MOST_TOUCHES, STRIDE // 8))
+        midpoint, predicted, q = np.empty_like(motion.v), np.empty_like(motion.v), np.empty_like(motion.q)
+        sums, scratch = np.zeros_like(motion.peak), np.zeros((MAX_TOUCHES, STRIDE // 8))
         sample, most, unconverged = 0, 0, 0
         for taken in range(len(commands)):
-            _foresee(motion, size, near)
-            count, rounds = 0, 0
+            _extrapolate(motion, size, predicted)
+            count, iterations = 0, 0
             for search in range(MAX_CONTACT_SEARCHES):
-                _go(motion.q, half, near, q)
-                count = find(system, lobes, q, near, half, scratch, contacts)
+                _move(motion.q, half, predicted, q)
+                count = find(system, lobes, q, predicted, half, scratch, contacts)
                 at, command = motion.q, commands[taken]
-                rounds = solve(system, contacts, count, equations, at, motion.v, near, command, step, pin_span, middle)
-                if not _is_far(system, half, near, middle, size):
+                iterations = solve(
+                    system, contacts, count, equations, at, motion.v, predicted, command, step, pin_span, midpoint
+                )
+                if not _must_search_again(system, half, predicted, midpoint, size):
                     break
-                _relax(near, middle, 1.0 if search < UNRELAXED_SEARCHES else 0.5)
+                _relax(predicted, midpoint, 1.0 if search < UNRELAXED_SEARCHES else 0.5)
             else:
                 unconverged += 1
-            most = max(most, rounds)
-            _note(contacts, count, sums, motion.peak)
+            most = max(most, iterations)
+            _update_peaks(contacts, count, sums, motion.peak)
             due -= 1
             if due == 0:
                 due = every
-                _go(motion.q, half, middle, q)
+                _move(motion.q, half, midpoint, q)
                 _write_sample(
-                    system, contacts, count, motion, q, middle, commands[taken], most, unconverged, rows[sample]
+                    system, contacts, count, motion, q, midpoint, commands[taken], most, unconverged, rows[sample]
                 )
                 sample, most, unconverged = sample + 1, 0, 0
-            _end(motion, size, step, pin_span, middle)
+            _finish_step(motion, size, step, pin_span, midpoint)
 
     return advance
 
 
 @njit
-def _foresee(motion: Motion, size: int, near: Array) -> None:
-    """Foresee the speeds in the middle of the next step: those of pins, which are light, as they were."""
-    for i in range(len(near)):
-        near[i] = motion.middle[i]
+def _extrapolate(motion: Motion, size: int, predicted: Array) -> None:
+    """Extrapolate the midpoint speeds of the next step; light pins keep theirs."""
+    for i in range(len(predicted)):
+        predicted[i] = motion.midpoint[i]
         if i < size:
-            near[i] += motion.middle[i] - motion.before[i]
+            predicted[i] += motion.midpoint[i] - motion.before[i]
 
 
 @njit
-def _go(start: Array, time: float, speeds: Array, end: Array) -> None:
-    """Compute where speeds lead from a start in some time [s]."""
+def _move(start: Array, time: float, speeds: Array, end: Array) -> None:
+    """Compute the positions after a time [s] at constant speeds."""
     for i in range(len(end)):
         end[i] = start[i] + time * speeds[i]
 
 
 @njit
-def _relax(near: Array, middle: Array, share: float) -> None:
-    """Move the speeds `near` which contacts are searched a share of the way to those found, `middle`."""
-    for i in range(len(near)):
-        near[i] += share * (middle[i] - near[i])
+def _relax(predicted: Array, midpoint: Array, share: float) -> None:
+    """Move the speeds of the contact search (`predicted`) a share of the way to the solution (`midpoint`)."""
+    for i in range(len(predicted)):
+        predicted[i] += share * (midpoint[i] - predicted[i])
 
 
 @njit
-def _end(motion: Motion, size: int, step: float, pin_span: float, middle: Array) -> None:
-    """Go on to the end of a step."""
+def _finish_step(motion: Motion, size: int, step: float, pin_span: float, midpoint: Array) -> None:
+    """Advance the state to the end of a step."""
     of_pins = step / pin_span
-    for i in range(len(middle)):
-        motion.before[i], motion.middle[i] = motion.middle[i], middle[i]
-        motion.q[i] += step * middle[i]
-        motion.v[i] += (2.0 if i < size else of_pins) * (middle[i] - motion.v[i])
+    for i in range(len(midpoint)):
+        motion.before[i], motion.midpoint[i] = motion.midpoint[i], midpoint[i]
+        motion.q[i] += step * midpoint[i]
+        motion.v[i] += (2.0 if i < size else of_pins) * (midpoint[i] - motion.v[i])
 
 
 @njit
-def _is_far(system: System, half: float, near: Array, middle: Array, size: int) -> bool:
-    """Tell whether a disc or a pin has gone far from where its contacts were looked for."""
+def _must_search_again(system: System, half: float, predicted: Array, midpoint: Array, size: int) -> bool:
+    """Return whether a disc or a pin is too far from the pose of its contact search."""
     radius = system.teeth.ring.radius
     for body in range(0, size - 2, 3):
-        x, y = middle[body] - near[body], middle[body + 1] - near[body + 1]
-        turned = radius * (middle[body + 2] - near[body + 2])
-        if half * half * (x * x + y * y + turned * turned) > DISC_FAR * DISC_FAR:
+        x, y = midpoint[body] - predicted[body], midpoint[body + 1] - predicted[body + 1]
+        turned = radius * (midpoint[body + 2] - predicted[body + 2])
+        if half * half * (x * x + y * y + turned * turned) > DISC_SEARCH_TOL * DISC_SEARCH_TOL:
             return True
     for i in range(len(system.inner)):
         own = size + 3 * i
-        x, y = middle[own] - near[own], middle[own + 1] - near[own + 1]
-        far = FAR * (system.outer[i] - system.inner[i])
+        x, y = midpoint[own] - predicted[own], midpoint[own + 1] - predicted[own + 1]
+        far = PIN_SEARCH_TOL * (system.outer[i] - system.inner[i])
         if half * half * (x * x + y * y) > far * far:
             return True
     return False
 
 
 @njit
-def _note(contacts: Contacts, count: int, sums: Array, peak: Array) -> None:
-    """Note the normal forces of the pairs in this step."""
+def _update_peaks(contacts: Contacts, count: int, sums: Array, peak: Array) -> None:
+    """Update the largest normal force of each pair with that of this step."""
     for k in range(count):
-        sums[contacts[k].pair] += contacts[k].pressing
+        sums[contacts[k].pair] += contacts[k].normal_force
     for k in range(count):
         pair = contacts[k].pair
         peak[pair] = max(peak[pair], sums[pair])
@@ -253,13 +255,13 @@ def _write_sample(
     q: Array,
     v: Array,
     command: Array,
-    rounds: int,
+    iterations: int,
     unconverged: int,
     row: Array,
 ) -> None:
     """Write the sample of a step: positions and speeds, energies, solver statistics, pairs and drags.
 
-    `rounds` is the largest number of Newton iterations in a step since the last sample, at its last contact search;
+    `iterations` is the largest number of Newton iterations in a step since the last sample, at its last contact search;
     `unconverged` is the number of steps since then whose contact geometry did not converge.
     """
     discs, size = len(system.cams), len(system.inertia)
@@ -290,19 +292,19 @@ def _write_sample(
         deepest = max(deepest, -contact.gap)
         if contact.state == OPEN:
             continue
-        pressing, rubbing = contact.pressing, contact.rubbing
+        normal_force, friction_force = contact.normal_force, contact.friction_force
         active += 1
-        largest = max(largest, math.hypot(pressing, rubbing))
+        largest = max(largest, math.hypot(normal_force, friction_force))
         place = pairs + OF_PAIR * contact.pair
         arms = contact.disc_normal, contact.disc_tangent
         if contact.disc < 0:
             arms = contact.pin_normal, contact.pin_tangent
-        row[place] += pressing * contact.nx - rubbing * contact.ny
-        row[place + 1] += pressing * contact.ny + rubbing * contact.nx
-        row[place + 2] += pressing * arms[0] + rubbing * arms[1]
-        row[place + 4] -= rubbing * contact.slip
-        row[place + 5] -= pressing * contact.speed
-    row[at], row[at + 1], row[at + 2], row[at + 3] = active, deepest, largest, rounds
+        row[place] += normal_force * contact.nx - friction_force * contact.ny
+        row[place + 1] += normal_force * contact.ny + friction_force * contact.nx
+        row[place + 2] += normal_force * arms[0] + friction_force * arms[1]
+        row[place + 4] -= friction_force * contact.slip
+        row[place + 5] -= normal_force * contact.speed
+    row[at], row[at + 1], row[at + 2], row[at + 3] = active, deepest, largest, iterations
     for i in range(len(v)):
         row[at + 4] += v[i]
     row[at + 5] = unconverged
@@ -319,7 +321,7 @@ def _write_sample(
 def _write_shaft(
     system: System, shaft: int, unknown: int, q: Array, v: Array, command: Array, row: Array, at: int
 ) -> int:
-    """Write angle, speed and the torque of its actuator; return where the next number stands."""
+    """Write angle, speed and actuator torque of a shaft; return the index of the next column."""
     stiffness, damping = system.servo[shaft, 0], system.servo[shaft, 1]
     torque = stiffness * (command[shaft] - q[unknown]) if stiffness != 0.0 else command[shaft]
     torque -= damping * v[unknown]

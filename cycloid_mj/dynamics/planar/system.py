@@ -1,7 +1,7 @@
-"""A reducer in the plane as arrays: all that the compiled steps know of a design.
+"""A reducer in the plane as arrays, the input of the compiled planar solver.
 
-Unknowns are x, y and turn of each disc, the turns of output and crank, and x, y and turn of each moving pin, in this
-order, all in the frame of the foundation. Whatever else there is, is at rest or turns with the output.
+The unknowns are x, y and rotation of each disc, the rotations of output and crank, and x, y and rotation of each moving
+pin, in this order, in the frame of the foundation. All other bodies are at rest or rotate with the output.
 """
 
 from dataclasses import astuple
@@ -24,16 +24,16 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Role, Surfaces
 
 TEETH, SEAT, CAM, OUTPUT = range(4)
-"""Kinds of mating pairs, by what they are for."""
+"""Kinds of mating pairs by their function."""
 
 LAW = np.dtype(
     [(name, np.float64) for name in ("stiffness", "damping", "friction", "creep")]
     + [(name, np.float64) for name in ("impact", "exponent", "impact_damping", "impact_depth")]
 )
-"""A law: of line contacts [N/m], [N s/m], [1], [N s/m], and of the law IMPACT as `impact.ImpactLoad`, else 0."""
+"""A contact law: of line contacts [N/m], [N s/m], [1], [N s/m], and of the law IMPACT (`impact.ImpactLaw`), else 0."""
 
 SEAL_CREEP = 2e6
-"""Torque of a drag per speed and inertia below its limit [1/s]: what MuJoCo's constraint of joint friction has."""
+"""Torque of a drag per speed and inertia below its limit [1/s], as in MuJoCo's joint friction."""
 
 
 class System(NamedTuple):
@@ -42,29 +42,29 @@ class System(NamedTuple):
     Attributes
     ----------
     teeth
-        Of every disc, but for their offset.
+        Teeth of every disc, except for their offset.
     offset, turned
-        How far each disc's flanks are from the trochoid [m]; angle by which its teeth are turned, clockwise; (D,).
+        Distance of each disc's flanks from the trochoid [m], and clockwise rotation of its teeth [rad], shape (D,).
     ring
-        Of pins or lobes: the numbers of `touch.RingPin`, shape (N, 6).
+        Values of `contact_search.RingPin` for each pin or lobe, shape (N, 6).
     place, home
-        Of them, or of what carries them, on the ring [m], and the directions that they face outwards; shapes (N, 2).
+        Positions on the ring [m] of pins, lobes or seats, and their outward directions, shapes (N, 2).
     seated
-        Places on the ring of the frames of moving pins, from which their joints read [m], shape (N, 2).
+        Positions on the ring of the joint frames of moving pins [m], shape (N, 2).
     lobes, free, sleeved
-        Whether there are lobes, pins that move, sleeves among these.
+        Whether the ring has lobes, moving pins, sleeves.
     ring_shaft, stud_shaft
-        Index of the unknown by which the ring turns, and the output pins; -1 of those that are held.
+        Index of the unknown that rotates the ring, and the output pins; -1 if it is held.
     inner, outer
-        Radii in the seats of moving pins [m], shape (N,).
+        Radii of the inner and outer surface of the seats of moving pins [m], shape (N,).
     arc
-        Cosine and sine of half the arc on which sockets hold their pins; of whole ones (-1, 0).
+        Cosine and sine of half the arc on which sockets hold their pins; (-1, 0) for closed circles.
     holes, studs, cams
-        Places in their bodies [m], shapes (D, n, 2), (n, 2), (D, 2).
+        Positions in their bodies of holes, output pins and cams [m], shapes (D, n, 2), (n, 2), (D, 2).
     hole, stud, bore, cam
-        Radii [m].
+        Radii of holes, output pins, bores and cams [m].
     laws
-        Of discs and kinds: records of `LAW`, shape (D, 4).
+        Contact law of each disc and kind, records of `LAW`, shape (D, 4).
     inertia
         Mass or inertia of discs, output and crank [kg], [kg m2], shape (3 D + 2,).
     pin
@@ -74,9 +74,9 @@ class System(NamedTuple):
     unbalance
         Mass times centroid of output and crank in their frames [kg m], shape (2, 2).
     drag
-        Limit [N m] of the drag on output and crank, and its torque per speed below [N m s], shape (2, 2).
+        Limit [N m] of the drag on output and crank, and its torque per speed below the limit [N m s], shape (2, 2).
     servo
-        Gains [N m/rad], [N m s/rad] on output and crank, shape (2, 2): where the first is 0 the command is a torque.
+        Servo gains [N m/rad], [N m s/rad] of output and crank, shape (2, 2); if the first is 0, commands are torques.
     """
 
     teeth: Teeth
@@ -111,12 +111,12 @@ class System(NamedTuple):
 
 
 def planar_system(reducer: Reducer, held: Held = "crank") -> System:
-    """Describe a reducer in the plane; a servo holds one of its shafts, the other one feels a torque.
+    """Return the arrays of a reducer; a servo drives the `held` shaft, a torque acts on the other one.
 
     Raises
     ------
     DesignError
-        A part of the design cannot be made.
+        A part of the design is not feasible.
     """
     design, mechanism, masses = reducer.design, reducer.mechanism, moving_masses(reducer)
     discs = range(design.gear.discs)
@@ -166,7 +166,8 @@ def planar_system(reducer: Reducer, held: Held = "crank") -> System:
         cam=float(cams[0].by.radius[0]),
         laws=_laws(reducer),
         inertia=np.array(
-            [value for disc in mechanism.discs for value in _of_planar(masses[disc.part])] + [*shaft_inertia.values()]
+            [value for disc in mechanism.discs for value in _planar_inertia(masses[disc.part])]
+            + [*shaft_inertia.values()]
         ),
         pin=np.array([pin.mass, pin.inertia[2, 2]]) if pin else np.zeros(2),
         gravity=np.array([design.environment.gravity_x, design.environment.gravity_y]),
@@ -176,22 +177,22 @@ def planar_system(reducer: Reducer, held: Held = "crank") -> System:
     )
 
 
-def _of_planar(mass: MassProperties) -> tuple[float, float, float]:
+def _planar_inertia(mass: MassProperties) -> tuple[float, float, float]:
     return mass.mass, mass.mass, float(mass.inertia[2, 2])
 
 
 def _ring(reducer: Reducer, ring: Surfaces) -> Array:
-    """List the numbers of each pin's `touch.RingPin`; of lobes their radii alone."""
+    """Return the values of `contact_search.RingPin` for each pin, shape (N, 6); of lobes the radii only."""
     numbers = np.zeros((len(ring.names), len(RingPin._fields)))
     numbers[:, 0] = ring.radius
     for i in range(len(ring.names) if ring.role == Role.PIN else 0):
-        of_pin = attributes(reducer, ring, i)["userdata"]
-        numbers[i, 1 : 1 + len(of_pin)] = of_pin
+        pin_rows = attributes(reducer, ring, i)["userdata"]
+        numbers[i, 1 : 1 + len(pin_rows)] = pin_rows
     return numbers
 
 
 def _laws(reducer: Reducer) -> npt.NDArray[np.void]:
-    """List the laws of all discs by what they are for."""
+    """Return the contact laws of all discs by function, shape (D, 4)."""
     design = reducer.design
     kinds = {TEETH: design.tooth_pair, SEAT: design.seat_pair, CAM: "cam", OUTPUT: "output"}
     listed = np.zeros((design.gear.discs, len(kinds)), dtype=LAW)
