@@ -70,7 +70,8 @@ def samples(on_progress: Callable[[Any], None], values: Any, spread_um: Any) -> 
         on_progress({"doing": "computing the error budget", "share": 1.0, "seen": _distributions(reducer, columns)})
         study = tolerance(reducer.design, BUDGET_SAMPLES, SEED)
         shares = [{"source": share.source, "share": share.total} for share in study.budget]
-        return {**_distributions(reducer, columns), "budget": shares, "budget_of": figure(study.budget_of).name}
+        budget = {"budget": shares, "budget_of": figure(study.budget_of).name, "no_budget": study.no_budget}
+        return {**_distributions(reducer, columns), **budget}
     return _distributions(reducer, columns)
 
 

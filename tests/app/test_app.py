@@ -48,14 +48,14 @@ UNDERCUT = override(PRESETS["pin"], {"ring.pin_radius_mm": 4.0})
 
 
 @pytest.mark.parametrize("design", DESIGNS.values(), ids=DESIGNS)
-def test_a_design_goes_into_the_address_and_back(design: Design) -> None:
+def test_values_of_the_page_reproduce_a_design(design: Design) -> None:
     values = json.loads(json.dumps(values_of(design)))
     again = design_of(values)
     assert values_of(again) == values
     assert again == design or values_of(again) == values_of(design)
 
 
-def test_a_material_is_told_by_its_name_alone_unless_its_numbers_are_others() -> None:
+def test_a_material_is_represented_by_its_name_unless_its_values_differ() -> None:
     plain = override(PRESETS["pin"], {"material.name": "PLA"})
     assert values_of(plain) == {"material.name": "PLA"}
     other = override(plain, {"material.yield_strength_mpa": 30.0})
@@ -64,7 +64,7 @@ def test_a_material_is_told_by_its_name_alone_unless_its_numbers_are_others() ->
 
 
 @pytest.mark.parametrize("design", DESIGNS.values(), ids=DESIGNS)
-def test_sliders_start_where_the_design_is_and_say_what_they_are(design: Design) -> None:
+def test_sliders_contain_the_value_of_the_design_and_have_a_description(design: Design) -> None:
     for control in controls(with_load(design)):
         assert control.meaning, control.key
         if control.options:
@@ -77,14 +77,14 @@ def test_sliders_start_where_the_design_is_and_say_what_they_are(design: Design)
     assert again.but(output={"hole_radius": design.output.hole_radius}) == with_load(design)
 
 
-def test_a_finger_on_a_slider_of_300_pixels_does_not_change_a_drive_beyond_knowledge() -> None:
+def test_a_drag_of_36_pixels_changes_the_teeth_by_less_than_a_quarter() -> None:
     """A drag of 36 px once took 16 teeth to 86."""
     (teeth,) = (control for control in controls(unlike("few")) if control.key == "ring.teeth")
     assert 36 / 300 * (teeth.high - teeth.low) < 0.25 * teeth.value
 
 
 @pytest.mark.parametrize("design", DESIGNS.values(), ids=DESIGNS)
-def test_the_section_has_every_part_within_its_frame(design: Design) -> None:
+def test_the_cross_section_contains_every_part(design: Design) -> None:
     drawn = section(Reducer(design))
     assert drawn["whole"]
     assert len(drawn["discs"]) == len(drawn["phases"]) == design.gear.discs
@@ -94,7 +94,7 @@ def test_the_section_has_every_part_within_its_frame(design: Design) -> None:
     assert max(map(abs, numbers)) <= 1.001 * drawn["reach"]
 
 
-def test_play_is_drawn_as_many_times_as_wide() -> None:
+def test_clearances_are_magnified_by_the_factor() -> None:
     plain, wide = (
         np.array(
             re.findall(r"(-?[\d.e-]+),(-?[\d.e-]+)", section(Reducer(PRESETS["printed"]), play)["discs"][0]),
@@ -117,9 +117,7 @@ def test_play_is_drawn_as_many_times_as_wide() -> None:
         ({"output.pins": 20}, "hole"),
     ],
 )
-def test_what_cannot_be_built_is_drawn_anew_with_its_place_and_buttons_that_mend_it(
-    changes: dict[str, Any], place: str
-) -> None:
+def test_a_design_that_cannot_be_built_is_drawn_with_marks_and_remedies(changes: dict[str, Any], place: str) -> None:
     design = override(PRESETS["pin"], changes)
     drawn, errors = section(Reducer(design)), summary.errors(Reducer(design))
     assert not drawn["whole"]
@@ -137,13 +135,13 @@ def test_what_cannot_be_built_is_drawn_anew_with_its_place_and_buttons_that_mend
     assert all(mended)
 
 
-def test_checks_are_shown_at_parts_of_the_section() -> None:
+def test_every_marked_check_exists() -> None:
     names = {one.name for design in DESIGNS.values() for one in check(design)}
     names |= {one.name for one in check(UNDERCUT)}
     assert PLACES.keys() - names <= {"pin_in_socket", "sleeve"}, "no check has that name"
 
 
-def test_the_header_and_the_checks_tell_one_life_at_one_torque() -> None:
+def test_header_and_checks_state_the_same_life() -> None:
     """The file of the printed drive is loaded by 10 N m, and made for 10.4; both bearings before the disc bear more."""
     reducer = Reducer(with_load(PRESETS["printed"].but(shaft={"mounting": "overhang"})))
     failed = {one["name"]: one["what"] for one in summary.checks(reducer)["failed"]}
@@ -167,7 +165,7 @@ def test_the_page_has_one_torque() -> None:
     assert not [one for one in check(fewer) if one.name in ("load", "power") and not one.passed]
 
 
-def test_a_change_of_a_check_is_what_its_remedy_says() -> None:
+def test_changes_of_a_check_equal_its_remedy() -> None:
     for one in check(UNDERCUT):
         for change in one.changes:
             assert " and ".join(f"{key} to {value:.10g}" for key, value in change.items()) in one.remedy
@@ -185,7 +183,7 @@ def test_a_change_of_a_check_is_what_its_remedy_says() -> None:
         (["errors.disc_dr_um=[9]"], "assembly"),
     ],
 )
-def test_a_button_gives_all_that_mends_a_check_and_speaks_in_words(changes: list[str], name: str) -> None:
+def test_a_remedy_button_resolves_its_check_and_has_no_raw_keys(changes: list[str], name: str) -> None:
     reducer = Reducer(with_load(override(PRESETS["pin"], changes)))
     broken = summary.errors(reducer)
     failed = {one["name"]: one for one in broken or summary.checks(reducer)["failed"]}
@@ -196,7 +194,7 @@ def test_a_button_gives_all_that_mends_a_check_and_speaks_in_words(changes: list
         assert not re.search(r"[a-z]_[a-z]|[a-z]\.[a-z]", text), text
 
 
-def test_values_that_go_to_the_same_end_are_told_together() -> None:
+def test_keys_with_the_same_new_value_are_listed_together() -> None:
     reducer = Reducer(override(PRESETS["pin"], ["clearance.pin_gear_um=40", "clearance.cam_um=80"]))
     (play,) = [one for one in summary.checks(reducer)["failed"] if one["name"] == "play"]
     (button,) = play["changes"]
@@ -390,7 +388,7 @@ def test_the_transmission_error_of_the_page_is_that_of_statics() -> None:
 
 
 @pytest.mark.parametrize(("member", "passing"), [("carrier", 8 * 36 / 35), ("ring", 8.0)])
-def test_orders_are_told_apart_over_a_turn_of_the_output(member: str, passing: float) -> None:
+def test_orders_of_output_pins_and_mesh_are_resolved(member: str, passing: float) -> None:
     """Eight output pins pass at no whole order of the crank but where they are held; without weight that is all."""
     reducer = Reducer(with_load(override(PRESETS["pin"], {"output.member": member, "environment.gravity_y_m_s2": 0.0})))
     told = turn.error(reducer)
@@ -417,7 +415,7 @@ def test_triangles_of_the_assembly_close_and_carry_their_motion() -> None:
 
 
 @pytest.mark.parametrize("values", [{"no.key": 1}, {"ring.teeth": 3.7}, {"ring.teeth": "x"}, {"ring.teeth": math.inf}])
-def test_values_that_no_design_has_are_refused(values: dict[str, Any]) -> None:
+def test_invalid_values_are_refused(values: dict[str, Any]) -> None:
     with pytest.raises(CycloidError):
         design_of(values)
     with pytest.raises(CycloidError):
@@ -425,12 +423,12 @@ def test_values_that_no_design_has_are_refused(values: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize("content", [{"design": 3}, {"changes": [1]}, {"play": "x"}, {"play": 0.5}, {"play": 1e9}])
-def test_questions_that_are_none_are_refused(content: dict[str, Any]) -> None:
+def test_malformed_questions_are_refused(content: dict[str, Any]) -> None:
     with pytest.raises(UsageError):
         draw(content)
 
 
-def test_a_drawing_of_the_page_has_what_it_shows() -> None:
+def test_draw_returns_design_header_and_controls() -> None:
     told = draw({"design": {}, "changes": {"gear.eccentricity_mm": 0.9}})
     assert told["design"] == pytest.approx({"gear.eccentricity_mm": 0.9, "output.hole_radius_mm": 4.9})
     assert told["head"]["ratio"] == 35
@@ -459,12 +457,12 @@ def test_a_form_becomes_a_requirement_and_back() -> None:
         ({"speed": 3}, "no field"),
     ],
 )
-def test_a_form_that_asks_for_no_drive_is_refused(change: dict[str, Any], told: str) -> None:
+def test_an_invalid_form_is_refused(change: dict[str, Any], told: str) -> None:
     with pytest.raises(UsageError, match=told):
         requirement.requirement_of({"ratio": 15, "diameter_mm": 60, "torque_nm": 2, **change})
 
 
-def test_a_refusal_grows_on_the_page_and_every_way_can_be_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_alternatives_arrive_one_by_one_and_are_valid_requirements(monkeypatch: pytest.MonkeyPatch) -> None:
     wanted = required(ratio=15, diameter_mm=60, torque_nm=2)
     first = Answer(wanted, (), 0.7, "teeth")
     ways = Way("100 mm", wanted.but(diameter=0.1)), Way("a clearance of 5 um", wanted.but(clearance=5e-6))
@@ -483,7 +481,7 @@ def test_a_refusal_grows_on_the_page_and_every_way_can_be_asked_for(monkeypatch:
 
 
 @pytest.mark.slow
-def test_a_drive_that_is_found_can_be_taken() -> None:
+def test_a_sized_drive_can_be_drawn() -> None:
     told = requirement.size(lambda _: None, {"ratio": 15, "diameter_mm": 60, "torque_nm": 0.5, "process": "printed"})
     for drive in told["drives"]:
         taken = draw({"design": drive["design"]})
@@ -492,7 +490,7 @@ def test_a_drive_that_is_found_can_be_taken() -> None:
         assert taken["load_nm"] == pytest.approx(0.5)
 
 
-def test_tolerances_of_the_page_are_those_of_the_design_or_one_for_all() -> None:
+def test_tolerances_are_those_of_the_design_or_a_common_half_width() -> None:
     pin = PRESETS["pin"]
     assert monte_carlo.spread_design(pin, None) is pin
     assert monte_carlo.spread_design(pin, 2).tolerance.cam == "uniform 2"
@@ -501,9 +499,13 @@ def test_tolerances_of_the_page_are_those_of_the_design_or_one_for_all() -> None
             monte_carlo.spread_design(pin, value)
 
 
-def test_samples_are_told_block_after_block(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_distributions_are_reported_after_each_block(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(monte_carlo, "SAMPLES", 260)
-    monkeypatch.setattr(monte_carlo, "tolerance", lambda *_: SimpleNamespace(budget=(), budget_of="backlash_arcmin"))
+    monkeypatch.setattr(
+        monte_carlo,
+        "tolerance",
+        lambda *_: SimpleNamespace(budget=(), budget_of="backlash_arcmin", no_budget="too few"),
+    )
     heard: list[Any] = []
     last = monte_carlo.samples(heard.append, {}, 0.2)
     assert [one["seen"]["samples"] for one in heard] == [200, 260, 260]
@@ -540,7 +542,7 @@ class Slow:
         self.go.set()
 
 
-def test_jobs_tell_their_way_and_their_end() -> None:
+def test_jobs_report_progress_and_result() -> None:
     worker = Slow()
     jobs = Jobs(worker)  # type: ignore[arg-type]
     first = jobs.start(lambda told: told({"share": 0.5}) or {"found": 1})
@@ -554,7 +556,7 @@ def test_jobs_tell_their_way_and_their_end() -> None:
         jobs.get(99)
 
 
-def test_a_job_is_stopped_while_it_runs_and_while_it_waits() -> None:
+def test_running_and_queued_jobs_can_be_stopped() -> None:
     worker = Slow()
     jobs = Jobs(worker)  # type: ignore[arg-type]
     first, second = (jobs.start(lambda told: {}) for _ in range(2))
@@ -565,7 +567,7 @@ def test_a_job_is_stopped_while_it_runs_and_while_it_waits() -> None:
     assert waiting(second, "stopped").result is None
 
 
-def test_only_the_last_jobs_are_kept_done_or_stopped() -> None:
+def test_only_the_last_finished_jobs_are_kept() -> None:
     worker = Slow()
     jobs = Jobs(worker)  # type: ignore[arg-type]
     first = jobs.start(lambda told: {})
@@ -581,7 +583,7 @@ def test_only_the_last_jobs_are_kept_done_or_stopped() -> None:
     worker.go.set()
 
 
-def test_only_so_much_waits() -> None:
+def test_the_number_of_queued_jobs_is_limited() -> None:
     worker = Slow()
     jobs = Jobs(worker)  # type: ignore[arg-type]
     for _ in range(MAX_QUEUED + 1):
@@ -592,7 +594,7 @@ def test_only_so_much_waits() -> None:
 
 
 @pytest.mark.slow
-def test_a_process_does_works_tells_mistakes_and_is_replaced_when_it_ends() -> None:
+def test_a_worker_reports_errors_and_is_replaced_when_it_ends() -> None:
     worker = Worker(warm_up=[(design_of, ({"no.key": 1},))])  # as where the page begins with what cannot be built
     try:
         assert worker.do(math.hypot, 3.0, 4.0) == 5.0
@@ -609,20 +611,20 @@ def test_a_process_does_works_tells_mistakes_and_is_replaced_when_it_ends() -> N
 @pytest.mark.parametrize(
     "kind", [pytest.param(kind, marks=[pytest.mark.slow] * (kind not in {"toml", "stl"})) for kind in artifacts.FILES]
 )
-def test_every_button_gives_a_file_under_the_designs_own_name(kind: str) -> None:
+def test_every_export_is_named_after_the_design(kind: str) -> None:
     files = artifacts.make(lambda _: None, values_of(unlike("few")), kind).files
     ((file, content),) = files.items()
     assert file.startswith(unlike("few").name)
     assert content.startswith({"toml": b"#", "datasheet": b"%PDF", "step": b"ISO-10303"}.get(kind, b"PK"))
 
 
-def test_a_crank_that_stands_still_is_not_run() -> None:
+def test_a_run_without_speed_is_refused() -> None:
     with pytest.raises(CycloidError, match="speed is zero"):
         artifacts.run(lambda _: None, values_of(PRESETS["nonpin"].but(drive={"speed": 0.0})))
 
 
 @pytest.mark.slow
-def test_a_run_gives_its_report() -> None:
+def test_a_run_returns_its_report() -> None:
     heard: list[Any] = []
     done = artifacts.run(heard.append, {"load.torque_nm": 36.0})
     assert "transmission error" in done.page.lower()
@@ -630,7 +632,7 @@ def test_a_run_gives_its_report() -> None:
 
 
 @pytest.mark.slow
-def test_a_run_is_judged_after_its_start_has_rung_out() -> None:
+def test_a_run_is_evaluated_after_its_start_has_settled() -> None:
     """A drive with wide play bounces in it at the start: its swing then is no transmission error."""
     printed = PRESETS["printed"]
     done = artifacts.run(lambda _: None, values_of(printed))
@@ -640,7 +642,7 @@ def test_a_run_is_judged_after_its_start_has_rung_out() -> None:
 
 
 @pytest.mark.slow
-def test_a_joint_comes_with_a_scene_that_opens(tmp_path: Path) -> None:
+def test_the_exported_joint_opens_in_mujoco(tmp_path: Path) -> None:
     (content,) = artifacts.joint(PRESETS["printed"]).values()
     zipfile.ZipFile(io.BytesIO(content)).extractall(tmp_path)
     place = tmp_path / "printed-joint"
@@ -649,7 +651,7 @@ def test_a_joint_comes_with_a_scene_that_opens(tmp_path: Path) -> None:
     assert {file.name for file in place.iterdir()} == {*robot_files.FILES, *robot_files.BESIDE, "reducer.json"}
 
 
-def test_long_work_is_told_by_its_kind() -> None:
+def test_job_of_returns_a_function_for_every_kind() -> None:
     for kind in (*artifacts.FILES, "run", "scatter", "stress"):
         work, _ = job_of({"kind": kind, "design": {}})
         assert callable(work)
@@ -658,7 +660,7 @@ def test_long_work_is_told_by_its_kind() -> None:
             job_of({"kind": kind})
 
 
-def test_shapes_that_a_slider_went_through_are_let_go() -> None:
+def test_shapes_of_previous_designs_are_freed() -> None:
     first, *others = (apply_changes(PRESETS["pin"], {"ring.pin_radius_mm": 2.0 + 0.001 * step}) for step in range(32))
     solid_ = parts(Reducer(first), 1e-4)["gear"]
     mass_properties(solid_)
@@ -684,7 +686,7 @@ def circles() -> int:
 
 
 @pytest.mark.slow
-def test_a_worker_lets_go_of_circles_after_each_work() -> None:
+def test_a_worker_collects_reference_cycles() -> None:
     worker = Worker()
     try:
         assert [worker.do(circles) for _ in range(3)] == [1, 1, 1]
@@ -702,7 +704,7 @@ def moved(first: int, last: int) -> float:
 
 
 @pytest.mark.slow
-def test_a_worker_does_not_grow() -> None:
+def test_the_memory_of_a_worker_does_not_grow() -> None:
     """Over more shapes than any cache holds."""
     worker = Worker()
     try:
@@ -713,7 +715,7 @@ def test_a_worker_does_not_grow() -> None:
 
 
 @pytest.mark.skipif(not hasattr(os, "nice"), reason="Windows knows no niceness")
-def test_what_takes_a_moment_leaves_the_processor_to_what_follows_a_move() -> None:
+def test_slower_workers_are_nicer() -> None:
     ahead, after = Worker(nice=False), Worker()
     try:
         assert after.do(os.nice, 0) - ahead.do(os.nice, 0) == NICENESS

@@ -37,20 +37,20 @@ def head(page: Tab) -> str:
     return str(page.run("document.querySelector('#head').innerText"))
 
 
-def test_a_stranger_is_led_to_a_drive_that_does_what_it_is_to_do(page: Tab) -> None:
+def test_the_start_form_leads_to_a_drive_that_meets_the_requirements(page: Tab) -> None:
     assert head(page).startswith("15:1 ✓")
     failed = page.run("[...document.querySelectorAll('#head .fails')].map(e => e.innerText)")
     assert all("diameter" in text and "with covers" in text for text in failed), "the search leaves the covers out"
     assert "15:1" in page.run("document.title")
 
 
-def test_it_is_looked_at_from_all_sides_broken_and_mended(page: Tab) -> None:
+def test_all_tabs_show_results_and_a_remedy_resolves_an_error(page: Tab) -> None:
     seen: list[str] = []
     looks(page, seen.append)
     assert len(seen) == 4
 
 
-def test_keys_undo_and_redo_and_the_address_holds_the_design(page: Tab) -> None:
+def test_keys_undo_and_redo_and_the_address_contains_the_design(page: Tab) -> None:
     before = page.run("location.hash")
     page.run("document.getElementById('k-gear.face_width_mm').focus()")
     page.key("ArrowRight")
@@ -66,7 +66,7 @@ def test_keys_undo_and_redo_and_the_address_holds_the_design(page: Tab) -> None:
     page.wait(f"location.hash === {after!r} && document.title.includes('15:1')", "opened by its address")
 
 
-def test_the_keyboard_keeps_its_place(page: Tab) -> None:
+def test_the_focus_stays_in_place(page: Tab) -> None:
     page.run("document.getElementById('skip').focus()")
     page.key("Enter")
     assert page.run("document.activeElement.id") == "tab-figures"
@@ -86,7 +86,7 @@ def test_the_keyboard_keeps_its_place(page: Tab) -> None:
     solved(page)
 
 
-def test_what_no_design_may_have_is_refused_at_its_slider(page: Tab) -> None:
+def test_an_invalid_value_is_refused_at_its_slider(page: Tab) -> None:
     page.run("document.querySelector('[data-key=\"ring.teeth\"] [type=number]').select()")
     page.type("3")
     page.key("Enter")
@@ -94,7 +94,7 @@ def test_what_no_design_may_have_is_refused_at_its_slider(page: Tab) -> None:
     solved(page)
 
 
-def test_the_file_is_saved_under_the_designs_own_name(page: Tab, downloads: Path) -> None:
+def test_the_saved_file_is_named_after_the_design(page: Tab, downloads: Path) -> None:
     name = page.run("document.querySelector('#name').value")
     page.key("s", 2)
     for _ in range(200):
@@ -105,7 +105,7 @@ def test_the_file_is_saved_under_the_designs_own_name(page: Tab, downloads: Path
 
 
 @pytest.mark.parametrize("width", [1000, 1400, 1920])
-def test_the_header_is_seen_from_the_last_slider(page: Tab, width: int) -> None:
+def test_the_header_is_visible_at_the_last_slider(page: Tab, width: int) -> None:
     page.screen(width, 900)
     last = "document.getElementById('k-service.life_h')"
     page.run(f"{last}.scrollIntoView({{ block: 'nearest' }})")
@@ -119,7 +119,7 @@ def test_the_header_is_seen_from_the_last_slider(page: Tab, width: int) -> None:
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("width", SIZES)
-def test_nothing_sticks_out_of_any_screen(page: Tab, width: int, scheme: str) -> None:
+def test_nothing_overflows_the_screen(page: Tab, width: int, scheme: str) -> None:
     page.screen(width, SIZES[width], scheme)
     for word in ("Figures", "Loads", "Life", "A | B", "Export"):
         page.click("[role=tab]", word)

@@ -193,7 +193,7 @@ export class Tabs {
       ...this.#study("scatter", "Run Monte Carlo", () => ({ spread_um: Number(typed.value) }), data => [
         el("p", {}, el("b", {}, `${data.samples} samples`), `, ${data.jam ? `of which ${number(100 * data.jam, 3)} % jam` : "none of which jams"}.`, el("span", { class: "sentence soft" }, `${data.condition}.`)),
         data.charts.map(one => histogram(one.name, one.edges, one.counts, one.unit, [[one.p05, "5 %"], [one.p50, "50 %"], [one.p95, "95 %"]])),
-        data.budget?.length ? [el("h3", {}, `Share of each tolerance in the variance of: ${data.budget_of}`), bars(data.budget.map(one => ({ name: one.source.replaceAll("_", " "), share: one.share, text: `${number(100 * one.share, 2)} %`, look: "teeth" })))] : null], before)];
+        data.budget?.length ? [el("h3", {}, `Share of each tolerance in the variance of: ${data.budget_of}`), bars(data.budget.map(one => ({ name: one.source.replaceAll("_", " "), share: one.share, text: `${number(100 * one.share, 2)} %`, look: "teeth" })))] : data.no_budget ? el("p", { class: "soft" }, `No error budget: ${data.no_budget}.`) : null], before)];
   }
 
   #stress() {
