@@ -12,10 +12,11 @@ PARTS = {
     "output": "the output",
     "pin": "ring pin 1",
 }
-"""Kinds of parts whose stress is known, in words."""
+"""Parts whose stress is computed -> words."""
 
 
-def _cased(reducer: Reducer) -> bool:
+def _has_covers(reducer: Reducer) -> bool:
+    """Return whether covers and output bearings fit the design."""
     from cycloid_mj.parts.export.drive import has_casing
 
     return has_casing(reducer)
@@ -24,19 +25,18 @@ def _cased(reducer: Reducer) -> bool:
 UPPER_FIGURES = (
     Figure(
         key="pressure_angle_deg",
-        name="pressure angle, mean by force",
+        name="pressure angle, averaged by force",
         unit="deg",
-        definition="Angle of the tooth forces to the way that they turn the gear, mean by force under the rated "
-        "torque, with friction.",
+        definition="Pressure angle of the tooth forces, averaged by force under the nominal torque, with friction.",
         need=Need.STATICS,
         function="cycloid_mj.checks.rated_load:pressure_angle",
     ),
     Figure(
         key="loaded_teeth_per_disc",
-        name="teeth of a disc that carry at the nominal torque, on average",
+        name="loaded teeth of a disc at the nominal torque, mean number",
         unit="1",
-        definition="Contacts of one disc with the ring that carry 1 % of the largest force or more under the rated "
-        "torque, with friction: their mean.",
+        definition="Contacts of one disc with the ring with at least 1 % of the largest force under the nominal "
+        "torque, with friction: mean number.",
         need=Need.STATICS,
         function="cycloid_mj.checks.rated_load:loaded_teeth",
     ),
@@ -44,7 +44,7 @@ UPPER_FIGURES = (
         key="input_inertia_kg_cm2",
         name="inertia at the input",
         unit="kg cm2",
-        definition="Inertia that the motor feels: crank, discs on their orbit, the rest over the ratio squared.",
+        definition="Inertia at the crank: crank, discs on their orbit, all other parts over the ratio squared.",
         need=Need.GEOMETRY,
         function="cycloid_mj.life.figures:input_inertia",
         aliases=("inertia",),
@@ -62,42 +62,41 @@ UPPER_FIGURES = (
         key="drive_mass_kg",
         name="mass of the drive",
         unit="kg",
-        definition="Mass with covers, bearings, screws, dowels and the output's flange, of the materials of the parts, "
-        "without motor and grease.",
+        definition="Mass including covers, bearings, screws, dowels and output flange, without motor and grease.",
         need=Need.GEOMETRY,
         function="cycloid_mj.life.figures:drive_mass",
         aliases=("drive_mass",),
-        exists=_cased,
+        exists=_has_covers,
     ),
     Figure(
         key="drive_inertia_kg_cm2",
         name="inertia of the drive at the input",
         unit="kg cm2",
-        definition="Inertia that the motor feels, with the output's hub and flange over the ratio squared.",
+        definition="Inertia at the crank, including hub and flange of the output over the ratio squared.",
         need=Need.GEOMETRY,
         function="cycloid_mj.life.figures:drive_inertia",
         aliases=("drive_inertia",),
-        exists=_cased,
+        exists=_has_covers,
     ),
     Figure(
         key="drive_length_mm",
-        name="length over all",
+        name="overall length",
         unit="mm",
-        definition="Distance along the axis from the motor's flange to the face of the output's, with covers.",
+        definition="Distance along the axis from the motor flange to the face of the output flange, with covers.",
         need=Need.GEOMETRY,
         function="cycloid_mj.life.figures:drive_length",
         aliases=("drive_length",),
-        exists=_cased,
+        exists=_has_covers,
     ),
     Figure(
         key="drive_diameter_mm",
-        name="diameter over all",
+        name="overall diameter",
         unit="mm",
-        definition="Diameter of the covers: that of the ring, or more where their screws have no room in its wall.",
+        definition="Diameter of the covers: that of the ring, or more if their screws do not fit into its wall.",
         need=Need.GEOMETRY,
         function="cycloid_mj.life.figures:drive_diameter",
         aliases=("drive_diameter",),
-        exists=_cased,
+        exists=_has_covers,
     ),
     Figure(
         key="largest_speed_rpm",
@@ -118,7 +117,7 @@ UPPER_FIGURES = (
             need=Need.LIFE,
             function=f"cycloid_mj.life.figures:{key}_speed",
         )
-        for key, words in {"continuous": "all of the time", "intermittent": "a quarter of the time"}.items()
+        for key, words in {"continuous": "continuous", "intermittent": "for a quarter of the time"}.items()
     ),
     Figure(
         key="output_tilting_capacity_nm",
@@ -128,17 +127,17 @@ UPPER_FIGURES = (
         "torque, for the life of the design with its service factor (ISO 281) and standing (ISO 76).",
         need=Need.STATICS,
         function="cycloid_mj.life.output_bearing:tilting_moment",
-        exists=_cased,
+        exists=_has_covers,
     ),
     Figure(
         key="output_tilting_stiffness_nm_per_arcmin",
         name="tilting stiffness of the output",
         unit="N m/arcmin",
-        definition="Moment across the axis over the tilt by the balls of the hub's two bearings, at half the moment "
-        "that they bear, without clearance; hub and covers rigid.",
+        definition="Moment across the axis over the tilt by the balls of the hub's two bearings, at half their moment "
+        "limit, without clearance; hub and covers rigid.",
         need=Need.STATICS,
         function="cycloid_mj.life.output_bearing:tilting_stiffness",
-        exists=_cased,
+        exists=_has_covers,
     ),
     Figure(
         key="output_radial_load_n",
@@ -148,22 +147,22 @@ UPPER_FIGURES = (
         "torque, as the tilting moment.",
         need=Need.STATICS,
         function="cycloid_mj.life.output_bearing:radial_load",
-        exists=_cased,
+        exists=_has_covers,
     ),
     Figure(
         key="output_axial_load_n",
         name="axial load on the output",
         unit="N",
-        definition="Force along the axis on the flange, alone: a quarter of a bearing's static rating.",
+        definition="Force along the axis on the flange without other loads: a quarter of a bearing's static rating.",
         need=Need.STATICS,
         function="cycloid_mj.life.output_bearing:axial_load",
-        exists=_cased,
+        exists=_has_covers,
     ),
     Figure(
         key="life_h",
         name="life",
         unit="h",
-        definition=f"Hours until the first part but for wear ends its life by `cycloid-mj rate`, {_RATED}.",
+        definition=f"Time until the first part fails, wear excluded, by `cycloid-mj rate`, {_RATED}.",
         need=Need.LIFE,
         function="cycloid_mj.life.figures:life",
     ),
@@ -171,15 +170,15 @@ UPPER_FIGURES = (
         key="bearing_life_h",
         name="life of the bearings",
         unit="h",
-        definition=f"Hours until the first bearing reaches the end of its life by ISO 281, {_RATED}.",
+        definition=f"Shortest life of the bearings by ISO 281, {_RATED}.",
         need=Need.LIFE,
         function="cycloid_mj.life.figures:bearing_life",
     ),
     Figure(
         key="least_safety",
-        name="least safety",
+        name="smallest safety factor",
         unit="1",
-        definition=f"Least of the safeties of `cycloid-mj rate`, {_RATED}.",
+        definition=f"Smallest safety factor of `cycloid-mj rate`, {_RATED}.",
         need=Need.LIFE,
         function="cycloid_mj.life.figures:least_safety",
     ),
@@ -195,7 +194,7 @@ UPPER_FIGURES = (
         key="temperature_rise_k",
         name="temperature rise",
         unit="K",
-        definition=f"Temperature of the housing over the surroundings, in still air, {_RATED}.",
+        definition=f"Temperature of the housing above ambient, in still air, {_RATED}.",
         need=Need.LIFE,
         function="cycloid_mj.life.figures:temperature_rise",
         aliases=("temperature_rise",),
@@ -204,7 +203,7 @@ UPPER_FIGURES = (
         key="momentary_torque_nm",
         name="momentary torque",
         unit="N m",
-        definition="Torque on the output that is held once with a safety of 1.",
+        definition="Torque on the output in an emergency stop with a safety factor of 1.",
         need=Need.LIFE,
         function="cycloid_mj.life.figures:momentary",
         aliases=("momentary_torque",),
@@ -213,7 +212,8 @@ UPPER_FIGURES = (
         key="torque_for_6000_h_nm",
         name="torque for 6000 h",
         unit="N m",
-        definition="Torque on the output that all parts bear for 6000 h at the rated speed, and that is held once.",
+        definition="Rated torque on the output for service.life_h (by default 6000 h) at the design's speed; at most "
+        "the momentary torque.",
         need=Need.LIFE,
         function="cycloid_mj.life.figures:torque_for_life",
     ),
@@ -223,7 +223,7 @@ UPPER_FIGURES = (
             name=f"largest stress of {words}",
             unit="MPa",
             definition=f"Largest von Mises stress of {words} away from contacts, or at a fillet by its notch factor, "
-            "over a turn of the crank under the load, else the nominal torque, by `cycloid-mj stress --quick`.",
+            "over a turn of the crank under the load or else the nominal torque, by `cycloid-mj stress --quick`.",
             need=Need.STRESS,
             function=f"cycloid_mj.stress.figures:{kind}_stress",
         )
@@ -234,8 +234,8 @@ UPPER_FIGURES = (
             key=f"{kind}_contact_pressure_mpa",
             name=f"largest contact pressure on {words}",
             unit="MPa",
-            definition=f"Largest Hertz pressure on {words} over a turn of the crank under the load, else the rated "
-            "torque, by `cycloid-mj stress --quick`; none where every contact is conformal.",
+            definition=f"Largest Hertz pressure on {words} over a turn of the crank under the load, or the "
+            "nominal torque without one, by `cycloid-mj stress --quick`; none if every contact is conformal.",
             need=Need.STRESS,
             function=f"cycloid_mj.stress.figures:{kind}_contact_pressure",
         )
@@ -244,7 +244,7 @@ UPPER_FIGURES = (
     *(
         Figure(
             key=f"{kind}_contact_safety",
-            name=f"safety of the contact pressure on {words}",
+            name=f"safety factor of the contact pressure on {words}",
             unit="1",
             definition=f"Shakedown limit 4 k of the surface over the largest Hertz pressure on {words}, by "
             "`cycloid-mj stress --quick`: below 1, rolling yields at every pass (pitting life: `cycloid-mj rate`).",

@@ -88,7 +88,7 @@ def _pressures(state: RatedLoad, part: str) -> Iterator[Check]:
     breaks = _weaker(reducer, kind, "tensile_strength", "surface_tensile_strength")
     for name, (key, strength, ratio), factor, where, what in (
         ("yield", yields, YIELD_PRESSURE, "x yield strength", "the material first yields below the surface"),
-        ("shakedown", yields, SHAKEDOWN_PRESSURE, "x yield strength, 4 k", "the material yields again at each pass"),
+        ("shakedown", yields, SHAKEDOWN_PRESSURE, "x yield strength, 4 k", "the material yields in every load cycle"),
         (
             "hardness",
             breaks,
@@ -100,10 +100,10 @@ def _pressures(state: RatedLoad, part: str) -> Iterator[Check]:
         allowed = factor * strength
         passed = pressure <= allowed
         remedies: list[Limit] = []
-        beyond = f"beyond, {what}"
+        beyond = f"above this pressure {what}"
         if not passed:
             torque = state.torque_at(kind, allowed)
-            beyond = f"{what} above {_newton_metres(torque)}" if math.isfinite(torque) else what
+            beyond = f"above {_newton_metres(torque)} {what}" if math.isfinite(torque) else what
             remedies = [
                 _face_width(reducer, lambda other: other.peak_pressure(kind), allowed, 2.0),
                 Limit(key, "at least", ratio * pressure / factor),

@@ -1,4 +1,4 @@
-"""The catalogue of figures: every number of a reducer that commands print, minimise or limit, by one key.
+"""The catalogue of figures: every number of a reducer that commands print, optimize or limit, by its key.
 
 A row (`Figure`) has key, name, unit, definition, what it needs, and a function of a `Reducer`; a new figure is a
 function and a row, and every command has it. The figures of upper layers are in `cycloid_mj.upper_figures`.
@@ -13,7 +13,7 @@ from cycloid_mj.figures.catalogue import (
     compute_sampled,
     figure,
     figures_of,
-    known,
+    find_figure,
     of_measure,
     quantities,
     quantity,
@@ -32,7 +32,7 @@ __all__ = [
     "compute_sampled",
     "figure",
     "figures_of",
-    "known",
+    "find_figure",
     "of_measure",
     "quantities",
     "quantity",

@@ -1,4 +1,4 @@
-"""All figures by key, and what is asked of them by key: one, those that a reducer has, their values."""
+"""The catalogue: all figures by key, and functions that look them up and compute them."""
 
 import math
 import warnings
@@ -12,17 +12,17 @@ from cycloid_mj.base.registry import provided
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.figures.figure import Figure, Need
 from cycloid_mj.figures.geometry import OF_GEOMETRY
-from cycloid_mj.figures.sampled import ANGLES, OF_SAMPLES, solved
+from cycloid_mj.figures.sampled import ANGLES, OF_SAMPLES, solve_states
 from cycloid_mj.figures.simulated import OF_RUNS
 from cycloid_mj.figures.statics import OF_BALANCE, OF_STATICS
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.samples import Samples
 
 FIGURES: Mapping[str, Figure] = {
-    one.key: one
+    row.key: row
     for need in Need
-    for one in (*OF_GEOMETRY, *OF_STATICS, *OF_BALANCE, *OF_SAMPLES, *provided("upper_figures"), *OF_RUNS)
-    if one.need == need
+    for row in (*OF_GEOMETRY, *OF_STATICS, *OF_BALANCE, *OF_SAMPLES, *provided("upper_figures"), *OF_RUNS)
+    if row.need == need
 }
 """Key -> figure, the cheapest first."""
 
@@ -35,17 +35,17 @@ _BY_ANY_NAME: Mapping[str, Figure] = {
 }
 
 CHEAP = frozenset({Need.GEOMETRY, Need.STATICS})
-"""What takes well under a second."""
+"""Needs that take well under a second."""
 
 COMPUTED = frozenset({*CHEAP, Need.LIFE})
-"""What needs neither finite elements nor a run."""
+"""Needs without finite elements and runs."""
 
-NEAR = 5
-"""Keys that an error proposes."""
+MAX_PROPOSALS = 5
+"""Largest number of keys that an error proposes."""
 
 
-def known(key: str) -> Figure | None:
-    """Look up a figure by its key or one of its aliases; None where it is none of them."""
+def find_figure(key: str) -> Figure | None:
+    """Return the figure of a key or alias; None if there is none."""
     return _BY_ANY_NAME.get(key)
 
 
@@ -55,73 +55,77 @@ def figure(key: str, needs: Collection[Need] = frozenset(Need), reducer: Reducer
     Parameters
     ----------
     key
-        As a user writes it.
+        Key or alias, as a user writes it.
     needs
-        What can be computed here.
+        Needs of the figures that can be computed here.
     reducer
-        What is to have the figure; None: any.
+        A reducer that must have the figure; None for any.
 
     Raises
     ------
     UsageError
-        There is no such figure, the reducer has not got it, or it needs more than can be computed here.
+        The figure does not exist, the reducer does not have it, or it needs more than can be computed here.
     """
-    row = known(key)
+    row = find_figure(key)
     if row is None:
-        raise UsageError(f"there is no figure {key!r:.60}{_near(key, needs, reducer)}")
+        raise UsageError(f"unknown figure {key!r:.60}{_proposals(key, needs, reducer)}")
     if key in row.deprecated:
         warnings.warn(f"the figure {key} is now {row.key}; the old key will be removed", CycloidWarning, stacklevel=2)
     if row.need not in needs:
-        can = " or ".join(need for need in Need if need in needs)
-        raise UsageError(f"the figure {key} needs a {row.need}; here are figures of {can}{_near(key, needs, reducer)}")
+        possible = " or ".join(need for need in Need if need in needs)
+        raise UsageError(
+            f"the figure {key} needs a {row.need}; here only figures of {possible} can be computed"
+            f"{_proposals(key, needs, reducer)}"
+        )
     if reducer is not None and not row.exists(reducer):
-        raise UsageError(f"the design {reducer.design.name!r} has no figure {key}{_near(key, needs, reducer)}")
+        raise UsageError(f"the design {reducer.design.name!r} has no figure {key}{_proposals(key, needs, reducer)}")
     return row
 
 
-def _near(key: str, needs: Collection[Need], reducer: Reducer | None) -> str:
-    """Propose what may have been meant."""
+def _proposals(key: str, needs: Collection[Need], reducer: Reducer | None) -> str:
+    """Return similar keys as the end of a message."""
     there = [
         name
         for name, row in _BY_ANY_NAME.items()
         if row.need in needs and (reducer is None or row.exists(reducer)) and name != key and name not in row.deprecated
     ]
-    near = [name for name in there if key and key in name] or get_close_matches(key, there, n=NEAR, cutoff=0.5)
-    meant = list(dict.fromkeys(_BY_ANY_NAME[name].key for name in near))[:NEAR]
+    near = [name for name in there if key and key in name] or get_close_matches(key, there, n=MAX_PROPOSALS, cutoff=0.5)
+    meant = list(dict.fromkeys(_BY_ANY_NAME[name].key for name in near))[:MAX_PROPOSALS]
     proposed = f"did you mean {', '.join(meant)}? " if meant else ""
     return f"; {proposed}`cycloid-mj figures` lists them"
 
 
 def figures_of(reducer: Reducer, needs: Collection[Need] = CHEAP) -> tuple[Figure, ...]:
-    """List the figures that a reducer has, of some needs."""
+    """Return the figures that a reducer has, of some needs."""
     return tuple(row for row in FIGURES.values() if row.need in needs and row.exists(reducer))
 
 
 def compute(reducer: Reducer, keys: Iterable[str]) -> dict[str, float]:
-    """Compute figures by the keys that they are asked for, which may be aliases; errors are those of the figures."""
+    """Compute figures by their keys or aliases; errors are those of the figures."""
     return {key: figure(key).value(reducer) for key in keys}
 
 
 def of_measure(measure: str, measured: Mapping[str, Quantity]) -> dict[str, Quantity]:
-    """Pick the catalogue's figures from the quantities of a measure, by the catalogue's keys."""
-    rows = {key: row for key in measured if (row := known(f"{measure}/{key}"))}
+    """Return the quantities of a measure that are figures of the catalogue, by its keys."""
+    rows = {key: row for key in measured if (row := find_figure(f"{measure}/{key}"))}
     return {row.key: replace(measured[key], key=row.key, name=row.name) for key, row in rows.items()}
 
 
 def quantities(reducer: Reducer, needs: Collection[Need] = CHEAP) -> dict[str, Quantity]:
     """Compute all figures that a reducer has, of some needs, by their keys.
 
-    One that fails, as where no balance is found, is NaN, and its note says why.
+    A figure that fails is NaN, and its note says why.
     """
-    return {row.key: _computed(reducer, row) for row in figures_of(reducer, needs)}
+    return {row.key: _quantity(reducer, row) for row in figures_of(reducer, needs)}
 
 
 def quantity(reducer: Reducer, key: str) -> Quantity:
     """Compute one figure as `quantities` does all."""
-    return _computed(reducer, figure(key))
+    return _quantity(reducer, figure(key))
 
 
-def _computed(reducer: Reducer, row: Figure) -> Quantity:
+def _quantity(reducer: Reducer, row: Figure) -> Quantity:
+    """Compute a figure; one that fails is NaN, and its note says why."""
     try:
         return row.quantity(reducer)
     except CycloidError as error:
@@ -136,8 +140,8 @@ def values_json(figures: Mapping[str, Quantity]) -> dict[str, dict[str, str | fl
 def compute_sampled(
     reducer: Reducer, made: Samples, keys: Collection[str] = SAMPLED, angles: int = ANGLES
 ) -> dict[str, Array]:
-    """Compute some of the figures `SAMPLED` of samples of a reducer by their keys, shape (samples,) each."""
+    """Compute some of the figures `SAMPLED` for samples of a reducer, by key, shape (samples,) each."""
     rows = {key: sampled for key in keys if (sampled := figure(key).sampled)}
     needed = {state for row in rows.values() for state in row.states}
-    states = solved(reducer, made, needed, angles)
+    states = solve_states(reducer, made, needed, angles)
     return {key: row.value(*(states[state] for state in row.states)) for key, row in rows.items()}

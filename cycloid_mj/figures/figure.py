@@ -1,4 +1,4 @@
-"""A figure: one number of a reducer, with its key, unit and definition, and what computes it."""
+"""A figure: a number of a reducer, with its key, unit, definition and function."""
 
 import math
 from collections.abc import Callable
@@ -18,7 +18,7 @@ Compute = Callable[[Reducer], float]
 
 
 class Need(StrEnum):
-    """The most costly thing that a figure is computed from."""
+    """What a figure is computed from, by increasing cost."""
 
     GEOMETRY = "geometry"
     """Dimensions and materials: milliseconds."""
@@ -34,28 +34,28 @@ class Need(StrEnum):
 
 @dataclass(frozen=True, kw_only=True)
 class Figure:
-    """One row of the catalogue.
+    """A row of the catalogue.
 
     Attributes
     ----------
     key
-        Its name for programs and flags; it ends in the unit.
+        Name for programs and flags; it ends in the unit.
     name, unit
-        In words, for a table, and as people write it: ``N m``, ``arcmin``, ``1`` of a mere number.
+        Name in words, and unit as printed: ``N m``, ``arcmin``, ``1`` of a number without a unit.
     definition
-        What it is, and under what it holds, in one sentence.
+        Definition and condition, in a sentence.
     need
-        What it is computed from.
+        What the figure is computed from.
     function
         The function that computes it; of an upper layer ``module:function``, which is imported when first used.
     sampled
-        How many samples of the reducer are balanced for it at a time; None where each is a design of its own.
+        How it is computed for many samples of a reducer at a time; None if each sample is a design of its own.
     aliases
-        Other keys by which flags, JSON and CSV call it.
+        Other keys of the figure in flags, JSON and CSV.
     deprecated
         Former keys, which are accepted with a warning.
     exists
-        Whether a reducer has it, as pins have sockets.
+        Returns whether a reducer has the figure.
     """
 
     key: str
@@ -70,15 +70,15 @@ class Figure:
     exists: Callable[[Reducer], bool] = lambda _: True
 
     def value(self, reducer: Reducer) -> float:
-        """Compute the figure of a sound reducer [`unit`], NaN where it has none; errors are those of its function."""
-        return self._imported(reducer) if self.exists(reducer) else math.nan
+        """Compute the figure of a sound reducer [`unit`], NaN if it has none; errors are those of the function."""
+        return self._compute(reducer) if self.exists(reducer) else math.nan
 
     def quantity(self, reducer: Reducer) -> Quantity:
         """Compute the figure with its name and unit."""
         return Quantity(self.key, self.name, self.value(reducer), self.unit, note=self.definition)
 
     @property
-    def _imported(self) -> Compute:
+    def _compute(self) -> Compute:
         if not isinstance(self.function, str):
             return self.function
         module, _, name = self.function.partition(":")

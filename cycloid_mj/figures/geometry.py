@@ -1,4 +1,4 @@
-"""Figures of dimensions and materials alone: shape of the teeth, size, mass."""
+"""Figures of dimensions and materials: shape of the teeth, size, mass."""
 
 from collections import Counter
 
@@ -10,14 +10,14 @@ from cycloid_mj.parts import carried, mass_properties, parts
 from cycloid_mj.reducer import Reducer, once
 
 CHORD_ERROR = 1e-6
-"""Largest distance of a chord from its curve [m]: the mass is right within some 1e-4."""
+"""Largest distance of a chord from its curve [m]; the mass is accurate to about 1e-4."""
 
 
 @once
 def masses(reducer: Reducer) -> dict[str, float]:
-    """Compute the masses of the parts [kg] by their names, every ring pin (or sleeve), spacer and roller counted."""
-    borne = Counter(part for by in (names.SHAFT, names.OUTPUT) for part, _ in carried(reducer, by).values())
-    counts = {names.PIN: reducer.design.ring.teeth, **borne}
+    """Compute the masses of the parts [kg] by name, including all ring pins (or sleeves), spacers and rollers."""
+    carried_parts = Counter(part for body in (names.SHAFT, names.OUTPUT) for part, _ in carried(reducer, body).values())
+    counts = {names.PIN: reducer.design.ring.teeth, **carried_parts}
     return {
         name: mass_properties(solid).mass * counts.get(name, 1) for name, solid in parts(reducer, CHORD_ERROR).items()
     }
@@ -34,7 +34,7 @@ def specific_torque(reducer: Reducer) -> float:
 
 
 def least_convex_radius(reducer: Reducer) -> float:
-    """Compute the radius of the sharpest convex bend of the lobes [mm]."""
+    """Compute the smallest convex radius of the lobes [mm]."""
     return MILLIMETRES * (profile.undercut_radius(reducer.gear_profile) - reducer.profile_offset)
 
 
@@ -68,16 +68,16 @@ def _figure(
 OF_GEOMETRY = (
     _figure(
         "ratio",
-        "turns of the crank in one of the output",
+        "turns of the crank per turn of the output",
         "1",
-        "Turns of the crank in one turn of the output, without its sense.",
+        "Turns of the crank per turn of the output, without sign.",
         lambda reducer: float(abs(reducer.design.ratio)),
     ),
     _figure(
         "nominal_torque_nm",
         "nominal torque",
         "N m",
-        "Torque of the motor times the ratio: what the design is loaded with where nothing else is said.",
+        "Torque of the motor times the ratio: the default load of a design.",
         lambda reducer: reducer.design.rated_torque,
         "nominal_torque",
         deprecated=("rated_torque_nm",),
@@ -107,9 +107,9 @@ OF_GEOMETRY = (
     ),
     _figure(
         "least_convex_radius_mm",
-        "sharpest convex bend of the lobes: its radius",
+        "smallest convex radius of the lobes",
         "mm",
-        "Least radius of curvature where the gear's profile is convex, clearance and modification cut away.",
+        "Smallest radius of curvature of the convex profile of the disc, with clearance and modification.",
         least_convex_radius,
     ),
     _figure(

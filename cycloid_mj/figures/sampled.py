@@ -1,7 +1,7 @@
-"""Figures that are balanced for many samples of a reducer at a time: play, transmission error, wind-up, forces.
+"""Figures computed for many samples of a reducer at a time: backlash, transmission error, wind-up, forces.
 
-They are those of rigid parts on elastic contacts, without friction and weight; of a reducer itself they are those of
-one sample that is made as its design says.
+Parts are rigid with elastic contacts, without friction and weight. The figure of a reducer is that of a single sample
+without random deviations.
 """
 
 from collections.abc import Callable, Collection
@@ -17,57 +17,58 @@ from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics.samples import SampleFigures, Samples, alike, backlash, solve_samples
 
 ANGLES = 360
-"""Crank angles at which every sample is balanced."""
+"""Crank angles at which every sample is solved."""
 
 TOUCH = 1e-4
-"""Torque that brings the parts to a stop, as a share of the rated one: it winds up 0.2 % of the backlash at most."""
+"""Torque that moves the parts to a stop, over the nominal torque: its wind-up is at most 0.2 % of the backlash."""
 
-STANDING = 1e-9
-"""Speed of the crank as a share of its own: too slow for the gear's centrifugal force."""
+QUASI_STATIC_SHARE = 1e-9
+"""Speed of the crank over that of the design at which centrifugal forces vanish."""
 
 State = Literal["ahead", "back", "loaded"]
 STATES: dict[State, float] = {"ahead": TOUCH, "back": -TOUCH, "loaded": 1.0}
-"""Torque on the output in each state, as a share of the rated one."""
+"""Torque on the output in each state, over the nominal torque."""
 
 
 @dataclass(frozen=True)
 class Sampled:
-    """The `states` that a figure takes of samples, and its `value` of them in its unit, shape (samples,)."""
+    """The `states` of samples that a figure needs, and its `value` in its unit, shape (samples,)."""
 
     states: tuple[State, ...]
     value: Callable[..., Array]
 
 
 BACKLASH = Sampled(("ahead", "back"), lambda ahead, back: backlash(ahead, back) / ARCMINUTE)
-"""The backlash of samples: their balance under `TOUCH` is within 0.2 % of the one that torque leads to at zero."""
+"""Backlash of samples: under the torque `TOUCH` it is within 0.2 % of that at zero torque."""
 
 
-def solved(
+def solve_states(
     reducer: Reducer, samples: Samples, states: Collection[State], angles: int = ANGLES
 ) -> dict[State, SampleFigures]:
-    """Balance samples in some of `STATES`: without friction, weight and inertia."""
+    """Solve samples in some of `STATES`, without friction, weight and inertia."""
     still = {"gravity_x": 0.0, "gravity_y": 0.0}
-    bare = reducer.but(environment=still, drive={"speed": STANDING * reducer.design.drive.speed})
+    bare = reducer.but(environment=still, drive={"speed": QUASI_STATIC_SHARE * reducer.design.drive.speed})
     ordered = [state for state in STATES if state in states]
     torques = [STATES[state] * reducer.design.rated_torque for state in ordered]
     return dict(zip(ordered, solve_samples(bare, samples, torques, angles), strict=True))
 
 
 def condition(reducer: Reducer) -> str:
-    """State under what the figures of samples hold."""
+    """Describe the conditions of the figures of samples."""
     return (
-        f"statics without friction and weight, parts rigid but for their contacts, over a turn of the crank; loaded: "
+        f"statics without friction and weight, rigid parts with elastic contacts, over a turn of the crank; loaded: "
         f"{reducer.design.rated_torque:.4g} N m on the output, unloaded: {TOUCH:g} of that"
     )
 
 
 @once
 def _as_designed(reducer: Reducer, state: State) -> SampleFigures:
-    return solved(reducer, alike(reducer, 1), [state])[state]
+    """Solve a single sample without random deviations in a state."""
+    return solve_states(reducer, alike(reducer, 1), [state])[state]
 
 
 def _figure(key: str, name: str, unit: str, definition: str, sampled: Sampled) -> Figure:
-    """Make the row of a figure whose value is that of one sample."""
+    """Return the row of a figure whose value is that of a single sample."""
 
     def compute(reducer: Reducer) -> float:
         return float(sampled.value(*(_as_designed(reducer, state) for state in sampled.states))[0])
@@ -97,9 +98,9 @@ OF_SAMPLES = (
     ),
     _figure(
         "wind_up_arcmin",
-        "turn of the output, loaded less unloaded, mean",
+        "turn of the output, loaded minus unloaded, mean",
         "arcmin",
-        "How far the nominal torque turns the output at a locked crank, from contact without load: mean of a turn, "
+        "Turn of the output under the nominal torque at a locked crank, from contact without load: mean over a turn, "
         "without friction.",
         Sampled(("ahead", "loaded"), lambda ahead, loaded: (loaded.output_mean - ahead.output_mean) / ARCMINUTE),
     ),
@@ -107,7 +108,7 @@ OF_SAMPLES = (
         "tooth_force_n",
         "largest force on a tooth",
         "N",
-        f"Largest normal force of one contact between gear and ring {_RATED}.",
+        f"Largest normal force of one contact between disc and ring {_RATED}.",
         Sampled(("loaded",), lambda loaded: loaded.tooth),
     ),
     _figure(
@@ -126,30 +127,30 @@ OF_SAMPLES = (
     ),
     _figure(
         "loaded_teeth",
-        "teeth that carry, on average",
+        "loaded teeth, mean number",
         "1",
-        f"Contacts of all discs with the ring that carry 1 % of the largest force or more {_RATED}: their mean.",
+        f"Contacts of all discs with the ring with at least 1 % of the largest force {_RATED}: mean number.",
         Sampled(("loaded",), lambda loaded: loaded.carrying),
     ),
     _figure(
         "preload_n",
         "largest force on a tooth, unloaded",
         "N",
-        f"Largest normal force of one contact between gear and ring, to either side, {_UNLOADED}.",
+        f"Largest normal force of one contact between disc and ring, in both directions, {_UNLOADED}.",
         Sampled(("ahead", "back"), lambda ahead, back: np.maximum(ahead.tooth, back.tooth)),
     ),
     _figure(
         "output_preload_n",
         "largest force on an output pin, unloaded",
         "N",
-        f"Largest normal force of one disc on one output pin, to either side, {_UNLOADED}.",
+        f"Largest normal force of one disc on one output pin, in both directions, {_UNLOADED}.",
         Sampled(("ahead", "back"), lambda ahead, back: np.maximum(ahead.output_pin, back.output_pin)),
     ),
     _figure(
         "cam_preload_n",
         "largest force of the cam, unloaded",
         "N",
-        f"Largest force of one cam on its disc, to either side, {_UNLOADED}.",
+        f"Largest force of one cam on its disc, in both directions, {_UNLOADED}.",
         Sampled(("ahead", "back"), lambda ahead, back: np.maximum(ahead.cam, back.cam)),
     ),
 )

@@ -1,4 +1,4 @@
-"""Figures that runs measure: quantities of `cycloid-mj measure` at the usual conditions of their measures."""
+"""Figures from runs: quantities of `cycloid-mj measure` at the default conditions of the measures."""
 
 from cycloid_mj.base.registry import provided
 from cycloid_mj.figures.figure import Figure, Need
@@ -6,7 +6,7 @@ from cycloid_mj.reducer import Reducer
 
 
 def _figure(key: str, unit: str, name: str, definition: str, measure: str, quantity: str) -> Figure:
-    """Make the row of a quantity of a measure; its alias is ``measure/quantity``."""
+    """Return the row of a quantity of a measure; its alias is ``measure/quantity``."""
 
     def compute(reducer: Reducer) -> float:
         measured: float = provided("measure")(reducer, measure, quantity)
@@ -36,7 +36,7 @@ OF_RUNS = (
         "lost_motion_arcmin",
         "arcmin",
         "lost motion, simulated",
-        "Turn of the output between 3 % of the nominal torque to either side with friction, by `measure lost-motion`.",
+        "Turn of the output between -3 and 3 % of the nominal torque with friction, by `measure lost-motion`.",
         "lost-motion",
         "lost_motion",
     ),

@@ -1,4 +1,4 @@
-"""Figures of the data sheet by statics, with friction: the load is the design's, else its nominal torque."""
+"""Figures of the static data sheet, with friction, under the design's load or else its nominal torque."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping
@@ -17,37 +17,38 @@ from cycloid_mj.statics.sheet import CASES, DIRECTIONS, PARTS, SHAFTS, sheet_par
 SheetPart = Literal["motions", "errors", "loads", "losses"]
 
 KINDS = {
-    "pin_gear": "gear on a ring pin",
+    "pin_gear": "disc on a ring pin",
     "pin_socket": "ring pin in its socket",
     "pin_sleeve": "sleeve on its ring pin",
-    "tooth": "gear on a lobe of the ring",
+    "tooth": "disc on a lobe of the ring",
     "cam": "cam in the bore of its disc",
     "output": "output pin in a hole",
 }
 """Kinds of contacts, in words."""
 
-MOST_DISCS = 4
+MAX_DISCS = 4
+"""Largest number of discs of a design."""
 
-CREEPING = 1e-3
-"""Of the design's speed: where the discs' centrifugal force is none."""
+CREEP_SHARE = 1e-3
+"""Speed over that of the design at which the discs' centrifugal force vanishes."""
 
-FREE_ROUNDS, APART = 4, 2.0
-"""Straight lines of the losses that are drawn for a free crank, through two torques that differ by a factor."""
+BACK_DRIVING_ITERATIONS, SECANT_FACTOR = 4, 2.0
+"""Secant steps for the torque that drives a free crank, and the factor between the two torques of a secant."""
 
-_IDEAL = "without friction and weight, at a locked crank: mean of a turn"
+_IDEAL = "without friction and weight, at a locked crank: mean over a turn"
 _LOADED = "under the load, with friction, over a turn of the crank"
 
 
-def _springs(reducer: Reducer) -> bool:
+def _has_springs(reducer: Reducer) -> bool:
     return reducer.design.structure == "springs"
 
 
-def _several(reducer: Reducer) -> bool:
+def _has_several_discs(reducer: Reducer) -> bool:
     return reducer.design.gear.discs > 1
 
 
-def _on_both_ends(reducer: Reducer) -> bool:
-    return _several(reducer) and reducer.design.output.support == "both_ends"
+def _has_two_output_discs(reducer: Reducer) -> bool:
+    return _has_several_discs(reducer) and reducer.design.output.support == "both_ends"
 
 
 def _has(kind: str) -> Callable[[Reducer], bool]:
@@ -60,7 +61,7 @@ def _has_disc(number: int) -> Callable[[Reducer], bool]:
 
 @once
 def quantities(reducer: Reducer, part: SheetPart) -> Mapping[str, Quantity]:
-    """Compute one part of the sheet, once for all its figures."""
+    """Compute a part of the sheet, once for all its figures."""
     return sheet_part(reducer, part)
 
 
@@ -74,7 +75,7 @@ def _figure(
     exists: Callable[[Reducer], bool] = lambda _: True,
     sampled: Sampled | None = None,
 ) -> Figure:
-    """Make the row of a figure that stands in the sheet under the key `of_sheet`."""
+    """Return the row of a figure that the sheet has under the key `of_sheet`."""
     column = with_unit(of_sheet, unit)
     key = key or column
     return Figure(
@@ -85,7 +86,9 @@ def _figure(
         need=Need.STATICS,
         function=lambda reducer: quantities(reducer, part)[of_sheet].value,
         sampled=sampled,
-        aliases=tuple(dict.fromkeys(one for one in (of_sheet, column, column.replace("_per_", "_")) if one != key)),
+        aliases=tuple(
+            dict.fromkeys(alias for alias in (of_sheet, column, column.replace("_per_", "_")) if alias != key)
+        ),
         exists=exists,
     )
 
@@ -96,11 +99,11 @@ def _motions() -> Iterator[Figure]:
         "backlash",
         "arcmin",
         "backlash of the output, mean",
-        "Turn of the output from stop to stop at a locked crank, which a vanishing torque leads to: mean of a turn, "
-        "without friction and weight.",
+        "Turn of the output from stop to stop at a locked crank under a vanishing torque: mean over a turn, without "
+        "friction and weight.",
         sampled=BACKLASH,
     )
-    for end, word in (("min", "least"), ("max", "largest")):
+    for end, word in (("min", "smallest"), ("max", "largest")):
         words = f"{word.capitalize()} turn of the output from stop to stop over the crank angle, as `backlash_arcmin`."
         yield _figure("motions", f"backlash_{end}", "arcmin", f"backlash, {word} over the crank angle", words)
     yield _figure(
@@ -108,7 +111,7 @@ def _motions() -> Iterator[Figure]:
         "lost_motion_ideal",
         "arcmin",
         "lost motion at +-3 % of the load",
-        f"Turn of the output between 3 % of the load to either side, {_IDEAL}.",
+        f"Turn of the output between -3 and 3 % of the load, {_IDEAL}.",
         "lost_motion_arcmin",
     )
     yield _figure(
@@ -124,9 +127,9 @@ def _motions() -> Iterator[Figure]:
         "stiffness_contacts",
         "N m/arcmin",
         "torsional stiffness of the contacts only",
-        f"Torque over the turn of the output from 50 to 100 % of the load where parts are rigid, {_IDEAL}.",
+        f"Torque over the turn of the output from 50 to 100 % of the load with rigid parts, {_IDEAL}.",
         "stiffness_contacts_nm_per_arcmin",
-        _springs,
+        _has_springs,
     )
     for part, words in PARTS.items():
         yield _figure(
@@ -134,9 +137,9 @@ def _motions() -> Iterator[Figure]:
             f"compliance_{part}",
             "arcmin/(N m)",
             f"compliance of {words}, in series",
-            f"What the give of {words} alone adds to the turn of the output by torque, {_IDEAL}.",
+            f"Turn of the output per torque by the compliance of {words} only, {_IDEAL}.",
             f"compliance_{part}_arcmin_per_nm",
-            exists=(lambda _: True) if part in ("output", "cam", "mesh") else _springs,
+            exists=(lambda _: True) if part in ("output", "cam", "mesh") else _has_springs,
         )
 
 
@@ -144,15 +147,15 @@ def _errors() -> Iterator[Figure]:
     for shaft in SHAFTS:
         prefix = "" if shaft == "output" else f"{shaft}_"
         for case in CASES:
-            for way in DIRECTIONS:
-                under = f"{case}, {way}, with friction, over a turn of the crank"
+            for direction in DIRECTIONS:
+                under = f"{case}, {direction}, with friction, over a turn of the crank"
                 about = f"of the {shaft}'s angle about the ideal one, {under}."
-                end = f"{case}_{way}"
+                end = f"{case}_{direction}"
                 yield _figure(
                     "errors",
                     f"{shaft}_peak_to_peak_{end}_speed",
                     "arcsec",
-                    f"transmission error, peak to peak, {shaft}, {case}, {way}",
+                    f"transmission error, peak to peak, {shaft}, {case}, {direction}",
                     f"Range {about}",
                     f"{prefix}te_{end}_arcsec",
                 )
@@ -160,7 +163,7 @@ def _errors() -> Iterator[Figure]:
                     "errors",
                     f"{shaft}_rms_{end}_speed",
                     "arcsec",
-                    f"transmission error, rms about its mean, {shaft}, {case}, {way}",
+                    f"transmission error, rms about its mean, {shaft}, {case}, {direction}",
                     f"Standard deviation {about}",
                     f"{prefix}te_rms_{end}_arcsec",
                 )
@@ -168,29 +171,29 @@ def _errors() -> Iterator[Figure]:
             "errors",
             f"{shaft}_reversal",
             "arcsec",
-            f"mean of the {shaft}, forward less reverse, unloaded",
-            f"Mean angle of the {shaft} forward less that in reverse, unloaded, with friction.",
+            f"mean of the {shaft}, forward minus reverse, unloaded",
+            f"Mean angle of the {shaft} forward minus that in reverse, unloaded, with friction.",
         )
         yield _figure(
             "errors",
             f"{shaft}_wind_up",
             "arcsec",
-            f"mean of the {shaft}, loaded less unloaded, forward",
-            f"Mean angle of the {shaft} under the load less that under 1 % of it, forward, with friction.",
+            f"mean of the {shaft}, loaded minus unloaded, forward",
+            f"Mean angle of the {shaft} under the load minus that under 1 % of it, forward, with friction.",
         )
 
     yield _figure(
         "errors",
         INERTIA_SHARE,
         "1",
-        "inertia torque of the load, were it to follow the loaded error, over the load",
+        "inertia torque of the load if it followed that error, over the load",
         "Inertia of what turns with the output times the second derivative of its loaded transmission error, forward, "
-        "at the design's speed, over the load: rms of a turn; from 0.1 on runs depart from statics.",
+        "at the design's speed, over the load: rms over a turn; from 0.1 on runs differ from statics.",
     )
 
 
 def _loads() -> Iterator[Figure]:
-    for number in range(1, MOST_DISCS + 1):
+    for number in range(1, MAX_DISCS + 1):
         yield _figure(
             "loads",
             f"disc_{number}_share",
@@ -203,8 +206,8 @@ def _loads() -> Iterator[Figure]:
         for end, unit, name, definition in (
             ("peak_force", "N", "largest force", f"Largest normal force, {words}, {_LOADED}."),
             ("mean_force", "N", "mean force of the loaded contacts", f"Mean normal force, {words}, {_LOADED}."),
-            ("carrying", "1", "loaded contacts, mean number", f"Contacts that carry, {words}, {_LOADED}: mean."),
-            ("pressure", "MPa", "largest Hertz pressure", f"Largest pressure by Hertz, {words}, {_LOADED}."),
+            ("carrying", "1", "loaded contacts, mean number", f"Number of loaded contacts, {words}, {_LOADED}: mean."),
+            ("pressure", "MPa", "largest Hertz pressure", f"Largest Hertz pressure, {words}, {_LOADED}."),
             ("margin", "1", "margin against first yield", f"Pressure of first yield over the largest, {words}."),
         ):
             yield _figure("loads", f"{kind}_{end}", unit, f"{kind}: {name}", definition, exists=_has(kind))
@@ -216,7 +219,7 @@ def _loads() -> Iterator[Figure]:
                 unit,
                 f"{name} of the discs on the {member}, largest",
                 f"Largest {name} of all discs together on the {member} {_LOADED}.",
-                exists=_several,
+                exists=_has_several_discs,
             )
     for key, words in BEARINGS.items():
         yield _figure(
@@ -225,7 +228,7 @@ def _loads() -> Iterator[Figure]:
             "N",
             f"{words}: largest force",
             f"Largest force of the {words} from the discs' forces {_LOADED}.",
-            exists=_on_both_ends if key.startswith("output") else _several,
+            exists=_has_two_output_discs if key.startswith("output") else _has_several_discs,
         )
     yield _figure(
         "loads",
@@ -258,7 +261,7 @@ def _losses() -> Iterator[Figure]:
             f"{kind}_friction_power",
             "W",
             f"friction of {kind}",
-            f"Mean power that friction takes, {KINDS[kind]}, under the load at the design's speed.",
+            f"Mean power lost to friction, {KINDS[kind]}, under the load at the design's speed.",
             exists=_has(kind),
         )
     for key, name in {
@@ -266,21 +269,21 @@ def _losses() -> Iterator[Figure]:
         "input_power": "input power",
         "output_power": "output power",
     }.items():
-        words = f"{name[0].upper()}{name[1:]} under the load at the design's speed: mean of a turn."
+        words = f"{name[0].upper()}{name[1:]} under the load at the design's speed: mean over a turn."
         yield _figure("losses", key, "W", name, words)
     yield _figure(
         "losses",
         "back_driving_torque_rated",
         "N m",
         "output torque that drives",
-        "Torque on the output that drives the crank against its share of the load; none if it locks itself.",
+        "Torque on the output that drives the crank against its share of the load; none if self-locking.",
     )
     yield _figure(
         "losses",
         "back_driving_efficiency",
         "%",
         "efficiency of back-driving",
-        "Power of the crank over that of the output where the output drives against the crank's share of the load.",
+        "Power of the crank over that of the output when the output drives against the crank's share of the load.",
     )
 
 
@@ -288,34 +291,33 @@ OF_STATICS = (*_motions(), *_errors(), *_loads(), *_losses())
 
 
 def no_load_torque(reducer: Reducer) -> float:
-    """Compute the mean torque on the crank [N m] that turns a reducer without a load at its speed; errors as `powers`.
+    """Compute the mean torque on the crank without load at the design's speed [N m]; errors as `powers`.
 
-    The load is `TOUCH` of the nominal torque: without any, nothing says on which side of the play the parts are.
+    The load is `TOUCH` of the nominal torque: without one the parts have no defined position within the clearances.
     """
     design = reducer.design
     return powers(reducer, TOUCH * design.rated_torque).lost / abs(design.drive.speed)
 
 
 def starting_torque(reducer: Reducer) -> float:
-    """Compute the mean torque on the crank [N m] that turns a reducer from rest without a load: at a creeping speed.
+    """Compute the mean torque on the crank from rest without load [N m], as that at a creep speed; errors as `powers`.
 
-    Weight and seals are left then, the centrifugal force of the discs is not; errors as `powers`.
+    It includes weight and seals, but no centrifugal forces.
     """
-    return no_load_torque(reducer.but(drive={"speed": CREEPING * reducer.design.drive.speed}))
+    return no_load_torque(reducer.but(drive={"speed": CREEP_SHARE * reducer.design.drive.speed}))
 
 
 def back_driving_torque(reducer: Reducer) -> float:
-    """Compute the torque on the output [N m] from which it turns a free crank slowly; NaN where it locks itself.
+    """Compute the torque on the output that turns a free crank slowly [N m]; NaN if the reducer is self-locking.
 
-    Losses are straight lines of the load: where T w/i = L(T), with the crank's speed w and the ratio i; errors as
-    `powers`.
+    It solves T w/i = L(T) by secants, with the losses L, the crank's speed w and the ratio i; errors as `powers`.
     """
-    creeping = reducer.but(drive={"speed": CREEPING * reducer.design.drive.speed})
+    creeping = reducer.but(drive={"speed": CREEP_SHARE * reducer.design.drive.speed})
     arm = reducer.design.reduction / abs(creeping.design.drive.speed)
     least = torque = TOUCH * reducer.design.rated_torque
-    for _ in range(FREE_ROUNDS):
-        near, far = (arm * powers(creeping, -load).lost for load in (torque, APART * torque))
-        share = (far - near) / ((APART - 1.0) * torque)
+    for _ in range(BACK_DRIVING_ITERATIONS):
+        near, far = (arm * powers(creeping, -load).lost for load in (torque, SECANT_FACTOR * torque))
+        share = (far - near) / ((SECANT_FACTOR - 1.0) * torque)
         if share >= 1.0:
             return math.nan
         driven = max(near - share * torque, 0.0) / (1.0 - share)
@@ -330,7 +332,7 @@ OF_BALANCE = (
         key="starting_torque_nm",
         name="starting torque on the crank",
         unit="N m",
-        definition="Torque on the crank from which it turns without a load, mean of a turn: weight of the discs, and "
+        definition="Torque on the crank that starts it without load, mean over a turn: weight of the discs, and "
         "drag of seals and lubricant, without shaft bearings.",
         need=Need.STATICS,
         function=starting_torque,
@@ -339,8 +341,8 @@ OF_BALANCE = (
         key="back_driving_torque_free_nm",
         name="back-driving torque, crank free",
         unit="N m",
-        definition="Torque on the output from which it turns a crank without a load, slowly, mean of a turn; none if "
-        "it locks itself.",
+        definition="Torque on the output that slowly turns a crank without load, mean over a turn; none if the reducer "
+        "is self-locking.",
         need=Need.STATICS,
         function=back_driving_torque,
     ),
@@ -348,10 +350,10 @@ OF_BALANCE = (
         key="no_load_torque_nm",
         name="no-load torque on the crank",
         unit="N m",
-        definition="Torque on the crank that turns it without a load at the design's speed, mean of a turn: weight and "
+        definition="Torque on the crank without load at the design's speed, mean over a turn: weight and "
         "centrifugal force of the discs, and drag of seals and lubricant, without shaft bearings.",
         need=Need.STATICS,
         function=no_load_torque,
     ),
 )
-"""Figures of the balance that the sheet has not."""
+"""Figures of static equilibrium that are not in the sheet."""

@@ -25,7 +25,7 @@ MAX_WIDENING, MIN_LIFE = 2.0, 1.0
 
 KINDS = {
     "momentary_torque": (
-        "the safety factor of an emergency stop",
+        "the safety factor of the momentary torque",
         "an emergency stop is assumed to take twice the nominal torque",
     ),
     "heat": ("the safety factor of heat", "grease, seals, materials or clearances fail if the housing gets hotter"),
@@ -128,9 +128,9 @@ def _checks(rating: Rating, items: Sequence[RatedItem]) -> Iterator[Check]:
         yield Check(
             name=kind,
             passed=margin >= 1.0,
-            got=f"{weakest.verdict} by {weakest.name}",
+            got=f"{weakest.verdict} ({weakest.name})",
             limit=f"at least {rating.life:g} h" if by_life else "at least 1",
-            why=f"{why}; at {rating.duty}: {weakest.load_text} of {weakest.limit_text}",
+            why=f"{why}; {weakest.load_text}, limit {weakest.limit_text}, at {rating.duty}",
             remedy="" if margin >= 1.0 else REMEDY,
             severity="warning",
             key=about,

@@ -50,7 +50,7 @@ def rate_emergency_stop(reducer: Reducer, peak: float, worst: Loading) -> Iterat
     shear, strength = force / (sections * math.pi * radius**2), material.yield_strength / math.sqrt(3.0)
     yield RatedItem(
         "peak_pin_shear",
-        "emergency stop, shear of an output pin",
+        "emergency stop: shear of an output pin",
         1e-6 * shear,
         1e-6 * strength,
         "MPa",
@@ -62,7 +62,7 @@ def rate_emergency_stop(reducer: Reducer, peak: float, worst: Loading) -> Iterat
     bending = 4.0 * float(pin_moment(reducer, worst.output).max()) * peak / torque / (math.pi * radius**3)
     yield RatedItem(
         "peak_pin_bending",
-        "emergency stop, bending of an output pin",
+        "emergency stop: bending of an output pin",
         1e-6 * bending,
         1e-6 * material.yield_strength,
         "MPa",
@@ -98,4 +98,4 @@ def _torque_at_limits(worst: Loading, limits: Mapping[str, float]) -> tuple[floa
 
 def _torque_item(key: str, what: str, peak: float, torque: float, source: str, note: str) -> RatedItem:
     """Return the item of a peak torque against a torque limit [N m]."""
-    return RatedItem(key, f"emergency stop, {what}", peak, torque, "N m", torque / peak, None, source, note)
+    return RatedItem(key, f"emergency stop: {what}", peak, torque, "N m", torque / peak, None, source, note)

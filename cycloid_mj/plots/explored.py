@@ -12,7 +12,7 @@ from matplotlib.tri import Triangulation
 from cycloid_mj.base.array import Array
 from cycloid_mj.explore import Sweep
 from cycloid_mj.explore.ranks import number_inputs, rank_correlations
-from cycloid_mj.figures import known
+from cycloid_mj.figures import find_figure
 from cycloid_mj.plots.style import (
     BLACK,
     BLUE,
@@ -109,7 +109,7 @@ def _title(sweep: Sweep, name: str) -> str:
 def figure_words(column: str, unit: str = "") -> str:
     """Return a column of a measure in words with its unit, as in the catalogue of figures if it contains it."""
     measure, _, key = column.rpartition(".")
-    if (figure := known(key)) is None:
+    if (figure := find_figure(key)) is None:
         return in_words(column, unit)
     words = f"{figure.name} [{figure.unit}]" if figure.unit != "1" else figure.name
     return f"{measure}: {words}" if measure else words

@@ -344,10 +344,10 @@ def test_no_point_at_all_says_what_refused_how_many(tmp_path: Path, capsys) -> N
         ({"gear.eccentricity_mm": "a:b"}, {}, "expected LO:HI"),
         ({"ring.teeth": "30.5:36"}, {}, "is not a whole number"),
         ({"errors.pin_x_um": "0:1"}, {}, "only single values"),
-        ({"gear.eccentricity_mm": "0.5:1"}, {"minimize": "pressure"}, "no figure 'pressure'.*pin_gear_pressure"),
+        ({"gear.eccentricity_mm": "0.5:1"}, {"minimize": "pressure"}, "unknown figure 'pressure'.*pin_gear_pressure"),
         ({"gear.eccentricity_mm": "0.5:1"}, {"minimize": ()}, "0 objectives"),
         ({"gear.eccentricity_mm": "0.5:1"}, {"minimize": ["mass_kg"] * 3}, "3 objectives"),
-        ({"gear.eccentricity_mm": "0.5:1"}, {"limits": "masse<=1"}, "there is no figure 'masse'; did you mean mass_kg"),
+        ({"gear.eccentricity_mm": "0.5:1"}, {"limits": "masse<=1"}, "unknown figure 'masse'; did you mean mass_kg"),
         ({"ring.teeth": "4:400", "output.pins": "2:100"}, {}, "combinations"),
     ],
 )

@@ -569,7 +569,7 @@ def test_the_command_writes_what_is_done_at_ctrl_c(tmp_path: Path, capsys, monke
         ([], "has no tolerances"),
         (["--set", 'tolerance.cam="normal 1"', "--samples", "1"], "--samples 1"),
         (["--set", 'tolerance.cam="normal 1"', "--seed", "-1"], "--seed -1"),
-        (["--set", 'tolerance.cam="normal 1"', "--limit", "play<=1"], "there is no figure 'play'"),
+        (["--set", 'tolerance.cam="normal 1"', "--limit", "play<=1"], "unknown figure 'play'"),
     ],
 )
 def test_wrong_wishes_are_refused(tmp_path: Path, capsys, flags: list[str], message: str) -> None:
@@ -594,7 +594,5 @@ def test_a_limit_takes_a_figure_that_samples_are_designs_for() -> None:
 
 
 def test_a_limit_on_no_figure_proposes_near_names() -> None:
-    with pytest.raises(
-        UsageError, match="--limit 'tooth_force<=1': there is no figure 'tooth_force'; did you mean tooth"
-    ):
+    with pytest.raises(UsageError, match="--limit 'tooth_force<=1': unknown figure 'tooth_force'; did you mean tooth"):
         parse_limit("tooth_force<=1")

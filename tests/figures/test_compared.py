@@ -12,7 +12,7 @@ def test_designs_stand_side_by_side_under_the_catalogue_s_keys() -> None:
     designs = [PRESETS["pin"], PRESETS["nonpin"]]
     found = catalogued(designs)
     table = catalogue_table(found)
-    assert table.header == ("figure", "pin", "nonpin", "unit")
+    assert table.header == ("figure", "pin", "nonpin", "ratio", "unit")
     assert tuple(row[0] for row in table.rows) == HEADLINE
     for place, design in enumerate(designs, 1):
         values = {row[0]: row[place] for row in table.rows}

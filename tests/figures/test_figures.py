@@ -11,7 +11,7 @@ from cycloid_mj.base.units import with_unit
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS
 from cycloid_mj.figures import FIGURES, Need, figure, figures_of
-from cycloid_mj.figures.sampled import OF_SAMPLES, STATES, solved
+from cycloid_mj.figures.sampled import OF_SAMPLES, STATES, solve_states
 from cycloid_mj.figures.statics import OF_STATICS
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.samples import alike
@@ -41,7 +41,7 @@ def test_the_rows_of_statics_are_the_numbers_of_the_sheet(name: str) -> None:
 
 
 def test_a_figure_of_samples_is_that_of_one_made_as_designed() -> None:
-    states = solved(PIN, alike(PIN, 3), STATES)
+    states = solve_states(PIN, alike(PIN, 3), STATES)
     for row in OF_SAMPLES:
         assert row.sampled
         value = row.sampled.value(*(states[state] for state in row.sampled.states))
@@ -51,7 +51,7 @@ def test_a_figure_of_samples_is_that_of_one_made_as_designed() -> None:
 def test_backlash_of_samples_is_that_of_the_sheet() -> None:
     row = figure("backlash_arcmin")
     assert row.sampled
-    states = solved(PIN, alike(PIN, 1), row.sampled.states)
+    states = solve_states(PIN, alike(PIN, 1), row.sampled.states)
     assert row.sampled.value(*states.values())[0] == pytest.approx(row.value(PIN), rel=2e-3)
 
 
@@ -77,11 +77,11 @@ def test_an_old_key_is_the_same_figure() -> None:
 @pytest.mark.parametrize(
     ("key", "needs", "words"),
     [
-        ("te_loaded", Need, "no figure 'te_loaded'; did you mean .*te_loaded_arcsec"),
+        ("te_loaded", Need, "unknown figure 'te_loaded'; did you mean .*te_loaded_arcsec"),
         ("tooth_force", Need, "did you mean tooth_force_n"),
         ("baklash_arcmin", Need, "did you mean backlash_arcmin"),
-        ("xyz", Need, "no figure 'xyz'; `cycloid-mj figures` lists them"),
-        ("life_h", [Need.STATICS], "the figure life_h needs a life; here are figures of statics"),
+        ("xyz", Need, "unknown figure 'xyz'; `cycloid-mj figures` lists them"),
+        ("life_h", [Need.STATICS], "the figure life_h needs a life; here only figures of statics"),
         ("tooth_pressure", Need, "the design 'pin' has no figure tooth_pressure"),
     ],
 )

@@ -109,7 +109,7 @@ def test_the_rated_torque_is_held_once_as_well() -> None:
         rated, momentary = (told(datasheet(Reducer(design), 10.0))[key] for key in ("rated_torque", "momentary_torque"))
         assert rated.value <= momentary.value
         assert "safety factor 1" in rated.note
-        assert "safety 1" in momentary.note
+        assert "safety factor 1" in momentary.note
 
 
 def test_figures_are_those_of_statics_and_solids(sheet) -> None:
