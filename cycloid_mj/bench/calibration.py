@@ -163,20 +163,20 @@ class Calibration(Presented):
         rows: list[dict[str, Cell]] = [
             {
                 "key": key,
-                "value": one.value,
-                "unit": one.unit,
-                "low": one.ci95[0],
-                "high": one.ci95[1],
-                "identified": one.identified,
+                "value": item.value,
+                "unit": item.unit,
+                "low": item.ci95[0],
+                "high": item.ci95[1],
+                "identified": item.identified,
             }
-            for key, one in self.estimates.items()
+            for key, item in self.estimates.items()
         ]
         return framed(rows, ("key", "value", "unit", "low", "high", "identified"), {})
 
     @property
     def line(self) -> str:
         """Name of the design, residual, the fitted values, and which of them the loops do not determine."""
-        values = ", ".join(f"{key} {one.value:.4g} {one.unit}" for key, one in self.estimates.items())
+        values = ", ".join(f"{key} {item.value:.4g} {item.unit}" for key, item in self.estimates.items())
         unknown = f"; not determined by the loops: {', '.join(self.unidentified)}" if self.unidentified else ""
         return f"{self.design.name}, residual {self.rms / DEGREE:.3g} deg rms; {values}{unknown}"
 
@@ -205,10 +205,10 @@ class Calibration(Presented):
     @property
     def misfits(self) -> tuple[str, ...]:
         """Stretches that the fitted model cannot follow, and the model that does better; a sentence each."""
-        best, sentences = self.preferred, [one.sentence for one in self.stretches if not one.followed]
+        best, sentences = self.preferred, [item.sentence for item in self.stretches if not item.followed]
         if best is None or best.key == WRITTEN:
             return tuple(sentences)
-        own = next(one for one in self.candidates if one.key == WRITTEN)
+        own = next(item for item in self.candidates if item.key == WRITTEN)
         extra = ", ".join(f"{key} {value:.3g}" for key, value in best.values.items() if key not in own.values)
         better = (
             f"{best.meaning}{f' ({extra})' if extra else ''} explains the loops better than the design's "
@@ -244,12 +244,12 @@ class Calibration(Presented):
         figures = tuple(
             (
                 key,
-                _formatted(one.value),
-                f"{one.low:.4g} to {one.high:.4g}" if np.isfinite(one.value) else "",
+                _formatted(item.value),
+                f"{item.low:.4g} to {item.high:.4g}" if np.isfinite(item.value) else "",
                 _formatted(modelled[key].value),
                 DEFINITIONS[key],
             )
-            for key, one in read.items()
+            for key, item in read.items()
         )
         loops = tuple(
             (
@@ -305,14 +305,14 @@ class Calibration(Presented):
                 ),
                 tuple(
                     (
-                        one.loop,
-                        one.stretch,
-                        f"{one.first:+.3g} to {one.last:+.3g}",
-                        one.mean / DEGREE,
-                        one.rms / DEGREE,
-                        f"{one.share:.1%}",
+                        item.loop,
+                        item.stretch,
+                        f"{item.first:+.3g} to {item.last:+.3g}",
+                        item.mean / DEGREE,
+                        item.rms / DEGREE,
+                        f"{item.share:.1%}",
                     )
-                    for one in self.stretches
+                    for item in self.stretches
                 ),
             )
         )
@@ -351,15 +351,15 @@ class Calibration(Presented):
             "intervals": INTERVALS,
             "complete": self.complete,
             "unidentified": list(self.unidentified),
-            "indistinguishable": [{"keys": [one, other], "correlation": size} for one, other, size in self.alike],
+            "indistinguishable": [{"keys": [item, other], "correlation": size} for item, other, size in self.alike],
             "correlations": {
                 estimate: dict(zip(self.estimates, row, strict=True))
                 for estimate, row in zip(self.estimates, correlations(self.fitted).tolist(), strict=True)
             },
             "residual_rms_deg": self.rms / DEGREE,
             **{key: read[key].value for key in ("play_deg", "width_deg", "stiffness_nm_per_rad", "coulomb_nm")},
-            "measured": {key: {"value": one.value, "ci95": [one.low, one.high]} for key, one in read.items()},
-            "model": {key: {"value": one.value} for key, one in self.modelled.in_units().items()},
+            "measured": {key: {"value": item.value, "ci95": [item.low, item.high]} for key, item in read.items()},
+            "model": {key: {"value": item.value} for key, item in self.modelled.in_units().items()},
             "definitions": DEFINITIONS | {"residual_rms_deg": RESIDUAL},
             "measure_next": list(self.measure_next),
             "loops": [
@@ -382,20 +382,20 @@ class Calibration(Presented):
                 "fitted": self.fitted.torque_offset,
                 "bic_gain": self.fitted.offset_gain,
             },
-            "models": [_variant_json(one) for one in self.candidates],
+            "models": [_variant_json(item) for item in self.candidates],
             "preferred_model": self.preferred.key if self.preferred else None,
             "misses": [
                 {
-                    "loop": one.loop,
-                    "stretch": one.stretch,
-                    "torque_nm": [one.first, one.last],
-                    "mean_deg": one.mean / DEGREE,
-                    "rms_deg": one.rms / DEGREE,
-                    "rms_share": one.share,
+                    "loop": item.loop,
+                    "stretch": item.stretch,
+                    "torque_nm": [item.first, item.last],
+                    "mean_deg": item.mean / DEGREE,
+                    "rms_deg": item.rms / DEGREE,
+                    "rms_share": item.share,
                 }
-                for one in self.stretches
+                for item in self.stretches
             ],
-            "losses": [_variant_json(one) for one in self.variants],
+            "losses": [_variant_json(item) for item in self.variants],
             "unexplained": list(UNEXPLAINED),
             "notes": list(self.notes),
         }
@@ -458,8 +458,8 @@ def calibrate(
     torque_offset, offset_gain = None, math.nan
     try:
         if set(keys) == set(DEFAULT):
-            for key, one in fit_candidates(model, loops, bench, trials):
-                fits[key] = one
+            for key, item in fit_candidates(model, loops, bench, trials):
+                fits[key] = item
             compared = compare_candidates(fits)
             # a zero offset belongs to the bench, not to the friction: the model nearest to the loops decides on it
             best = fits[select_model(compared).key]
@@ -565,7 +565,7 @@ def _calibration(fitted: Fitted) -> Calibration:
 def _estimate(fitted: Fitted, number: int) -> Estimate:
     """Collect one fitted value with its intervals, and decide whether the loops determine it."""
     parameter, scaled, ends = fitted.parameters[number], float(fitted.scaled[number]), fitted.ends[number]
-    value, low, high = (parameter.from_scale(float(one)) for one in (scaled, *ends))
+    value, low, high = (parameter.from_scale(float(item)) for item in (scaled, *ends))
     bounds, margin = (
         (parameter.to_scale(parameter.lower), parameter.to_scale(parameter.upper)),
         SETTINGS.difference_step,
@@ -593,29 +593,29 @@ def _percent(shares: Sequence[float]) -> str:
 
 def _comparison_table(title: str, loops: Sequence[MeasuredLoop], compared: Sequence[ModelFit]) -> Table:
     """Tabulate fits of several models to the same loops, with their criteria above the lowest."""
-    bayesian, akaike = (min(getattr(one, key) for one in compared) for key in ("bayesian", "akaike"))
+    bayesian, akaike = (min(getattr(item, key) for item in compared) for key in ("bayesian", "akaike"))
     header = ("model", *(f"{loop.name}: rms of height" for loop in loops), "BIC above best", "AIC above best", "values")
     rows = tuple(
         (
-            one.meaning,
-            *(f"{share:.1%}" for share in one.shares),
-            one.bayesian - bayesian,
-            one.akaike - akaike,
-            ", ".join(f"{key} {value:.3g}" for key, value in one.values.items()),
+            item.meaning,
+            *(f"{share:.1%}" for share in item.shares),
+            item.bayesian - bayesian,
+            item.akaike - akaike,
+            ", ".join(f"{key} {value:.3g}" for key, value in item.values.items()),
         )
-        for one in compared
+        for item in compared
     )
     return Table(title, header, rows)
 
 
-def _variant_json(one: ModelFit) -> dict[str, Any]:
+def _variant_json(item: ModelFit) -> dict[str, Any]:
     return {
-        "key": one.key,
-        "meaning": one.meaning,
-        "residual_shares": list(one.shares),
-        "bic": one.bayesian,
-        "aic": one.akaike,
-        "values": one.values,
+        "key": item.key,
+        "meaning": item.meaning,
+        "residual_shares": list(item.shares),
+        "bic": item.bayesian,
+        "aic": item.akaike,
+        "values": item.values,
     }
 
 
@@ -663,9 +663,9 @@ def _notes(fitted: Fitted) -> tuple[str, ...]:
         if loop.lead
     ]
     notes += [
-        f"{one.key} is at the limit of the search, {value:.4g} {one.unit}: its interval is one-sided"
-        for one, value, scaled in zip(fitted.parameters, fitted.values, fitted.scaled, strict=False)
-        if min(scaled - one.to_scale(one.lower), one.to_scale(one.upper) - scaled) < PROFILE.bound_distance
+        f"{item.key} is at the limit of the search, {value:.4g} {item.unit}: its interval is one-sided"
+        for item, value, scaled in zip(fitted.parameters, fitted.values, fitted.scaled, strict=False)
+        if min(scaled - item.to_scale(item.lower), item.to_scale(item.upper) - scaled) < PROFILE.bound_distance
     ]
     notes.append(INTERVALS)
     if math.isfinite(fitted.offset_gain):
@@ -706,9 +706,9 @@ def _require_units(model: Model, loops: Sequence[MeasuredLoop], bench: LoopCondi
 
 def _require_sensitivity(search: FitProblem) -> None:
     """Raise UsageError for parameters on none of which any loop depends."""
-    start = np.array([one.to_scale(one.start) for one in search.parameters] + [0.0] * (2 * len(search.loops)))
+    start = np.array([item.to_scale(item.start) for item in search.parameters] + [0.0] * (2 * len(search.loops)))
     if not np.any(np.abs(search.slopes(start, range(len(search.parameters)), central=True)) > MIN_SENSITIVITY):
         raise UsageError(
-            f"--fit {','.join(one.key for one in search.parameters)}: the loop determines none of these. Fit values on "
-            f"which it depends, such as {','.join(DEFAULT)}"
+            f"--fit {','.join(item.key for item in search.parameters)}: the loop determines none of these. Fit values "
+            f"on which it depends, such as {','.join(DEFAULT)}"
         )

@@ -158,7 +158,7 @@ class Fitted:
 
     def values_at(self, scaled: Array) -> Array:
         """Compute the parameters' values from scaled ones."""
-        return np.array([parameter.from_scale(one) for parameter, one in zip(self.parameters, scaled, strict=False)])
+        return np.array([parameter.from_scale(item) for parameter, item in zip(self.parameters, scaled, strict=False)])
 
     def rms(self, number: int) -> float:
         """Compute the rms difference of a loop's deflection from the model's at the same torque [rad]."""
@@ -221,9 +221,9 @@ def fit(
         search.trials.expect(search.usual_trials(intervals))
         starts = search.starts() if start is None else [start]
         again = len(starts) if torque_offset is None else 0
-        for number, one in enumerate(starts):
+        for number, item in enumerate(starts):
             search.trials.expect(search.expected_trials(starts=len(starts) - number, again=again, long=1, **searches))
-            ended.append(search.minimise(one, SETTINGS.max_steps_from_start, "trf"))
+            ended.append(search.minimise(item, SETTINGS.max_steps_from_start, "trf"))
         ended.sort(key=itemgetter(0))
         gain = math.nan
         if torque_offset is None:
@@ -277,8 +277,8 @@ def evaluate_fit(search: FitProblem, scaled: Array) -> Fitted:
     each = (every if bound else free for bound in at_bound.tolist())
     half_width = np.array(
         [
-            one.quantiles(CONFIDENCE)[index] * one.errors[index] + MODEL_ERROR * one.inverse[index, index] ** 0.5
-            for index, one in enumerate(each)
+            item.quantiles(CONFIDENCE)[index] * item.errors[index] + MODEL_ERROR * item.inverse[index, index] ** 0.5
+            for index, item in enumerate(each)
         ]
     )
     ends = np.clip(scaled[:, np.newaxis] + np.outer(half_width, [-1.0, 1.0]), low[:, np.newaxis], high[:, np.newaxis])
@@ -302,7 +302,7 @@ def evaluate_fit(search: FitProblem, scaled: Array) -> Fitted:
 def _misfit(residuals: Sequence[Array], independent: Sequence[float]) -> float:
     """Compute n log(mean square) over the loops: twice the negative log-likelihood, except for a constant."""
     each = zip(independent, residuals, strict=True)
-    return sum(count * float(np.log(np.mean(one**2))) for count, one in each)
+    return sum(count * float(np.log(np.mean(item**2))) for count, item in each)
 
 
 def _choose_offset(
@@ -350,7 +350,7 @@ def widen_intervals(search: FitProblem, fitted: Fitted, valleys: Sequence[tuple[
         Scaled values with a lower cost than the solution, if a search reached some.
     """
     inverse, least = fitted.uncertainty.inverse, valleys[0][0]
-    apart = [np.any(np.abs(one - fitted.likeliest) > fitted.uncertainty.errors) for _, one in valleys[1:]]
+    apart = [np.any(np.abs(item - fitted.likeliest) > fitted.uncertainty.errors) for _, item in valleys[1:]]
     valleys = [valleys[0], *(valley for valley, other in zip(valleys[1:], apart, strict=True) if other)]
     unknown = np.all(fitted.ends == np.stack(search.bounds, axis=1), axis=1)
     open_values = np.flatnonzero(~(fitted.at_bound | unknown)[: len(search.parameters)])

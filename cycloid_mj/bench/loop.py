@@ -300,7 +300,7 @@ def _lead(torque: Array, deflection: Array, branch: Integers) -> int:
         return 0
     begun = float(np.median(deflection[: SETTINGS.median_window]))
     at = float(np.median(torque[: SETTINGS.median_window]))
-    again, across = (float(_interpolate(torque[one], deflection[one], at)) for one in (same, other))
+    again, across = (float(_interpolate(torque[item], deflection[item], at)) for item in (same, other))
     return int(np.sum(branch == 0)) if abs(begun - again) > SETTINGS.lead_distance * abs(across - again) else 0
 
 

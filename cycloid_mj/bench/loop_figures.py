@@ -63,7 +63,7 @@ class LoopFigure(NamedTuple):
 
     def scaled(self, factor: float) -> Self:
         """Return the figure in another unit."""
-        return type(self)(*(factor * one for one in self))
+        return type(self)(*(factor * item for item in self))
 
 
 NO_FIGURE = LoopFigure(math.nan, math.nan, math.nan)
@@ -146,7 +146,7 @@ def lost_motion_of(loop: MeasuredLoop, rated: float) -> LoopFigure:
     if len(branches) < 4:
         return NO_FIGURE
     value = 0.5 * (branches[0][0] + branches[1][0] - branches[2][0] - branches[3][0])
-    away = _quantile(min(one[2] for one in branches)) * 0.5 * sum(one[1] for one in branches) ** 0.5
+    away = _quantile(min(item[2] for item in branches)) * 0.5 * sum(item[1] for item in branches) ** 0.5
     return LoopFigure(value, value - away, value + away)
 
 
@@ -166,8 +166,8 @@ def hysteresis_of(loop: MeasuredLoop, rated: float) -> LoopFigure:
         sides.append(
             (*line.at(0.0), line.freedom) if line else _between(loop.torque[inside], loop.deflection[inside], 0.0)
         )
-    (upper, of_upper, one), (lower, of_lower, other) = sides
-    away = _quantile(min(one, other)) * (of_upper + of_lower) ** 0.5
+    (upper, of_upper, item), (lower, of_lower, other) = sides
+    away = _quantile(min(item, other)) * (of_upper + of_lower) ** 0.5
     return LoopFigure(upper - lower, upper - lower - away, upper - lower + away)
 
 
@@ -223,8 +223,8 @@ def _apart(loop: MeasuredLoop, along: Array, values: Array, level: float) -> Loo
     sides = _across(loop, along, values, level, LEVEL_WINDOW * float(np.ptp(along)))
     if sides is None:
         return NO_FIGURE
-    (above, of_above, one), (below, of_below, other) = sides
-    away_from = _quantile(min(one, other)) * (of_above + of_below) ** 0.5
+    (above, of_above, item), (below, of_below, other) = sides
+    away_from = _quantile(min(item, other)) * (of_above + of_below) ** 0.5
     return LoopFigure(above - below, above - below - away_from, above - below + away_from)
 
 
@@ -247,8 +247,8 @@ def _between(x: Array, y: Array, level: float) -> tuple[float, float, float]:
     """Interpolate y where a branch leaps past a level; its variance is that of a uniform distribution in between."""
     order = np.argsort(x)
     after = int(np.searchsorted(x[order], level))
-    one, other = y[order[after - 1]], y[order[after]]
-    return float(np.interp(level, x[order], y[order])), float(other - one) ** 2 / 12.0, math.inf
+    item, other = y[order[after - 1]], y[order[after]]
+    return float(np.interp(level, x[order], y[order])), float(other - item) ** 2 / 12.0, math.inf
 
 
 def _line(x: Array, y: Array, chosen: Mask) -> _Line | None:

@@ -103,7 +103,7 @@ def compare_fits(fits: Mapping[tuple[str, str], Fitted]) -> tuple[ModelFit, ...]
     The model with the most values states how many residuals count as independent, for all of them: its residuals are
     nearest to noise.
     """
-    independent = max(fits.values(), key=lambda one: len(one.parameters)).independent
+    independent = max(fits.values(), key=lambda item: len(item.parameters)).independent
     return tuple(
         ModelFit(
             key,
@@ -143,7 +143,7 @@ def fit_candidates(
 
 def select_model(fits: Sequence[ModelFit]) -> ModelFit:
     """Return the model with the lowest Bayesian information criterion."""
-    return min(fits, key=lambda one: one.bayesian)
+    return min(fits, key=lambda item: item.bayesian)
 
 
 def compare_stretches(fitted: Fitted) -> tuple[LoopStretch, ...]:

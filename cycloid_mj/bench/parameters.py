@@ -192,13 +192,13 @@ def _plays(reducer: Reducer) -> tuple[Parameter, ...]:
 
     def play(key: str, meaning: str, start: float, *kinds: str) -> Parameter:
         shifting = [
-            one for one in SHIFTING if one in zones and {"teeth": tooth}.get(SHIFTING[one], SHIFTING[one]) in kinds
+            item for item in SHIFTING if item in zones and {"teeth": tooth}.get(SHIFTING[item], SHIFTING[item]) in kinds
         ]
         scale, apply = max(0.3 * um(start), 0.1), _play_setter(kinds)
         parameter = Parameter(key, "um", meaning, um(start), scale, 1e-3, BOUNDS.max_play_um, apply)
         if not shifting:
             return parameter
-        squares = sum(zones[one].deviation ** 2 + zones[one].middle ** 2 for one in shifting)
+        squares = sum(zones[item].deviation ** 2 + zones[item].middle ** 2 for item in shifting)
         source = f"tolerance: {', '.join(shifting)}"
         return replace(parameter, deviation=um(math.sqrt(squares)), source=source)
 
@@ -334,8 +334,8 @@ def _play_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
     def apply(model: Model, value: float) -> Model:
         clearance, total = model.reducer.design.clearance, MICROMETRE.to_si(value)
         mated = [kind for kind in kinds if kind != "output"]
-        whole = sum(getattr(clearance, kind) for kind in mated)
-        change = {kind: total * getattr(clearance, kind) / whole for kind in mated}
+        total_clearance = sum(getattr(clearance, kind) for kind in mated)
+        change = {kind: total * getattr(clearance, kind) / total_clearance for kind in mated}
         change |= {"output": total} if "output" in kinds else {}
         return replace(model, reducer=Reducer(model.reducer.design.but(clearance=change)))
 
@@ -403,7 +403,7 @@ def _of_file(reducer: Reducer, key: str) -> Parameter:
     table, _, name = key.partition(".")
     field = Design.model_fields.get(table)
     section: Any = section_of(field) if field else None
-    names = {file_key(one, declared): one for one, declared in section.model_fields.items()} if section else {}
+    names = {file_key(item, declared): item for item, declared in section.model_fields.items()} if section else {}
     if name not in names:
         raise UsageError(
             f"--fit: unknown value {key!r}. Available: {', '.join(NAMED)}, and numbers of the design file, such as "
@@ -416,7 +416,10 @@ def _of_file(reducer: Reducer, key: str) -> Parameter:
     unit = unit_of(declared)
     start = unit.from_si(value)
     bounds = {
-        side: getattr(one, side) for one in declared.metadata for side in ("gt", "ge", "lt", "le") if hasattr(one, side)
+        side: getattr(item, side)
+        for item in declared.metadata
+        for side in ("gt", "ge", "lt", "le")
+        if hasattr(item, side)
     }
     least = unit.from_si(bounds.get("ge", bounds.get("gt", -1e12)))
     most = unit.from_si(bounds.get("le", bounds.get("lt", 1e12)))

@@ -43,8 +43,8 @@ class Prediction(Presented):
         """Figures of the measured and the predicted loops, one row each."""
         modelled = self.modelled.in_units()
         rows: list[dict[str, Cell]] = [
-            {"key": key, "measured": one.value, "modelled": modelled[key].value}
-            for key, one in self.measured.in_units().items()
+            {"key": key, "measured": item.value, "modelled": modelled[key].value}
+            for key, item in self.measured.in_units().items()
         ]
         return framed(rows, ("key", "measured", "modelled"), {})
 

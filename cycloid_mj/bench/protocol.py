@@ -291,7 +291,7 @@ def read_breakaway_torque(path: Path, torque: str) -> float:
 
 def _of_loops(loops: Sequence[MeasuredLoop], rated: float) -> dict[str, LoopFigure]:
     """Compute the figures of the loops with the largest torques: their mean, smallest and largest value."""
-    furthest = [loop for loop in loops if loop.most >= 0.9 * min(rated, max(one.most for one in loops))]
+    furthest = [loop for loop in loops if loop.most >= 0.9 * min(rated, max(item.most for item in loops))]
     if not furthest:
         return {}
     each = [
@@ -305,16 +305,16 @@ def _of_loops(loops: Sequence[MeasuredLoop], rated: float) -> dict[str, LoopFigu
         }
         for loop in furthest
     ]
-    return {key: _merge([one[key] for one in each]) for key in each[0]}
+    return {key: _merge([item[key] for item in each]) for key in each[0]}
 
 
 def _merge(figures: Sequence[LoopFigure]) -> LoopFigure:
     """Compute the mean of a figure over the positions that have it, and the outermost ends of their intervals."""
-    seen = [one for one in figures if not math.isnan(one.value)]
+    seen = [item for item in figures if not math.isnan(item.value)]
     if not seen:
         return LoopFigure(math.nan, math.nan, math.nan)
     return LoopFigure(
-        float(np.mean([one.value for one in seen])), min(one.low for one in seen), max(one.high for one in seen)
+        float(np.mean([item.value for item in seen])), min(item.low for item in seen), max(item.high for item in seen)
     )
 
 
@@ -350,11 +350,11 @@ def _within(value: float, error: float) -> LoopFigure:
     return LoopFigure(value, value - error, value + error)
 
 
-def _in_words(one: LoopFigure | None) -> str:
-    if one is None or math.isnan(one.value):
+def _in_words(item: LoopFigure | None) -> str:
+    if item is None or math.isnan(item.value):
         return "-"
-    return f"{one.value:.4g}" if one.low == one.high else f"{one.value:.4g} ({one.low:.4g} to {one.high:.4g})"
+    return f"{item.value:.4g}" if item.low == item.high else f"{item.value:.4g} ({item.low:.4g} to {item.high:.4g})"
 
 
-def _json(one: LoopFigure | None) -> dict[str, float] | None:
-    return None if one is None or math.isnan(one.value) else one._asdict()
+def _json(item: LoopFigure | None) -> dict[str, float] | None:
+    return None if item is None or math.isnan(item.value) else item._asdict()

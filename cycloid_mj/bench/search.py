@@ -263,9 +263,10 @@ class FitProblem:
                 factors = {"mesh_play": play, "output_play": play, "play": play, "tooth_stiffness": stiffness}
                 factors |= {"structure_stiffness": stiffness} | chosen
                 values = [
-                    min(max(one.start * factors.get(one.key, 1.0), one.lower), one.upper) for one in self.parameters
+                    min(max(item.start * factors.get(item.key, 1.0), item.lower), item.upper)
+                    for item in self.parameters
                 ]
-                start = [one.to_scale(value) for one, value in zip(self.parameters, values, strict=True)]
+                start = [item.to_scale(value) for item, value in zip(self.parameters, values, strict=True)]
                 scaled = np.concatenate([start, *shifts])
                 self.trials()
                 cost = sum(float(np.mean(np.abs(part))) for part in self.residuals_by_loop(scaled))
@@ -335,7 +336,7 @@ class FitProblem:
 
         free = np.flatnonzero(high - low > SETTINGS.fixed_width)
         weights = np.zeros_like(start)
-        weights[free] = MODEL_ERROR * 4.0 / (high - low)[free]
+        weights[free] = MODEL_ERROR * (4.0 / (high - low)[free])
         fill = _filler(np.clip(start, low, high), free)
 
         def residuals(scaled: Array) -> Array:

@@ -214,7 +214,7 @@ def compare_bench(design: Design, measured: MeasuredError, load: float | None = 
     solved = np.linalg.lstsq(basis, np.stack([measured.error, model], axis=1), rcond=None)[0]
     amplitude = solved[1 : len(order) + 1] - 1j * solved[len(order) + 1 :]
     known = causes(reducer)
-    names = tuple(", ".join(one.name for one in known if one.has(float(each))) or "none" for each in order)
+    names = tuple(", ".join(item.name for item in known if item.has(float(each))) or "none" for each in order)
     return BenchComparison(
         reducer.design.name,
         torque,

@@ -69,10 +69,12 @@ def _loads(reduced: ReducedJoint) -> tuple[Array, Array, Array]:
     The motor torque is that on the crank times the ratio; negative where it must assist a self-locking reducer.
     """
     friction: FrictionMap = reduced.friction
-    torques = np.array([one for one in friction.torques if MIN_FIT_SHARE <= one / reduced.rated_torque <= 1.0 + 1e-9])
+    torques = np.array(
+        [item for item in friction.torques if MIN_FIT_SHARE <= item / reduced.rated_torque <= 1.0 + 1e-9]
+    )
     rows = []
     for driving, sign in ((True, 1.0), (False, -1.0)):
-        lost = np.array([reduced.ratio * friction.torque(one, reduced.rated_speed, driving) for one in torques])
+        lost = np.array([reduced.ratio * friction.torque(item, reduced.rated_speed, driving) for item in torques])
         rows.append(np.stack([torques, torques + sign * lost, lost - reduced.no_load_torque_at_output]))
     external, motor, beyond = np.concatenate(rows, axis=1)
     return external, motor, beyond

@@ -160,12 +160,12 @@ def _strongest(ripple: Ripple) -> float:
 
 def _loop(reduced: ReducedJoint, play: Play) -> tuple[list[Quantity], list[Curve]]:
     """Compute the rest of the output under torques of a loop, with the crank locked."""
-    on = trial_scene(reduced, 1e-3 * reduced.reflected_inertia, QUASI_STATIC_STEP)
-    on.hold()
+    scene = trial_scene(reduced, 1e-3 * reduced.reflected_inertia, QUASI_STATIC_STEP)
+    scene.hold()
     rated = play.rated
 
     def turn(share: float) -> float:
-        return on.rest(share * rated)
+        return scene.rest(share * rated)
 
     small = {share: turn(share) for share in (SMALL_SHARE, 2.0 * SMALL_SHARE, -SMALL_SHARE, -2.0 * SMALL_SHARE)}
     width = 2.0 * small[SMALL_SHARE] - small[2.0 * SMALL_SHARE] - 2.0 * small[-SMALL_SHARE] + small[-2.0 * SMALL_SHARE]
@@ -231,9 +231,11 @@ def _efficiencies(reducer: Reducer, reduced: ReducedJoint) -> tuple[list[Quantit
         full = [
             100.0 * _full_model_efficiency(reducer, sign * share * reducer.design.rated_torque) for share in LOAD_SHARES
         ]
-        for share, ours, theirs in zip(LOAD_SHARES, joint, full, strict=True):
+        for share, joint_value, full_value in zip(LOAD_SHARES, joint, full, strict=True):
             rows.append(
-                Quantity(f"{key}_{share:g}", f"{name} at {share:.0%} of the rated torque", ours, "%", None, theirs)
+                Quantity(
+                    f"{key}_{share:g}", f"{name} at {share:.0%} of the rated torque", joint_value, "%", None, full_value
+                )
             )
         torques = np.array(LOAD_SHARES) * reducer.design.rated_torque
         axes = "torque on the output [N m]", "efficiency [%]"
@@ -258,13 +260,13 @@ def _full_model_efficiency(reducer: Reducer, torque: float) -> float:
 def _efficiency(reduced: ReducedJoint, share: float, driving: bool) -> float:
     """Compute the joint's efficiency by the power of friction in MuJoCo; 0 where the load cannot supply it."""
     speed, torque = reduced.rated_speed, share * reduced.rated_torque
-    on = trial_scene(reduced, 1e-3 * reduced.reflected_inertia, QUASI_STATIC_STEP)
-    on.hold(speed)
+    scene = trial_scene(reduced, 1e-3 * reduced.reflected_inertia, QUASI_STATIC_STEP)
+    scene.hold(speed)
     # the load brakes the output, or drives it
-    on.press(reduced.way * (-torque if driving else torque))
-    on.step()
-    on.step()
-    useful, taken = torque / reduced.ratio, on.friction_torque()
+    scene.press(reduced.way * (-torque if driving else torque))
+    scene.step()
+    scene.step()
+    useful, taken = torque / reduced.ratio, scene.friction_torque()
     return joint_powers(useful, taken, driving).efficiency
 
 
@@ -278,35 +280,35 @@ def _transmission(
     strong = np.flatnonzero(np.abs(fine) >= MIN_HARMONIC * np.abs(fine).max())
     count = STEPS_PER_CYCLE * int(strong.max())
     speed = direction * 2.0 * np.pi * turns / (count * QUASI_STATIC_STEP)
-    on = trial_scene(reduced, 1e-3 * reduced.reflected_inertia, QUASI_STATIC_STEP)
-    on.hold(speed)
-    on.press(-direction * reduced.way * reduced.rated_torque)
+    scene = trial_scene(reduced, 1e-3 * reduced.reflected_inertia, QUASI_STATIC_STEP)
+    scene.hold(speed)
+    scene.press(-direction * reduced.way * reduced.rated_torque)
     for _ in range(STEPS_PER_CYCLE):
-        on.step()
-    angle, length = _record(on, count)
+        scene.step()
+    angle, length = _record(scene, count)
     order = strong / turns
     basis = np.exp(-1j * np.outer(order, angle))
     joint = 2.0 * basis @ (length - length.mean()) / count
     rows = [
         Quantity(
-            f"te_{name}_{one:.4g}",
-            f"transmission error, order {one:.4g}, {name}, at the rated torque",
-            abs(ours) * ARCSECONDS,
+            f"te_{name}_{item:.4g}",
+            f"transmission error, order {item:.4g}, {name}, at the rated torque",
+            abs(amplitude) * ARCSECONDS,
             "arcsec",
             None,
             abs(fine[index]) * ARCSECONDS,
         )
-        for one, ours, index in zip(order.tolist(), joint, strong.tolist(), strict=True)
+        for item, amplitude, index in zip(order.tolist(), joint, strong.tolist(), strict=True)
     ]
     return rows, list(_te_curves(reducer, errors, angle, length, name))
 
 
-def _record(on: TrialScene, count: int) -> tuple[Array, Array]:
+def _record(scene: TrialScene, count: int) -> tuple[Array, Array]:
     """Record crank angle and L over time steps, shape (count,) each."""
     record = np.empty((count, 2))
     for i in range(count):
-        on.step()
-        record[i] = on.data.qpos[on.place.crank_angle], on.length
+        scene.step()
+        record[i] = scene.data.qpos[scene.place.crank_angle], scene.length
     return record[:, 0], record[:, 1]
 
 
@@ -317,8 +319,8 @@ def _te_curves(reducer: Reducer, errors: Array, angle: Array, length: Array, nam
     panel = f"transmission error under {design.rated_torque:.4g} N m, {name}"
     axes = "crank angle [deg]", "output's error about its mean [arcsec]"
     full = np.degrees(2.0 * np.pi * np.arange(errors.size) / errors.size * design.reduction)
-    first, ours = full <= 360.0, angle <= 2.0 * np.pi
+    first, inside = full <= 360.0, angle <= 2.0 * np.pi
     return (
         Curve(panel, "full model", full[first], ARCSECONDS * (errors - errors.mean())[first], *axes, "theory"),
-        Curve(panel, "joint", np.degrees(angle[ours]), ARCSECONDS * (length - length.mean())[ours], *axes),
+        Curve(panel, "joint", np.degrees(angle[inside]), ARCSECONDS * (length - length.mean())[inside], *axes),
     )

@@ -106,7 +106,7 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
         output_inertia=output,
         friction=friction,
         ripple=solve_ripple(reducer, counted.count_one),
-        slips=tuple(Slip(*one) for one in np.stack(slip_elements(reducer), axis=1).tolist()),
+        slips=tuple(Slip(*item) for item in np.stack(slip_elements(reducer), axis=1).tolist()),
     )
     counted.count_one()
     return replace(joint.at(level), quantities=keyed(_quantities(reducer, joint, fine, coarse)))
@@ -217,7 +217,7 @@ def _friction(reducer: Reducer, on_step: Callable[[], None]) -> FrictionMap:
         idle = _no_load_torque(turning)
         on_step()
         for sign, rows in maps.items():
-            rows.append((idle, *(_friction_torque(turning, sign * one * rated, on_step) for one in TORQUE_SHARES)))
+            rows.append((idle, *(_friction_torque(turning, sign * item * rated, on_step) for item in TORQUE_SHARES)))
     torques = (0.0, *(torque * rated for torque in TORQUE_SHARES))
     speeds = tuple(share * abs(speed) for share in SPEED_SHARES)
     return FrictionMap(torques, speeds, tuple(maps[1.0]), tuple(maps[-1.0]))
@@ -263,7 +263,7 @@ def _damping(reducer: Reducer) -> float:
     """
     laws, rated = contact_laws(reducer), reducer.design.rated_torque
     gives = [windup.gives(reducer) for windup in windups(reducer, turn_evenly(reducer), rated)]
-    springs = {spring: float(np.mean([one[spring] for one in gives])) for spring in gives[0]}
+    springs = {spring: float(np.mean([item[spring] for item in gives])) for spring in gives[0]}
     springs["twist"] = wind_up(reducer)
     mesh = [laws[kind] for kind in (reducer.design.tooth_pair, reducer.design.seat_pair) if kind in laws]
     times = {kind: laws[kind].damping / laws[kind].stiffness for kind in ("cam", "output")}
@@ -285,12 +285,12 @@ def _quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: Play)
     yield Quantity(
         "backlash_arcmin",
         "backlash of the output, mean over the crank angle",
-        *_in(both(lambda one: one.backlash), ARCMINUTE, "arcmin"),
+        *_in(both(lambda item: item.backlash), ARCMINUTE, "arcmin"),
     )
     yield Quantity(
         "wind_up_arcmin",
         f"wind-up beyond the stop under {rated:.4g} N m, crank locked",
-        *_in(both(lambda one: one.wind_up[1.0]), ARCMINUTE, "arcmin"),
+        *_in(both(lambda item: item.wind_up[1.0]), ARCMINUTE, "arcmin"),
     )
     yield Quantity(
         "polynomial_error",
@@ -302,7 +302,7 @@ def _quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: Play)
     yield Quantity(
         "stiffness_nm_per_arcmin",
         "torsional stiffness, 50 to 100 % of the rated torque",
-        *_in(both(lambda one: one.stiffness), 1.0 / ARCMINUTE, "N m/arcmin"),
+        *_in(both(lambda item: item.stiffness), 1.0 / ARCMINUTE, "N m/arcmin"),
     )
     efficiency = 100.0 * friction.efficiency(rated, speed, joint.ratio, driving=True)
     error, moved = 100.0 * _angle_error(reducer, 1.0), _efficiency_spread(reducer)
@@ -346,7 +346,7 @@ def _efficiency_spread(reducer: Reducer) -> str:
 
     assumed = spread.inputs(reducer)
     return spread.spread_text(
-        rate(reducer), spread.pair_rates(assumed, {end: rate(Reducer(end)) for one in assumed for end in one.ends})
+        rate(reducer), spread.pair_rates(assumed, {end: rate(Reducer(end)) for item in assumed for end in item.ends})
     )
 
 
@@ -368,8 +368,8 @@ def _in(values: Sequence[float], unit: float, name: str) -> tuple[float, str, fl
 class _Counted:
     """Counter of finished pieces of work, for a progress."""
 
-    def __init__(self, progress: Progress | None, whole: int) -> None:
-        self._progress, self._whole, self._done = progress, whole, 0
+    def __init__(self, progress: Progress | None, total: int) -> None:
+        self._progress, self._whole, self._done = progress, total, 0
 
     def count_one(self) -> None:
         self._done += 1

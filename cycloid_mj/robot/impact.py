@@ -82,13 +82,13 @@ def solve_impact(reduced: ReducedJoint, inertia: float) -> ImpactLoad:
     )
 
 
-def run_impact(on: TrialScene, load: ImpactLoad) -> float | None:
+def run_impact(scene: TrialScene, load: ImpactLoad) -> float | None:
     """Run an impact in MuJoCo; return the largest wind-up [rad], as `ImpactLoad.peak`, or None where it runs away."""
-    reduced, pulse = on.reduced, 2.0 * np.pi * load.frequency
-    on.hold()
-    on.press(reduced.rated_torque)
-    steps = math.ceil(load.duration / float(on.model.opt.timestep))
-    lengths = on.lengths(lambda time: reduced.rated_torque * math.cos(pulse * time), steps)
+    reduced, pulse = scene.reduced, 2.0 * np.pi * load.frequency
+    scene.hold()
+    scene.press(reduced.rated_torque)
+    steps = math.ceil(load.duration / float(scene.model.opt.timestep))
+    lengths = scene.lengths(lambda time: reduced.rated_torque * math.cos(pulse * time), steps)
     return None if lengths is None else reduced.stops[0] - float(lengths.min())
 
 
@@ -131,7 +131,7 @@ def _tabulated_torque(reduced: ReducedJoint) -> Callable[[float], float]:
     inner = (bend + side * JUMP_WIDTH * span for bend in bends for side in (-1, 1))
     lengths = [bends[0] - span, *inner, bends[-1] + span]
     stops_at = reduced.moving_stops(0.0)
-    torques = [reduced.torque(one, stops_at(one) if reduced.level == "full" else reduced.stops) for one in lengths]
+    torques = [reduced.torque(item, stops_at(item) if reduced.level == "full" else reduced.stops) for item in lengths]
     last = len(lengths) - 1
 
     def pull(length: float) -> float:

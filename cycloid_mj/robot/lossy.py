@@ -195,12 +195,12 @@ def lossy_table(efficiencies: Sequence[StockEfficiency]) -> Table:
     """Tabulate the efficiencies of the lossy joint and of the full model."""
     rows = tuple(
         (
-            f"{'driving' if one.driving else 'back-driven'}, {one.share:.0%} of the rated torque",
-            f"{one.percent:.2f}",
-            f"{one.full_model_percent:.2f}",
-            f"{one.percent - one.full_model_percent:+.2f}",
+            f"{'driving' if item.driving else 'back-driven'}, {item.share:.0%} of the rated torque",
+            f"{item.percent:.2f}",
+            f"{item.full_model_percent:.2f}",
+            f"{item.percent - item.full_model_percent:+.2f}",
         )
-        for one in efficiencies
+        for item in efficiencies
     )
     return Table(
         "lossy_joint.xml: efficiency in MuJoCo alone [%]", ("condition", "joint", "full model", "difference"), rows

@@ -53,8 +53,8 @@ def slip_inertias(reduced: ReducedJoint) -> list[tuple[float, float]]:
     """
     least = [slip.stiffness * SLIP_TIME**2 for slip in reduced.slips]
     limit = sum(slip.limit for slip in reduced.slips)
-    armatures = [max(one, sum(least) * slip.limit / limit) for one, slip in zip(least, reduced.slips, strict=True)]
-    return [(one, math.sqrt(slip.stiffness * one)) for one, slip in zip(armatures, reduced.slips, strict=True)]
+    armatures = [max(item, sum(least) * slip.limit / limit) for item, slip in zip(least, reduced.slips, strict=True)]
+    return [(item, math.sqrt(slip.stiffness * item)) for item, slip in zip(armatures, reduced.slips, strict=True)]
 
 
 def joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:

@@ -100,7 +100,7 @@ class Population(Tabular):
     @property
     def notes(self) -> tuple[str, ...]:
         """Assumptions of the distributions, a sentence each."""
-        ranges = "; ".join(f"{one.name} {one.low:.4g} to {one.high:.4g} {one.unit}" for one in self.ranges)
+        ranges = "; ".join(f"{item.name} {item.low:.4g} to {item.high:.4g} {item.unit}" for item in self.ranges)
         lost = self.requested - self.samples
         return (
             f"drawn with a log-uniform distribution: {ranges}",
@@ -116,12 +116,12 @@ class Population(Tabular):
         """Tabulate distributions and correlations."""
         title = f"{self.design}: joints of {self.samples} drives, seed {self.seed}"
         rows = tuple(
-            (key, unit, *(f"{one:.5g}" for one in (self.nominal[key], *self._summary(key).values())))
+            (key, unit, *(f"{item:.5g}" for item in (self.nominal[key], *self._summary(key).values())))
             for key, unit in PARAMETERS.items()
         )
-        header = ("parameter", "unit", "nominal", "mean", "std", *(f"{one:g} %" for one in QUANTILES))
+        header = ("parameter", "unit", "nominal", "mean", "std", *(f"{item:g} %" for item in QUANTILES))
         matrix = tuple(
-            (key, *("-" if np.isnan(one) else f"{one:+.2f}" for one in row))
+            (key, *("-" if np.isnan(item) else f"{item:+.2f}" for item in row))
             for key, row in zip(PARAMETERS, self.correlation.tolist(), strict=True)
         )
         return Table(title, header, rows), Table("correlation of the parameters", ("", *PARAMETERS), matrix)
@@ -137,7 +137,9 @@ class Population(Tabular):
                 for key, unit in PARAMETERS.items()
             },
             "correlation": {"parameters": list(PARAMETERS), "matrix": self.correlation.tolist()},
-            "ranges": [{"input": one.name, "unit": one.unit, "low": one.low, "high": one.high} for one in self.ranges],
+            "ranges": [
+                {"input": item.name, "unit": item.unit, "low": item.low, "high": item.high} for item in self.ranges
+            ],
         }
 
     def _summary(self, key: str) -> dict[str, float]:
@@ -146,7 +148,7 @@ class Population(Tabular):
         return {
             "mean": float(np.mean(values)),
             "std": float(np.std(values, ddof=1)),
-            **{f"p{round(share):02d}": one for share, one in zip(QUANTILES, quantiles, strict=True)},
+            **{f"p{round(share):02d}": item for share, item in zip(QUANTILES, quantiles, strict=True)},
         }
 
 
@@ -173,17 +175,17 @@ def draw_population(
     RunError
         Fewer than two drives can be assembled, or the design has no static balance.
     """
-    ranges = tuple(_centred_range(reducer, one) for one in inputs(reducer) if one.table in VARIED)
+    ranges = tuple(_centred_range(reducer, item) for item in inputs(reducer) if item.table in VARIED)
     work = partial(_draw_drive, reducer, ranges, seed)
     drives = (engine or Engine(kind="threads")).each(work, range(samples), progress)
-    good = [one for one in drives if one is not None]
+    good = [item for item in drives if item is not None]
     if len(good) < 2:
         raise RunError(
             f"{samples - len(good)} of {samples} drives of {reducer.design.name!r} cannot be assembled. Reduce the "
             "tolerances in [tolerance], or increase the clearances"
         )
     values, drawn_values = (
-        {key: np.array([one[part][key] for one in good]) for key in good[0][part]} for part in (0, 1)
+        {key: np.array([item[part][key] for item in good]) for key in good[0][part]} for part in (0, 1)
     )
     return Population(
         design=reducer.design.name,
@@ -197,21 +199,21 @@ def draw_population(
     )
 
 
-def _centred_range(reducer: Reducer, one: Input) -> Input:
+def _centred_range(reducer: Reducer, item: Input) -> Input:
     """Centre a range on the design's own value if that lies outside; its ends keep their ratio.
 
     The ranges are those of lubricated steel. A value outside was chosen for other conditions.
     """
-    table = getattr(reducer.design, one.table)
+    table = getattr(reducer.design, item.table)
     shifts = {}
-    for key, low in one.low_values.items():
-        high, own = one.high_values[key], getattr(table, key)
-        shifts[key] = 1.0 if low <= own <= high or one.table == "stiffness" else own / math.sqrt(low * high)
+    for key, low in item.low_values.items():
+        high, own = item.high_values[key], getattr(table, key)
+        shifts[key] = 1.0 if low <= own <= high or item.table == "stiffness" else own / math.sqrt(low * high)
     low_values, high_values = (
-        {key: shifts[key] * value for key, value in end.items()} for end in (one.low_values, one.high_values)
+        {key: shifts[key] * value for key, value in end.items()} for end in (item.low_values, item.high_values)
     )
     return replace(
-        one,
+        item,
         low=min(low_values.values()),
         high=max(high_values.values()),
         low_values=low_values,
@@ -238,8 +240,8 @@ def _draw_drive(
     batch = Batch(block, 1, row)
     shares = np.random.default_rng([seed, RANGE_STREAM, number]).random(len(ranges)).tolist()
     changes: dict[str, dict[str, float]] = {}
-    for one, share in zip(ranges, shares, strict=True):
-        changes.setdefault(one.table, {}).update(one.between(share))
+    for item, share in zip(ranges, shares, strict=True):
+        changes.setdefault(item.table, {}).update(item.between(share))
     try:
         built = Reducer(
             design_of_sample(reducer, draw_samples(reducer, zones, seed, batch), 0, reducer.design.name)

@@ -229,8 +229,8 @@ class ReducedJoint(Presented):
     def _wound(self) -> tuple[Array, Array]:
         """Shares of the rated torque between which errors and springs are linear, and the wind-up there [rad]."""
         starts = [
-            sum(spring.stiffness * max(one.start - spring.start, 0.0) for spring in self.springs)
-            for one in self.springs
+            sum(spring.stiffness * max(item.start - spring.start, 0.0) for spring in self.springs)
+            for item in self.springs
         ]
         shares = np.unique([0.0, *self.ripple.loads, *(torque / self.rated_torque for torque in starts)])
         return shares, np.array([self.wind_up(share * self.rated_torque) for share in shares.tolist()])
@@ -262,21 +262,21 @@ class ReducedJoint(Presented):
         UsageError
             No joint of the model has this reducer.
         """
-        for place in self.places(model):
-            if place.tendons:
-                self._step_between(model, data, place)
+        for addresses in self.places(model):
+            if addresses.tendons:
+                self._step_between(model, data, addresses)
             else:
-                self._step_rigid(model, data, place)
+                self._step_rigid(model, data, addresses)
 
     def settle(self, model: Any, data: Any) -> None:
         """Set the cranks of all joints with this reducer to the middle of the play, with the speed of the output.
 
         Call it after joint angles were set; otherwise the reducer starts wound up.
         """
-        for place in self.places(model):
-            if place.tendons:
-                data.qpos[place.crank_angle] = (self.middle - data.qpos[place.output_angle]) / self.coefficient
-                data.qvel[place.crank_speed] = -data.qvel[place.output_speed] / self.coefficient
+        for addresses in self.places(model):
+            if addresses.tendons:
+                data.qpos[addresses.crank_angle] = (self.middle - data.qpos[addresses.output_angle]) / self.coefficient
+                data.qvel[addresses.crank_speed] = -data.qvel[addresses.output_speed] / self.coefficient
 
     def places(self, model: Any) -> Iterator[JointAddresses]:
         """Yield the addresses of a model's joints with this reducer.
@@ -304,25 +304,25 @@ class ReducedJoint(Presented):
                 tuple(tendons),
             )
 
-    def _step_between(self, model: Any, data: Any, place: JointAddresses) -> None:
+    def _step_between(self, model: Any, data: Any, addresses: JointAddresses) -> None:
         """Update a joint with springs: its tendons follow the error, its crank has the friction of their torque."""
-        angle, dof = float(data.qpos[place.crank_angle]), place.crank_speed
-        length = float(data.qpos[place.output_angle]) + self.coefficient * angle
+        angle, dof = float(data.qpos[addresses.crank_angle]), addresses.crank_speed
+        length = float(data.qpos[addresses.output_angle]) + self.coefficient * angle
         low, high = self.stops_at(angle, length)
-        for spring, tendon in zip(self.springs, place.tendons, strict=True):
+        for spring, tendon in zip(self.springs, addresses.tendons, strict=True):
             model.tendon_lengthspring[tendon] = low - spring.start, high + spring.start
         torque = self.torque(length, (low, high))
-        model.tendon_damping[place.tendons[0]] = self.damping if torque else 0.0
+        model.tendon_damping[addresses.tendons[0]] = self.damping if torque else 0.0
         pulled = self.coefficient * torque
         speed = float(data.qvel[dof])
         turning = speed if abs(speed) > AT_REST else pulled + data.qfrc_actuator[dof] + data.qfrc_applied[dof]
         model.dof_frictionloss[dof] = self.friction.torque(torque, speed, driving=pulled * turning < 0.0)
 
-    def _step_rigid(self, model: Any, data: Any, place: JointAddresses) -> None:
+    def _step_rigid(self, model: Any, data: Any, addresses: JointAddresses) -> None:
         """Update a joint without springs by the torque that it transmitted in the last time step."""
         import mujoco
 
-        dof = place.output_speed
+        dof = addresses.output_speed
         rows = (data.efc_type == int(mujoco.mjtConstraint.mjCNSTR_FRICTION_DOF)) & (data.efc_id == dof)
         friction = float(data.efc_force[rows].sum())
         inertia = self.ratio**2 * self.rotor_inertia
@@ -365,9 +365,11 @@ class ReducedJoint(Presented):
             values |= {key: float(values[key]) for key in NUMBERS}
             for key in ("stops", "polynomial", "polynomial_error"):
                 values[key] = tuple(map(float, values[key]))
-            values["springs"] = tuple(Spring(float(one["start"]), float(one["stiffness"])) for one in values["springs"])
+            values["springs"] = tuple(
+                Spring(float(item["start"]), float(item["stiffness"])) for item in values["springs"]
+            )
             values["slips"] = tuple(
-                Slip(float(one["limit"]), float(one["stiffness"])) for one in values.get("slips", ())
+                Slip(float(item["limit"]), float(item["stiffness"])) for item in values.get("slips", ())
             )
             values["friction"] = FrictionMap.from_json(values["friction"])
             values["ripple"] = Ripple.from_json(values["ripple"])

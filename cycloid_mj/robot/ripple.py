@@ -79,7 +79,7 @@ class Ripple:
     def from_json(cls, content: Mapping[str, Any]) -> Self:
         """Read the ripple from a JSON object."""
         orders, loads = (tuple(map(float, content[key])) for key in ("orders", "loads"))
-        rows = {one.name: tuple(tuple(map(float, row)) for row in content[one.name]) for one in fields(cls)[2:]}
+        rows = {item.name: tuple(tuple(map(float, row)) for row in content[item.name]) for item in fields(cls)[2:]}
         return cls(orders, loads, **rows)
 
     @cached_property

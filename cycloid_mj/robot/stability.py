@@ -148,14 +148,16 @@ def choose_time_step(
     It is the longest accurate time step up to `MAX_SCENE_STEP`, with the first of the integrators that has it. Where
     none is accurate, it is the stable one with the smallest error.
     """
-    shorter = (*(one for one in reversed(TIME_STEPS) if one <= MAX_SCENE_STEP), *FINER_TIME_STEPS)
+    shorter = (*(item for item in reversed(TIME_STEPS) if item <= MAX_SCENE_STEP), *FINER_TIME_STEPS)
     runs = []
     for candidate in shorter if timestep is None else (timestep,):
         for integrator in integrators:
             runs.append(try_time_step(reduced, integrator, candidate, inertia))
             if runs[-1].accurate:
                 return runs[-1]
-    return min(runs, key=lambda one: (not one.stable, not one.good, abs(np.nan_to_num(one.impact_error, nan=np.inf))))
+    return min(
+        runs, key=lambda item: (not item.stable, not item.good, abs(np.nan_to_num(item.impact_error, nan=np.inf)))
+    )
 
 
 def try_time_step(
@@ -163,15 +165,15 @@ def try_time_step(
 ) -> StepTrial:
     """Try one time step [s] of an integrator with an inertia on the output [kg m2], at the reducer's level."""
 
-    def on() -> TrialScene:
+    def scene() -> TrialScene:
         return trial_scene(reduced, inertia, timestep, integrator)
 
     run = reduced.level, integrator, load, timestep, inertia
     if reduced.level == "rigid":
-        return StepTrial(*run, *_rigid(on(), inertia))
+        return StepTrial(*run, *_rigid(scene(), inertia))
     load_case = solve_impact(reduced, inertia)
-    stable, error, frequency = measure_vibration(on(), inertia)
-    peak = run_impact(on(), load_case) if stable and _is_stable_with_free_crank(on(), inertia) else None
+    stable, error, frequency = measure_vibration(scene(), inertia)
+    peak = run_impact(scene(), load_case) if stable and _is_stable_with_free_crank(scene(), inertia) else None
     if peak is None:
         return StepTrial(*run, False, math.nan, math.nan, load_case.frequency)
     return StepTrial(*run, True, error, frequency, load_case.frequency, peak, peak / load_case.peak - 1.0)
@@ -179,9 +181,9 @@ def try_time_step(
 
 def longest_accurate(trials: Iterable[StepTrial], level: Level, integrator: Integrator, load: str) -> StepTrial | None:
     """Return the longest time step up to which all trials are accurate; None where none is."""
-    chosen = [one for one in trials if (one.level, one.integrator, one.load) == (level, integrator, load)]
+    chosen = [item for item in trials if (item.level, item.integrator, item.load) == (level, integrator, load)]
     best = None
-    for trial in sorted(chosen, key=lambda one: one.timestep):
+    for trial in sorted(chosen, key=lambda item: item.timestep):
         if trial.accurate:
             best = trial
         elif best is not None:
@@ -198,8 +200,8 @@ def recommend_time_steps(trials: tuple[StepTrial, ...]) -> list[dict[str, Any]]:
     for level in LEVELS:
         for integrator in INTEGRATORS:
             best = {load: longest_accurate(trials, level, integrator, load) for load in INERTIAS}
-            by_load = {load: one.timestep if one else 0.0 for load, one in best.items()}
-            errors = {load: one.impact_error if one else math.nan for load, one in best.items()}
+            by_load = {load: item.timestep if item else 0.0 for load, item in best.items()}
+            errors = {load: item.impact_error if item else math.nan for load, item in best.items()}
             rows.append(
                 {
                     "level": level,
@@ -218,7 +220,7 @@ def recommended_table(trials: tuple[StepTrial, ...]) -> Table:
     for level in LEVELS:
         for integrator in INTEGRATORS:
             best = [longest_accurate(trials, level, integrator, load) for load in INERTIAS]
-            cells = (f"{1e3 * one.timestep:g} ms: {one.summary}" if one else "none" for one in best)
+            cells = (f"{1e3 * item.timestep:g} ms: {item.summary}" if item else "none" for item in best)
             rows.append((f"{level}, {integrator}", *cells))
     title = f"Longest time step at which the peak of an impact is within {IMPACT_RTOL:.0%}, and its error"
     return Table(title, ("level, integrator", *INERTIAS), tuple(rows))
@@ -227,16 +229,16 @@ def recommended_table(trials: tuple[StepTrial, ...]) -> Table:
 def trials_table(trials: tuple[StepTrial, ...]) -> Table:
     """Tabulate all trials: a row for each level, integrator and inertia, a column for each time step."""
     rows: dict[str, dict[float, str]] = {}
-    for one in trials:
-        struck = "" if one.level == "rigid" else f", {one.impact_frequency:g} Hz"
-        rows.setdefault(f"{one.level}, {one.integrator}, {one.load}{struck}", {})[one.timestep] = one.summary
-    steps = sorted({one.timestep for one in trials})
+    for item in trials:
+        struck = "" if item.level == "rigid" else f", {item.impact_frequency:g} Hz"
+        rows.setdefault(f"{item.level}, {item.integrator}, {item.load}{struck}", {})[item.timestep] = item.summary
+    steps = sorted({item.timestep for item in trials})
     cells = tuple((key, *(words.get(step, "") for step in steps)) for key, words in rows.items())
     header = ("level, integrator, inertia on the output, load", *(f"{1e3 * step:g} ms" for step in steps))
     return Table("Error of the peak of an impact by time step, crank locked, rated load cos(2 pi f t)", header, cells)
 
 
-def measure_vibration(on: TrialScene, inertia: float) -> tuple[bool, float, float]:
+def measure_vibration(scene: TrialScene, inertia: float) -> tuple[bool, float, float]:
     """Apply the rated torque to the output suddenly with the crank locked, and measure its rest and vibration.
 
     Returns
@@ -244,39 +246,39 @@ def measure_vibration(on: TrialScene, inertia: float) -> tuple[bool, float, floa
     tuple
         Whether it is stable, relative error of the wind-up, and that of the frequency against sqrt(k/J).
     """
-    reduced, step = on.reduced, float(on.model.opt.timestep)
+    reduced, step = scene.reduced, float(scene.model.opt.timestep)
     torque, moving = reduced.rated_torque, inertia + reduced.output_inertia
     slowest = np.sqrt(reduced.stiffness(torque) / moving)
     steps = _steps(slowest, step)
     wound, stop = reduced.wind_up(torque), reduced.stops[1]
     if reduced.level == "full":
         stop += reduced.ripple.errors(0.0, 1.0)[1]
-    on.hold()
-    on.data.qpos[on.place.output_angle] = stop + START_WIND_UP * wound
-    lengths = on.lengths(lambda time: torque, steps)
+    scene.hold()
+    scene.data.qpos[scene.place.output_angle] = stop + START_WIND_UP * wound
+    lengths = scene.lengths(lambda time: torque, steps)
     if lengths is None or float(np.ptp(lengths[steps // 2 :])) > MAX_VIBRATION * wound:
         return False, np.nan, np.nan
     rest, frequency = _analyse_vibration(lengths[steps // 2 :] - stop, step)
     error = rest / wound - 1.0
     if abs(error) > STATIC_RTOL:
-        error = _settled_wind_up_error(on, steps, stop)
+        error = _settled_wind_up_error(scene, steps, stop)
     return True, error, frequency / slowest - 1.0
 
 
-def _settled_wind_up_error(on: TrialScene, steps: int, stop: float) -> float:
+def _settled_wind_up_error(scene: TrialScene, steps: int, stop: float) -> float:
     """Compute the relative error of the wind-up when the output is released from rest under the rated torque.
 
     A transmission error that changes with the load makes the spring nonlinear: the middle of a vibration is not the
     rest.
     """
-    torque = on.reduced.rated_torque
-    mujoco.mj_resetData(on.model, on.data)
-    on.hold()
-    on.press(torque)
-    lengths = on.lengths(lambda time: torque, steps)
+    torque = scene.reduced.rated_torque
+    mujoco.mj_resetData(scene.model, scene.data)
+    scene.hold()
+    scene.press(torque)
+    lengths = scene.lengths(lambda time: torque, steps)
     if lengths is None:
         return math.nan
-    return (float(lengths[steps // 2 :].mean()) - stop) / on.reduced.wind_up(torque) - 1.0
+    return (float(lengths[steps // 2 :].mean()) - stop) / scene.reduced.wind_up(torque) - 1.0
 
 
 def _try_all(reduced: ReducedJoint) -> Iterator[StepTrial]:
@@ -289,7 +291,7 @@ def _try_all(reduced: ReducedJoint) -> Iterator[StepTrial]:
 
 def _try_time_steps(reduced: ReducedJoint, integrator: Integrator, load: str, inertia: float) -> Iterator[StepTrial]:
     """Yield the trials of `TIME_STEPS`, and of `FINER_TIME_STEPS` until one is accurate if the shortest is not."""
-    runs = [try_time_step(reduced, integrator, one, inertia, load) for one in TIME_STEPS]
+    runs = [try_time_step(reduced, integrator, item, inertia, load) for item in TIME_STEPS]
     yield from runs
     if runs[0].accurate:
         return
@@ -300,19 +302,19 @@ def _try_time_steps(reduced: ReducedJoint, integrator: Integrator, load: str, in
             return
 
 
-def _is_stable_with_free_crank(on: TrialScene, inertia: float) -> bool:
+def _is_stable_with_free_crank(scene: TrialScene, inertia: float) -> bool:
     """Return whether a vibration with a free crank does not grow, with the motor balancing the torque.
 
     Crank and output then move against each other, faster than the output alone: k (1/J + 1/(i^2 J_rotor)).
     """
-    reduced, torque = on.reduced, on.reduced.rated_torque
+    reduced, torque = scene.reduced, scene.reduced.rated_torque
     wound, moving = reduced.wind_up(torque), inertia + reduced.output_inertia
     swinging = moving / (1.0 + moving / (reduced.ratio**2 * reduced.rotor_inertia))
-    steps = _steps(np.sqrt(reduced.stiffness(torque) / swinging), float(on.model.opt.timestep))
-    on.press(torque)
-    on.data.qpos[on.place.output_angle] -= (1.0 - START_WIND_UP) * wound
-    on.data.ctrl[:] = reduced.coefficient * torque
-    lengths = on.lengths(lambda time: torque, steps)
+    steps = _steps(np.sqrt(reduced.stiffness(torque) / swinging), float(scene.model.opt.timestep))
+    scene.press(torque)
+    scene.data.qpos[scene.place.output_angle] -= (1.0 - START_WIND_UP) * wound
+    scene.data.ctrl[:] = reduced.coefficient * torque
+    lengths = scene.lengths(lambda time: torque, steps)
     return lengths is not None and float(np.ptp(lengths[steps // 2 :])) <= MAX_VIBRATION * wound
 
 
@@ -321,15 +323,15 @@ def _steps(frequency: float, step: float) -> int:
     return max(MIN_RUN_STEPS, math.ceil(2.0 * np.pi * RUN_PERIODS / frequency / step))
 
 
-def _rigid(on: TrialScene, inertia: float) -> tuple[bool, float, float]:
+def _rigid(scene: TrialScene, inertia: float) -> tuple[bool, float, float]:
     """Apply the rated input torque to the motor, and compare the speed with that of the total inertia with friction."""
-    reduced, step = on.reduced, float(on.model.opt.timestep)
-    on.data.ctrl[:] = reduced.rated_torque / reduced.ratio
+    reduced, step = scene.reduced, float(scene.model.opt.timestep)
+    scene.data.ctrl[:] = reduced.rated_torque / reduced.ratio
     for _ in range(MIN_RUN_STEPS):
-        on.step()
+        scene.step()
     total = inertia + reduced.reflected_inertia
-    spare = reduced.rated_torque - float(on.model.dof_frictionloss[on.place.output_speed])
-    speed = reduced.way * float(on.data.qvel[on.place.output_speed])
+    spare = reduced.rated_torque - float(scene.model.dof_frictionloss[scene.place.output_speed])
+    speed = reduced.way * float(scene.data.qvel[scene.place.output_speed])
     error = speed / (spare / total * MIN_RUN_STEPS * step) - 1.0
     return bool(np.isfinite(error)), error, np.nan
 

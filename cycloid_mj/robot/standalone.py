@@ -62,14 +62,14 @@ def varied(values: Mapping[str, Any], factors: Mapping[str, float]) -> dict[str,
     for spring in other["springs"]:
         spring["start"] /= stiffness
         spring["stiffness"] *= stiffness
-    other["polynomial"] = [one * stiffness ** (n + 1) for n, one in enumerate(values["polynomial"])]
+    other["polynomial"] = [item * stiffness ** (n + 1) for n, item in enumerate(values["polynomial"])]
     other["damping"] = values["damping"] * stiffness
     for side in ("driving", "driven"):
         other["friction"][side] = [
             [friction * row[0] + loss * (lost - row[0]) for lost in row] for row in values["friction"][side]
         ]
     for key in [key for key in values["ripple"] if key.endswith(("_cos", "_sin", "_error"))]:
-        other["ripple"][key] = [[te * one for one in row] for row in values["ripple"][key]]
+        other["ripple"][key] = [[te * item for item in row] for row in values["ripple"][key]]
     return other
 
 
@@ -92,7 +92,7 @@ class Joint:
         self.timestep = content["scene"]["timestep_s"]
         self.integrator = content["scene"]["integrator"]
         parameters = (content.get("spread") or {}).get("parameters", {})
-        self.nominal = {key: one["nominal"] for key, one in parameters.items()}
+        self.nominal = {key: item["nominal"] for key, item in parameters.items()}
 
     @property
     def coefficient(self) -> float:

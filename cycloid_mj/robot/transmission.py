@@ -116,8 +116,8 @@ def waves(values: Array) -> tuple[Waves, Waves]:
     The harmonic is the real part of A exp(i order theta). Both have the same shape, and no mean.
     """
 
-    def amplitudes(one: Array) -> Waves:
-        amplitudes = 2.0 * np.fft.rfft(one) / one.size
+    def amplitudes(item: Array) -> Waves:
+        amplitudes = 2.0 * np.fft.rfft(item) / item.size
         amplitudes[0] = 0.0
         return amplitudes
 
@@ -127,12 +127,12 @@ def waves(values: Array) -> tuple[Waves, Waves]:
 
 def _kept(each: list[Waves]) -> npt.NDArray[np.int64]:
     """Return the indices of the fewest strongest harmonics with a remainder below `MAX_REMAINDER` of each error."""
-    each_share = [np.abs(one) / max(float(np.linalg.norm(one)), np.finfo(float).tiny) for one in each]
+    each_share = [np.abs(item) / max(float(np.linalg.norm(item)), np.finfo(float).tiny) for item in each]
     shares: Array = np.stack(each_share).max(axis=0)
     order = np.argsort(-shares, kind="stable")
     for count in range(1, MAX_HARMONICS):
         chosen = order[:count]
-        rest = [np.linalg.norm(np.delete(one, chosen)) <= MAX_REMAINDER * np.linalg.norm(one) for one in each]
+        rest = [np.linalg.norm(np.delete(item, chosen)) <= MAX_REMAINDER * np.linalg.norm(item) for item in each]
         if all(rest):
             return np.sort(chosen)
     return np.sort(order[:MAX_HARMONICS])

@@ -402,8 +402,8 @@ def _socket(turn: Turn, pin: int, disc: int) -> PartContact:
     action = action.where(out > wall_radius(turn.reducer.design) * (1.0 - 1e-9))
     width = _socket_width(turn, action)
     place = action.on_hole(centre, wall, width)
-    whole = ring.has_sockets and ring.has_pin_bodies
-    name = numbered(SOCKET, pin + 1) if whole else _called(turn, numbered(SOCKET, pin + 1), disc)
+    full = ring.has_sockets and ring.has_pin_bodies
+    name = numbered(SOCKET, pin + 1) if full else _called(turn, numbered(SOCKET, pin + 1), disc)
     return PartContact(name, action, place, width, line_contact(turn.reducer, "pin_socket", action.size))
 
 

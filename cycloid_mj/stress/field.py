@@ -195,11 +195,11 @@ def _maxima(
     maxima: list[tuple[Array, ...]] = []
     angle = count()
     for answer in answers:
-        stress, here = components(answer.moved), []
+        stress, chosen = components(answer.moved), []
         for state, size in zip(np.moveaxis(stress, -1, 0), np.ascontiguousarray(von_mises(stress).T), strict=True):
             seen(index := next(angle), state)
-            here.append(largest(apart, rungs, index, size))
-        sizes, nodes = map(np.array, zip(*here, strict=True))
+            chosen.append(largest(apart, rungs, index, size))
+        sizes, nodes = map(np.array, zip(*chosen, strict=True))
         maxima.append((sizes, nodes, answer.reaction, answer.imbalance, answer.moments))
     sizes, nodes, reaction, imbalance, moments = map(np.concatenate, zip(*maxima, strict=True))
     rung = plateau(sizes.max(axis=0), RUNGS_PER_OCTAVE) if distance is None else 0

@@ -54,7 +54,7 @@ def _study_part(reducer: Reducer, part: str) -> PartFindings:
 
 def _stress(reducer: Reducer, kind: str) -> float:
     """Compute the largest stress of the parts of a kind [MPa], NaN where there is none; errors as `stress_study`."""
-    return _largest(one.governing / MEGAPASCAL for one in _of_kind(reducer, kind))
+    return _largest(item.governing / MEGAPASCAL for item in _of_kind(reducer, kind))
 
 
 def _of_kind(reducer: Reducer, kind: str) -> list[PartFindings]:
@@ -69,12 +69,12 @@ def _largest(values: Iterable[float]) -> float:
 
 def _contact_pressure(reducer: Reducer, kind: str) -> float:
     """Compute the largest contact pressure of the parts of a kind [MPa], NaN without a line contact."""
-    return _largest(one.largest_pressure / MEGAPASCAL for one in _of_kind(reducer, kind))
+    return _largest(item.largest_pressure / MEGAPASCAL for item in _of_kind(reducer, kind))
 
 
 def _contact_safety(reducer: Reducer, kind: str) -> float:
     """Compute the smallest safety of a kind against shakedown by contact pressure, NaN without a line contact."""
-    return -_largest(-one.shakedown for one in _of_kind(reducer, kind))
+    return -_largest(-item.shakedown for item in _of_kind(reducer, kind))
 
 
 KINDS = ("shaft", "gear", "ring", "output", "pin")

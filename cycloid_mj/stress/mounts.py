@@ -146,11 +146,11 @@ def stud_stiffness(reducer: Reducer, studs: StudSeats) -> tuple[float, float, fl
     held, loaded = (np.repeat(where, SLICES) * steps for where in ((1, 0, 0, 0, 1), (0, 0, 1, 0, 0)))
     nodes = steps.size + 1
     stiffness = np.zeros((2 * nodes, 2 * nodes))
-    for place, step in enumerate(steps):
-        rows = slice(2 * place, 2 * place + 4)
+    for position, step in enumerate(steps):
+        rows = slice(2 * position, 2 * position + 4)
         stiffness[rows, rows] += _beam_element(reducer, step)
     modulus = design.material_of("housing").youngs_modulus
-    spring, load = (_to_nodes(one) for one in (modulus * held, loaded / width))
+    spring, load = (_to_nodes(item) for item in (modulus * held, loaded / width))
     stiffness[np.arange(0, 2 * nodes, 2), np.arange(0, 2 * nodes, 2)] += spring
     far = np.where(np.arange(nodes) <= SLICES, spring, 0.0)
     moved, pushed = np.linalg.solve(stiffness, np.stack([_displacement_loads(load), _displacement_loads(far)], axis=1))[

@@ -123,9 +123,9 @@ def shaft_shoulders(reducer: Reducer, shaft: ShaftDimensions, moments: Array, an
 
     nominal = np.hypot(bending, np.sqrt(3.0) * torsion)
     largest = int(np.unravel_index(int(nominal.argmax()), nominal.shape)[1])
-    place = f"journal at z = {shaft.stations[largest] / MILLIMETRE:.1f} mm"
+    position = f"journal at z = {shaft.stations[largest] / MILLIMETRE:.1f} mm"
     return (
-        notch(place, largest, math.inf, (1.0, 1.0)),
+        notch(position, largest, math.inf, (1.0, 1.0)),
         *(
             notch(
                 *(shoulder.name, station, fillet),

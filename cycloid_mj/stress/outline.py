@@ -90,10 +90,10 @@ def _subdivide(polygon: Array, sizing: Sizing) -> tuple[Array, Mask, Array]:
         coarse = np.linalg.norm(following - points, axis=1) > _wanted(middle, beyond, sizing) / 2
         if not coarse.any():
             return points, corner, radius
-        place = np.flatnonzero(coarse) + 1
-        points = np.insert(points, place, middle[coarse], axis=0)
-        corner = np.insert(corner, place, False)
-        radius = np.insert(radius, place, beyond[coarse])
+        position = np.flatnonzero(coarse) + 1
+        points = np.insert(points, position, middle[coarse], axis=0)
+        corner = np.insert(corner, position, False)
+        radius = np.insert(radius, position, beyond[coarse])
 
 
 def _limit_growth(size: Array, arc: Array) -> Array:

@@ -60,7 +60,7 @@ class _Edges:
     """
 
     nodes: Integers
-    places: Array
+    positions: Array
     start: Array
     length: Array
     first: Array
@@ -129,7 +129,7 @@ def _spread(edges: _Edges, edge: Integers, centre: Array, half_width: Array, for
     at = np.searchsorted(edges.start, along, side="right") - 1
     xi = (along - edges.start[at]) / edges.length[at]
     shape, slope = _shape(xi), _slope(xi)
-    tangent = _complex(np.einsum("aqi,aqix->aqx", slope, edges.places[at]))
+    tangent = _complex(np.einsum("aqi,aqix->aqx", slope, edges.positions[at]))
     middle = _shape_slope_at(edges, edge, centre)
     turn = tangent / np.abs(tangent) * np.conj(middle)[:, np.newaxis]
     total_turn = turn @ weight
@@ -141,36 +141,36 @@ def _spread(edges: _Edges, edge: Integers, centre: Array, half_width: Array, for
 def _shape_slope_at(edges: _Edges, edge: Integers, centre: Array) -> npt.NDArray[np.complex128]:
     """Compute the unit tangent at an arc length of an edge, as a complex number."""
     xi = (centre - edges.start[edge]) / edges.length[edge]
-    tangent = _complex(np.einsum("ai,aix->ax", _slope(xi), edges.places[edge]))
+    tangent = _complex(np.einsum("ai,aix->ax", _slope(xi), edges.positions[edge]))
     return tangent / np.abs(tangent)
 
 
 def _nearest_arc(edges: _Edges, edge: Integers, xi: Array, place: Array) -> Array:
     """Compute the arc length of the outline's nearest point to each position, by the tangent at the nearest sample."""
-    here = np.einsum("ai,aix->ax", _shape(xi), edges.places[edge])
-    tangent = np.einsum("ai,aix->ax", _slope(xi), edges.places[edge])
-    ahead = np.sum((place - here) * tangent, axis=1) / np.sum(tangent**2, axis=1)
+    chosen = np.einsum("ai,aix->ax", _shape(xi), edges.positions[edge])
+    tangent = np.einsum("ai,aix->ax", _slope(xi), edges.positions[edge])
+    ahead = np.sum((place - chosen) * tangent, axis=1) / np.sum(tangent**2, axis=1)
     return edges.start[edge] + edges.length[edge] * np.clip(xi + ahead, 0.0, 1.0)
 
 
 def _edges(grid: Grid) -> _Edges:
     """Return the edges of outlines under points at arc lengths."""
     nodes = np.concatenate(grid.loops)
-    places = grid.points[nodes]
+    positions = grid.points[nodes]
     gauss, weight = np.polynomial.legendre.leggauss(4)
-    speed = np.linalg.norm(np.einsum("gi,eix->egx", _slope((gauss + 1) / 2), places), axis=2)
+    speed = np.linalg.norm(np.einsum("gi,eix->egx", _slope((gauss + 1) / 2), positions), axis=2)
     length = speed @ weight / 2
     start = np.concatenate([[0.0], np.cumsum(length)[:-1]])
     counts = [len(loop) for loop in grid.loops]
     heads = np.cumsum([0, *counts[:-1]])
     totals = np.add.reduceat(length, heads)
-    return _Edges(nodes, places, start, length, np.repeat(start[heads], counts), np.repeat(totals, counts))
+    return _Edges(nodes, positions, start, length, np.repeat(start[heads], counts), np.repeat(totals, counts))
 
 
 def _sampled(edges: _Edges) -> tuple[cKDTree, Integers, Array]:
     """Return a tree of points along all edges, with the edge and the parameter of each."""
     xi = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
-    points = np.einsum("si,eix->esx", _shape(xi), edges.places).reshape(-1, 2)
+    points = np.einsum("si,eix->esx", _shape(xi), edges.positions).reshape(-1, 2)
     return cKDTree(points), np.repeat(np.arange(len(edges.nodes)), _SAMPLES), np.tile(xi, len(edges.nodes))
 
 

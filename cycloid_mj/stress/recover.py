@@ -84,10 +84,10 @@ def _at_points(operators: Recovery, displacements: Array, material: Material, pr
     first = 0
     for some in operators.slopes:
         slope = (some @ moved).reshape(-1, dimension, dimension, columns)
-        here = stress[first : first + len(slope)]
+        chosen = stress[first : first + len(slope)]
         pressure = lame * sum(slope[:, axis, axis] for axis in range(dimension))
         for component, (i, j) in enumerate(pairs):
-            here[:, component] = shear * (slope[:, i, j] + slope[:, j, i]) + (pressure if i == j else 0.0)
+            chosen[:, component] = shear * (slope[:, i, j] + slope[:, j, i]) + (pressure if i == j else 0.0)
         first += len(slope)
     return stress
 

@@ -247,14 +247,14 @@ def _relieved(part: elastic.ElasticBody, pads: Pads) -> tuple[Array, Array]:
     return moved, np.asarray(pads.press.T @ moved)
 
 
-def section_turns(points: Array, places: Array) -> Array:
+def section_turns(points: Array, positions: Array) -> Array:
     """Return the weights (3 n, s, 3) [m] of forces on nodes (n, 3) [m] in the moments of sections at places z (s,).
 
     The moments about x, y, z, about the axis in the section at each place, are those that the forces on nodes before it
     hand on; they are in balance with what comes after it.
     """
-    before = points[:, 2, np.newaxis] < places - END_FACE_TOL
-    turns = [elastic.rigid_motions(points - (0.0, 0.0, place))[:, 3:] for place in places]
+    before = points[:, 2, np.newaxis] < positions - END_FACE_TOL
+    turns = [elastic.rigid_motions(points - (0.0, 0.0, place))[:, 3:] for place in positions]
     return np.stack(turns, axis=1) * np.repeat(before, 3, axis=0)[..., np.newaxis]
 
 

@@ -44,11 +44,11 @@ def _inner_corners(shaft: ShaftDimensions) -> Array:
     x, y = shaft.radius * np.cos(turn), shaft.radius * np.sin(turn)
     z0, z1 = shaft.counterweight
     faces = [face for cam in shaft.cams for face in cam]
-    whole = faces if shaft.straddles else faces[:-1]
+    solid = faces if shaft.straddles else faces[:-1]
     half = [(z0, y <= 0), (z1, y <= 0)] if shaft.weighted else []
     rings = [
         np.column_stack([x[keep], y[keep], np.full(keep.sum(), z)])
-        for z, keep in (*half, *((z, y < np.inf) for z in whole))
+        for z, keep in (*half, *((z, y < np.inf) for z in solid))
     ]
     if not shaft.weighted:
         return np.concatenate(rings)
@@ -70,10 +70,10 @@ def _tetrahedra(shaft: ShaftDimensions, edge: float) -> Any:
             joined.append(weight)
         for centre, cam in zip(shaft.cam_centres.tolist(), shaft.cams, strict=True):
             joined.append(_cylinder(occ, centre, shaft.cam_radius, *cam))
-        joined += [_cylinder(occ, middle, shaft.radius, one[1], two[0]) for one, two in pairwise(shaft.cams)]
+        joined += [_cylinder(occ, middle, shaft.radius, item[1], two[0]) for item, two in pairwise(shaft.cams)]
         if shaft.straddles:
             joined.append(_cylinder(occ, middle, shaft.radius, shaft.cams[-1][1], shaft.far_end))
-        solids, _ = occ.fuse([(3, first)], [(3, one) for one in joined])
+        solids, _ = occ.fuse([(3, first)], [(3, item) for item in joined])
         occ.synchronize()
         if len(solids) != 1:
             raise CycloidError("the shaft does not mesh: its sections are no single solid. Check shaft.* in the design")
@@ -91,11 +91,11 @@ def _cylinder(occ: Any, centre: Sequence[float], radius: float, z0: float, z1: f
     return int(occ.addCylinder(x * mm, y * mm, z0 * mm, 0, 0, (z1 - z0) * mm, radius * mm, angle=angle))
 
 
-def _refine_near(gmsh: Any, places: Array, edge: float) -> None:
+def _refine_near(gmsh: Any, positions: Array, edge: float) -> None:
     """Set the size field: edges grow from a share of the longest near points to the longest at that distance."""
     field, longest = gmsh.model.mesh.field, edge * MILLIMETRES
     near = field.add("Distance")
-    points = [gmsh.model.geo.addPoint(*place) for place in places[::8] * MILLIMETRES]
+    points = [gmsh.model.geo.addPoint(*position) for position in positions[::8] * MILLIMETRES]
     gmsh.model.geo.synchronize()
     field.setNumbers(near, "PointsList", points)
     grow = field.add("Threshold")
@@ -112,9 +112,9 @@ def _refine_near(gmsh: Any, places: Array, edge: float) -> None:
 
 def _from_gmsh(tags: Any, points: Array, nodes: Any) -> Any:
     """Make the quadratic mesh from gmsh's tetrahedra of ten nodes."""
-    place = np.zeros(int(tags.max()) + 1, np.int64)
-    place[tags.astype(np.int64)] = np.arange(len(tags))
-    cells = place[nodes.astype(np.int64)]
+    position = np.zeros(int(tags.max()) + 1, np.int64)
+    position[tags.astype(np.int64)] = np.arange(len(tags))
+    cells = position[nodes.astype(np.int64)]
     corners, index = np.unique(cells[:, :4], return_inverse=True)
     cell = index.reshape(-1, 4)
     pairs = [(0, 1), (1, 2), (2, 0), (3, 0), (3, 2), (3, 1)]

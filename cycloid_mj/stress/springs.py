@@ -63,7 +63,7 @@ class PartSprings:
     @property
     def interval(self) -> tuple[float, float] | None:
         """Smallest and largest stiffness within the limits of the modulus [N m/rad]; None without limits."""
-        ends = [1.0 / sum(one.values()) for one in self.limits]
+        ends = [1.0 / sum(item.values()) for item in self.limits]
         return (min(ends), max(ends)) if ends else None
 
     @property
@@ -75,8 +75,8 @@ class PartSprings:
     def table(self) -> Table:
         """Tabulate the compliance of each part, and the spring that includes it."""
         rows = [
-            (part, 1e3 * one, f"springs.{SPRING_OF_PART[_kind(part)]}_nm_per_rad")
-            for part, one in self.compliance.items()
+            (part, 1e3 * item, f"springs.{SPRING_OF_PART[_kind(part)]}_nm_per_rad")
+            for part, item in self.compliance.items()
         ]
         rows.append(("of that, the contacts", 1e3 * self.contacts, "left to statics"))
         return Table(
@@ -108,12 +108,14 @@ def part_springs(reducer: Reducer, mounts: Mounts | None = None) -> PartSprings:
     moduli = mounts.material.modulus if mounts and mounts.material else ()
     limits = tuple(wind_up_by_part(printed_of(reducer, modulus), mounts) for modulus in moduli)
     still = reducer.but(structure="springs", springs=dict.fromkeys(TWISTING, 0.0))
-    series = [sum(one.series(still).values()) for one in windups(still, turn_evenly(still), still.design.rated_torque)]
+    series = [
+        sum(item.series(still).values()) for item in windups(still, turn_evenly(still), still.design.rated_torque)
+    ]
     contacts = float(np.mean(series)) - wind_up(still)
     twist, stiffness = twisting_compliance(still), twisting_stiffness(still)
     gives = {"carrier": twist["carrier"], "shaft": twist["shaft"], "housing": 0.0}
-    for part, one in parts.items():
-        gives[SPRING_OF_PART[_kind(part)]] += one
+    for part, item in parts.items():
+        gives[SPRING_OF_PART[_kind(part)]] += item
     gives["carrier"] = max(gives["carrier"] - contacts, twist["carrier"])
     springs = {part: stiffness[part] * twist[part] / gives[part] for part in TWISTING}
     design = still.design.but(name=f"{still.design.name}-springs"[:64], springs=springs)

@@ -73,15 +73,15 @@ def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
     chosen = seen[np.argsort(bound)[-min(MAX_CANDIDATES, len(seen)) :]]
     some = states[:, :, chosen].astype(np.float64)
     apart, first, second = (np.zeros(len(chosen)), *(np.zeros(len(chosen), int) for _ in range(2)))
-    for one in range(len(some)):
-        distance = np.nan_to_num(von_mises(np.moveaxis(some - some[one], 1, 0)), nan=-1.0)
+    for item in range(len(some)):
+        distance = np.nan_to_num(von_mises(np.moveaxis(some - some[item], 1, 0)), nan=-1.0)
         other = distance.argmax(axis=0)
         farther = distance[other, np.arange(len(chosen))]
         better = farther > apart
         apart = np.where(better, farther, apart)
-        first, second = np.where(better, one, first), np.where(better, other, second)
-    places = np.arange(len(chosen))
-    middle = 0.5 * (some[first, :, places] + some[second, :, places]).T
+        first, second = np.where(better, item, first), np.where(better, other, second)
+    positions = np.arange(len(chosen))
+    middle = 0.5 * (some[first, :, positions] + some[second, :, positions]).T
     # a node that is in the bulk at one instant, or never moves, stands still at what it has
     still = np.nan_to_num(some[0]) if len(some) == 1 else np.nanmean(some, axis=0)
     middle = np.where(apart > 0.0, middle, still)

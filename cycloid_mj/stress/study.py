@@ -134,13 +134,13 @@ class StressStudy(Presented):
         """The largest stresses of every part over the turn, a row each."""
         rows: list[dict[str, Cell]] = [
             {
-                "part": one.part,
-                "bulk_mpa": one.bulk_peak.stress / MEGAPASCAL,
-                "contact_mpa": one.contact_peak.stress / MEGAPASCAL,
-                "largest_force_n": one.largest_force,
-                "yield_strength_mpa": one.yield_strength / MEGAPASCAL,
+                "part": item.part,
+                "bulk_mpa": item.bulk_peak.stress / MEGAPASCAL,
+                "contact_mpa": item.contact_peak.stress / MEGAPASCAL,
+                "largest_force_n": item.largest_force,
+                "yield_strength_mpa": item.yield_strength / MEGAPASCAL,
             }
-            for one in self.findings.parts
+            for item in self.findings.parts
         ]
         units = {"bulk_mpa": "MPa", "contact_mpa": "MPa", "largest_force_n": "N", "yield_strength_mpa": "MPa"}
         return framed(rows, ("part", *units), units)
@@ -148,7 +148,7 @@ class StressStudy(Presented):
     @property
     def line(self) -> str:
         """Design, load, and the largest stress of each part away from its contacts."""
-        stresses = ", ".join(f"{one.part} {one.bulk_peak.stress / MEGAPASCAL:.4g}" for one in self.findings.parts)
+        stresses = ", ".join(f"{item.part} {item.bulk_peak.stress / MEGAPASCAL:.4g}" for item in self.findings.parts)
         return f"{self.design.name}, {self.findings.load:.4g} N m; away from contacts, MPa: {stresses}"
 
     def __getitem__(self, part: str) -> PartStudy:

@@ -51,21 +51,21 @@ def surface(grid: Grid, test: Callable[[Array], Mask]) -> SolidSurface:
     faces = faces[test(mesh.doflocs[:, mesh.facets[:, faces]].mean(axis=1))]
     corners = mesh.facets[:, faces].T.astype(np.int64)
     nodes = np.hstack([corners, middles_of(mesh, corners[:, [[0, 1], [1, 2], [0, 2]]])])
-    places = grid.points[nodes]
+    positions = grid.points[nodes]
     points, weight = quadrature.get_quadrature(skfem.refdom.RefTri, QUADRATURE_ORDER)
     terms = [skfem.ElementTriP2().lbasis(points, number) for number in range(nodes.shape[1])]
     shape = np.stack([value for value, _ in terms], axis=1)
     along, across = (
-        np.einsum("qa,fax->fqx", np.stack([slope[axis] for _, slope in terms], axis=1), places) for axis in range(2)
+        np.einsum("qa,fax->fqx", np.stack([slope[axis] for _, slope in terms], axis=1), positions) for axis in range(2)
     )
     normal = np.cross(along, across)
     inside = mesh.doflocs[:, mesh.t[:, mesh.f2t[0, faces]]].mean(axis=1).T
-    outward = np.sign(np.sum(normal.mean(axis=1) * (places[:, :3].mean(axis=1) - inside), axis=1))
+    outward = np.sign(np.sum(normal.mean(axis=1) * (positions[:, :3].mean(axis=1) - inside), axis=1))
     size = np.linalg.norm(normal, axis=2)
     return SolidSurface(
         nodes=nodes,
         shape=shape,
-        points=np.einsum("qa,fax->fqx", shape, places),
+        points=np.einsum("qa,fax->fqx", shape, positions),
         normals=normal * (outward[:, np.newaxis] / size)[..., np.newaxis],
         area=size * weight,
         unknowns=grid.unknowns,

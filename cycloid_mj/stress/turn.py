@@ -113,11 +113,11 @@ def require_same(reducer: Reducer, ran: Reducer) -> None:
 
 def differences(reducer: Reducer, ran: Reducer) -> list[str]:
     """List where a design differs from one that ran, load and settings aside."""
-    asked, logged = _values(reducer), _values(ran)
+    requested, logged = _values(reducer), _values(ran)
     return [
-        f"{key} ({asked.get(key)} in the design, {logged.get(key)} in the log)"
-        for key in {**asked, **logged}
-        if asked.get(key) != logged.get(key)
+        f"{key} ({requested.get(key)} in the design, {logged.get(key)} in the log)"
+        for key in {**requested, **logged}
+        if requested.get(key) != logged.get(key)
     ]
 
 
