@@ -14,15 +14,15 @@ from cycloid_mj.design import override, value_of
 from cycloid_mj.reducer import Reducer
 
 MAX_REPAIRS = 6
-"""Most further changes that complete one: each mends a check that the change before made fail."""
+"""Largest number of further changes that complete a change."""
 
 RANKS = {Judgement.PASSED: 0, Judgement.NOT_APPLICABLE: 0, Judgement.WARNING: 1, Judgement.FAILED: 2}
 
 TWO_SIDED = "output.hole_radius_mm"
-"""The one key whose value is exact: more would be as wrong as less."""
+"""The key whose value must be exact."""
 
 TIED = {"gear.eccentricity_mm", "output.pin_radius_mm"}
-"""Keys that the hole's radius is the sum of."""
+"""Keys whose values add up to the hole's radius."""
 
 STRIDES = 0.02, 0.05, 0.1, 0.2, 0.5
 """Shares by which a value is changed further to see where a check passes."""
@@ -35,8 +35,8 @@ def with_tried_advice(reducer: Reducer, checks: Checks) -> Checks:
     """Return checks whose remedies were tried on the design.
 
     A change stays if with it the check passes and no other gets worse, of those that need no statics. It is completed
-    by what mends the checks that fail because of it, as a hole that follows the eccentricity. Where no change is left,
-    the remedy names the keys alone.
+    by changes that make the checks pass that fail because of it, such as a hole that depends on the eccentricity. If no
+    change is left, the remedy names the keys only.
 
     Parameters
     ----------
@@ -46,13 +46,16 @@ def with_tried_advice(reducer: Reducer, checks: Checks) -> Checks:
         All of its checks, or those of `soundness` alone.
     """
     before = {check.name: check for check in checks}
-    return Checks(check if check.passed else _tried(reducer, check, before) for check in checks)
+    return Checks(check if check.passed else _with_tried_remedy(reducer, check, before) for check in checks)
 
 
-def _tried(reducer: Reducer, check: Check, before: Mapping[str, Check]) -> Check:
+def _with_tried_remedy(reducer: Reducer, check: Check, before: Mapping[str, Check]) -> Check:
+    """Return a failed check with the changes that work, completed, and its remedy in words."""
     if not check.changes:
         return check
-    tried = tuple(_distinct(change for one in check.changes if (change := _completed(reducer, one, check, before))))
+    tried = tuple(
+        _distinct(change for proposed in check.changes if (change := _complete(reducer, proposed, check, before)))
+    )
     if tried == check.changes:
         return check
     keys = dict.fromkeys(key for change in check.changes for key in change)
@@ -66,6 +69,7 @@ def _tried(reducer: Reducer, check: Check, before: Mapping[str, Check]) -> Check
 
 
 def _distinct(changes: Iterable[Change]) -> Iterator[Change]:
+    """Yield changes without those that came before."""
     seen: list[Change] = []
     for change in changes:
         if change not in seen:
@@ -73,14 +77,14 @@ def _distinct(changes: Iterable[Change]) -> Iterator[Change]:
             yield change
 
 
-def _completed(reducer: Reducer, change: Change, check: Check, before: Mapping[str, Check]) -> Change | None:
+def _complete(reducer: Reducer, change: Change, check: Check, before: Mapping[str, Check]) -> Change | None:
     """Complete a change until the check passes and no other is worse than before; None if that leads nowhere."""
     done: dict[str, float] = dict(change)
     for _ in range(MAX_REPAIRS):
         after = quick_checks(reducer, done)
         if after is None:
             return None
-        worse = [one for one in after.values() if _is_worse(one, before.get(one.name), check.name)]
+        worse = [other for other in after.values() if _is_worse(other, before.get(other.name), check.name)]
         tied = after["hole_size"]
         if not worse and not tied.passed and done.keys() & TIED:
             worse = [tied]
@@ -101,7 +105,7 @@ def _is_worse(after: Check, before: Check | None, name: str) -> bool:
 
 
 def _repair(reducer: Reducer, failed: Check, done: Change) -> Change | None:
-    """Choose what mends a check after a change: more of the same, else a change of other keys."""
+    """Choose a change that makes a check pass after another: more of the same, else of other keys."""
     design = reducer.design
     for change in failed.changes:
         further = (
@@ -118,7 +122,8 @@ def _repair(reducer: Reducer, failed: Check, done: Change) -> Change | None:
 def _further(reducer: Reducer, failed: Check, done: Change) -> Change | None:
     """Change one key by more, in the same direction, until a check passes, to four digits; None if it never does."""
     ((key, value),) = done.items()
-    lower, whole = value < value_of(reducer.design, key), isinstance(value_of(reducer.design, key), int)
+    original = value_of(reducer.design, key)
+    lower, is_integer = value < original, isinstance(original, int)
 
     def passes(candidate: float) -> bool:
         after = quick_checks(reducer, {key: candidate})
@@ -126,28 +131,28 @@ def _further(reducer: Reducer, failed: Check, done: Change) -> Change | None:
 
     near = value
     for stride in STRIDES:
-        far = _rounded(value / (1.0 + stride) if lower else value * (1.0 + stride), lower, whole)
+        far = _round_beyond(value / (1.0 + stride) if lower else value * (1.0 + stride), lower, is_integer)
         if passes(far):
             break
         near = far
     else:
         return None
-    while abs(far - near) > max(FINENESS * abs(far), float(whole)):
-        middle = _rounded(0.5 * (near + far), lower, whole)
+    while abs(far - near) > max(FINENESS * abs(far), float(is_integer)):
+        middle = _round_beyond(0.5 * (near + far), lower, is_integer)
         if middle in (near, far):
             break
         near, far = (near, middle) if passes(middle) else (middle, far)
     return {key: far}
 
 
-def _rounded(value: float, lower: bool, whole: bool) -> float:
+def _round_beyond(value: float, lower: bool, is_integer: bool) -> float:
     """Round to four digits, or a whole number, away from the value of the design."""
-    step = 1.0 if whole else 10.0 ** (math.floor(math.log10(abs(value))) - 3)
-    return float(f"{(math.floor if lower else math.ceil)(value / step) * step:.10g}")
+    increment = 1.0 if is_integer else 10.0 ** (math.floor(math.log10(abs(value))) - 3)
+    return float(f"{(math.floor if lower else math.ceil)(value / increment) * increment:.10g}")
 
 
 def quick_checks(reducer: Reducer, change: Change) -> dict[str, Check] | None:
-    """Make the checks of a changed design that need no statics, by name; None if the design file allows no such one."""
+    """Return the checks of a changed design that need no statics, by name; None if the file forbids the change."""
     try:
         changed = Reducer(override(reducer.design, dict(change)))
         sound = soundness(changed)

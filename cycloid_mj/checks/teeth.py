@@ -129,6 +129,7 @@ def _socket_support(reducer: Reducer) -> Rule:
     N, c, E, rho = design.ring.teeth, design.gear.eccentricity, design.ring.pin_circle_radius, design.ring.pin_radius
 
     def remaining_angle(pin_radius: float, eccentricity: float) -> float:
+        """Compute the angle of support beyond the largest direction of the force [rad]."""
         changed = design.model_copy(
             update={
                 "ring": design.ring.model_copy(update={"pin_radius": pin_radius}),

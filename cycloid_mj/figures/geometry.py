@@ -53,6 +53,7 @@ def _figure(
     *aliases: str,
     deprecated: tuple[str, ...] = (),
 ) -> Figure:
+    """Return the row of a figure of the geometry."""
     return Figure(
         key=key,
         name=name,

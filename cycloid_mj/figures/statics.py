@@ -94,6 +94,7 @@ def _figure(
 
 
 def _motions() -> Iterator[Figure]:
+    """Yield backlash, lost motion, stiffness and compliances."""
     yield _figure(
         "motions",
         "backlash",
@@ -144,6 +145,7 @@ def _motions() -> Iterator[Figure]:
 
 
 def _errors() -> Iterator[Figure]:
+    """Yield the transmission errors."""
     for shaft in SHAFTS:
         prefix = "" if shaft == "output" else f"{shaft}_"
         for case in CASES:
@@ -193,6 +195,7 @@ def _errors() -> Iterator[Figure]:
 
 
 def _loads() -> Iterator[Figure]:
+    """Yield load shares, forces, pressures and capacities."""
     for number in range(1, MAX_DISCS + 1):
         yield _figure(
             "loads",
@@ -247,6 +250,7 @@ def _loads() -> Iterator[Figure]:
 
 
 def _losses() -> Iterator[Figure]:
+    """Yield efficiencies and losses."""
     yield _figure(
         "losses",
         "efficiency",

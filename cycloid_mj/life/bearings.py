@@ -143,7 +143,7 @@ def rate_bearings(reducer: Reducer, loadings: Sequence[Loading], peak: float) ->
     for bearing in bearings_of(reducer):
         forces = [bearing_forces(reducer, bearing.key, loading) for loading in loadings]
         turns = np.array([bearing.speed(reducer, loading.point.speed) * loading.point.share for loading in loadings])
-        yield from _rated(reducer, bearing, forces, turns, loadings, peak)
+        yield from _rate_bearing(reducer, bearing, forces, turns, loadings, peak)
 
 
 def bearing_losses(reducer: Reducer, loading: Loading) -> dict[str, float]:
@@ -238,28 +238,31 @@ def _ratings(
     )
 
 
-def _rated(
-    reducer: Reducer, rated: Bearing, forces: Sequence[Array], turns: Array, loadings: Sequence[Loading], peak: float
+def _rate_bearing(
+    reducer: Reducer, bearing: Bearing, forces: Sequence[Array], turns: Array, loadings: Sequence[Loading], peak: float
 ) -> Iterator[RatedItem]:
     """Rate one bearing, of several like ones the most loaded.
 
     `forces` (m, bearings) [N] at each point; `turns` the relative speeds there times the share of time [rad/s].
     """
-    bearing, ratings = reducer.design.bearing, rated.ratings
+    settings, ratings = reducer.design.bearing, bearing.ratings
     load = bearing_load(reducer, forces, turns, ratings.exponent)
-    life = rolling.life_hours(ratings.dynamic, load, float(turns.sum()), bearing.reliability, ratings.exponent)
+    life = rolling.life_hours(ratings.dynamic, load, float(turns.sum()), settings.reliability, ratings.exponent)
     power = "3" if ratings.exponent == rolling.BALL_EXPONENT else "(10/3)"
-    formula = f"L = a1 (C/P)^{power}, a1 {rolling.reliability_factor(bearing.reliability):.3g}, ISO 281:2007"
-    first, second = rated.joins
+    formula = f"L = a1 (C/P)^{power}, a1 {rolling.reliability_factor(settings.reliability):.3g}, ISO 281:2007"
+    first, second = bearing.joins
     note = (
-        f"{ratings.dynamic_source}, service factor {bearing.service_factor:g}; between {first} and {second}, "
+        f"{ratings.dynamic_source}, service factor {settings.service_factor:g}; between {first} and {second}, "
         f"{float(turns.sum()) / RPM:.4g} rpm mean speed"
     )
-    yield RatedItem(rated.key, f"{rated.name}, life", load, ratings.dynamic, "N", None, life, formula, note)
-    worst = max(float(force.max()) * peak / torque for force, torque in zip(forces, _torques(loadings), strict=True))
+    yield RatedItem(bearing.key, f"{bearing.name}, life", load, ratings.dynamic, "N", None, life, formula, note)
+    ratios = (
+        float(force.max()) / abs(load_case.point.torque) for force, load_case in zip(forces, loadings, strict=True)
+    )
+    worst = peak * max(ratios)
     yield RatedItem(
-        f"{rated.key}_static",
-        f"{rated.name}, static factor",
+        f"{bearing.key}_static",
+        f"{bearing.name}, static factor",
         worst,
         ratings.static,
         "N",
@@ -278,8 +281,3 @@ def bearing_load(reducer: Reducer, forces: Sequence[Array], turns: Array, expone
     """
     means = np.array([max(rolling.mean_load(column, exponent=exponent) for column in force.T) for force in forces])
     return reducer.design.bearing.service_factor * rolling.mean_load(means, turns, exponent)
-
-
-def _torques(loadings: Sequence[Loading]) -> list[float]:
-    """Return the torque of each point [N m]."""
-    return [abs(loading.point.torque) for loading in loadings]

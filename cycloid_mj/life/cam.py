@@ -26,6 +26,7 @@ def rate_cam_compliance(reducer: Reducer, duty: Duty) -> CamCompliance:
     turns = np.array([relative_speed(reducer, point.speed) * point.share for point in points])
 
     def case(name: str, stiffness: float | None, cams: list[Array]) -> CamCase:
+        """Rate the cam by its forces [N] at the points, shape (m, discs) each."""
         ratings, reliability = cam_ratings(reducer), design.bearing.reliability
         load = bearing_load(reducer, cams, turns, ratings.exponent)
         rolls, speed = design.gear.bearing == "rolling", float(turns.sum())
@@ -45,6 +46,7 @@ def rate_cam_compliance(reducer: Reducer, duty: Duty) -> CamCompliance:
     crank = design.lobes * turn_evenly(reducer, POSES)
     ideal = []
     for point in points:
-        at = {"drive": {"speed": math.copysign(point.speed, design.drive.speed)}, "load": {"torque": point.torque}}
-        ideal.append(ideal_cam(reducer.but(**at), crank))
+        speed = math.copysign(point.speed, design.drive.speed)
+        loaded = reducer.but(drive={"speed": speed}, load={"torque": point.torque})
+        ideal.append(ideal_cam(loaded, crank))
     return CamCompliance((*rows, case(IDEAL, None, ideal)))

@@ -125,10 +125,10 @@ def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) 
     """
     design = reducer.design
     life = life or design.service.life
-    whole, done = len(SPEED_SHARES) + 4, count(1)
+    total, done = len(SPEED_SHARES) + 4, count(1)
 
     def advance() -> None:
-        progress(next(done), whole)
+        progress(next(done), total)
 
     static = sheet(reducer, design.rated_torque)
     advance()

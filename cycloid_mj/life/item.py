@@ -144,14 +144,14 @@ class Rating(Presented):
     @property
     def failing(self) -> list[RatedItem]:
         """The items with a safety factor below 1 or a life below the required one; the weakest first."""
-        return self._judged(Judgement.FAILED)
+        return self._with_judgement(Judgement.FAILED)
 
     @property
     def warnings(self) -> list[RatedItem]:
         """The same for items that only warn: wear."""
-        return self._judged(Judgement.WARNING)
+        return self._with_judgement(Judgement.WARNING)
 
-    def _judged(self, judgement: Judgement) -> list[RatedItem]:
+    def _with_judgement(self, judgement: Judgement) -> list[RatedItem]:
         return [item for item in self.items.values() if item.judgement(self.life) is judgement]
 
     @property

@@ -10,7 +10,7 @@ from cycloid_mj.life.cam import rate_cam_compliance
 from cycloid_mj.life.duty import Duty, constant_duty
 from cycloid_mj.life.emergency_stop import rate_emergency_stop
 from cycloid_mj.life.heat import rate_heat
-from cycloid_mj.life.item import Rating
+from cycloid_mj.life.item import RatedItem, Rating
 from cycloid_mj.life.loading import POSES, solve_loading
 from cycloid_mj.life.ranges import StressRange
 from cycloid_mj.life.strength import rate_strength
@@ -63,7 +63,19 @@ def rate(
     design = resolve(design)
     reducer = Reducer(design)
     life = life or design.service.life
-    duty = duty or constant_duty(reducer.design.rated_torque, reducer.design.drive.speed)
+    duty = duty or constant_duty(design.rated_torque, design.drive.speed)
+    items, work = _rated_items(reducer, duty, ranges, poses, stops)
+    ordered = sorted(items, key=lambda item: item.margin(life))
+    spread = rate_cam_compliance(reducer, duty) if compliance else None
+    assumptions = *_assumptions(reducer, duty), *([spread.words] if spread else [])
+    by_key = {item.key: item for item in ordered}
+    return Rating(design.name, duty.words, life, by_key, assumptions, spread, work)
+
+
+def _rated_items(
+    reducer: Reducer, duty: Duty, ranges: dict[str, StressRange] | None, poses: int, stops: bool
+) -> tuple[list[RatedItem], float]:
+    """Return the items of a rating, and the largest numerical work of a point of the duty."""
     turning = [point for point in duty.points if point.speed]
     if not turning:
         raise DesignError("drive.speed_rpm is 0, but a life needs a crank that turns: set another speed, such as 1640")
@@ -77,11 +89,7 @@ def rate(
         *rate_heat(reducer, loadings),
         *(rate_emergency_stop(reducer, duty.peak, worst) if stops else ()),
     ]
-    ordered = sorted(items, key=lambda item: item.margin(life))
-    spread = rate_cam_compliance(reducer, duty) if compliance else None
-    assumptions = *_assumptions(reducer, duty), *([spread.words] if spread else [])
-    by_key, work = {item.key: item for item in ordered}, max(loading.work for loading in loadings)
-    return Rating(reducer.design.name, duty.words, life, by_key, assumptions, spread, work)
+    return items, max(loading.work for loading in loadings)
 
 
 @once

@@ -240,8 +240,8 @@ def _sliding(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[s
         force = magnitudes(cam)
         speed = np.full_like(force, design.gear.bore_radius * relative_speed(reducer, design.drive.speed))
         around = 2.0 * math.pi * design.gear.bore_radius * discs
-        at = np.arctan2(cam[..., 1], cam[..., 0]) + springs.crank[:, np.newaxis] / design.lobes
-        density = _largest_density(force * speed, at, _equal_sectors(around))
+        angle = np.arctan2(cam[..., 1], cam[..., 0]) + springs.crank[:, np.newaxis] / design.lobes
+        density = _largest_density(force * speed, angle, _equal_sectors(around))
         sliding["cam"] = _sliding_of(reducer, "cam", force, speed, design.gear.bore_radius, density)
     return sliding
 

@@ -79,7 +79,7 @@ def rated_torque(
             high = torque
         if weakest and (high < low * (1.0 + exact) or low > MAX_TORQUE * design.rated_torque):
             return low, weakest
-        torque = limit if low < limit < high else _bracketed(low, high)
+        torque = limit if low < limit < high else _next_in_bracket(low, high)
     raise DesignError(
         f"{design.name}: no torque down to {torque:.3g} N m is rated for {life:g} h at {speed / RPM:.4g} rpm; "
         "`cycloid-mj rate` shows what fails"
@@ -103,7 +103,7 @@ def _torque_by_law(
     return weakest_torque((item for item in items if decides(item.key)), torque, life)
 
 
-def _bracketed(low: float, high: float) -> float:
+def _next_in_bracket(low: float, high: float) -> float:
     """Return the next torque within a bracket, whose lower end may be 0 and upper end infinite."""
     if not low:
         return high / BRACKET_FACTOR

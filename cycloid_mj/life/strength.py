@@ -41,7 +41,7 @@ def rate_strength(
     torque = abs(worst.point.torque)
     studied = {part: known for part, known in (ranges or {}).items() if family(part) in STUDIED}
     for part, stress_range in studied.items():
-        yield _studied(reducer, part, stress_range, torque)
+        yield _study_item(reducer, part, stress_range, torque)
     for wall in walls(reducer):
         if HOLED[wall.part] not in map(family, studied):
             yield _wall(reducer, wall, worst)
@@ -126,7 +126,7 @@ def _shoulder(reducer: Reducer, worst: Loading) -> RatedItem:
     return min(rated, key=lambda pair: pair[0])[1]
 
 
-def _studied(reducer: Reducer, part: str, stress_range: StressRange, torque: float) -> RatedItem:
+def _study_item(reducer: Reducer, part: str, stress_range: StressRange, torque: float) -> RatedItem:
     """Rate a part by the stress range at its worst node over a turn, from a finite-element study."""
     material = reducer.design.material_of(PART_OF[family(part)])
     scale = torque / stress_range.load
