@@ -29,7 +29,7 @@ from pathlib import Path
 from resource import RUSAGE_CHILDREN, getrusage
 from typing import Any
 
-from cycloid_mj.base.atomic_write import write_whole
+from cycloid_mj.base.atomic_write import write_files
 from cycloid_mj.reducer import Reducer
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -419,7 +419,7 @@ def write(name: str, artefact: Artefact) -> None:
     for command in artefact.last:
         subprocess.run([word.format(scratch, **places) for word in command], cwd=ROOT, check=True)
     kept = {**stamps(), name: stamp(artefact)}
-    write_whole({STAMPS: (json.dumps(dict(sorted(kept.items())), indent=1) + "\n").encode()})
+    write_files({STAMPS: (json.dumps(dict(sorted(kept.items())), indent=1) + "\n").encode()})
     shutil.rmtree(scratch)
 
 

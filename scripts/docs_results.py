@@ -16,7 +16,7 @@ from typing import Any
 from docs_page import DATA, DOCS, markdown_table, replace_sections
 from picture import keep_small
 
-from cycloid_mj.base.atomic_write import write_whole
+from cycloid_mj.base.atomic_write import write_files
 
 PAGE, PICTURES = DOCS / "paper.md", DOCS / "paper"
 SCRIPT = "scripts/docs_results.py"
@@ -209,7 +209,7 @@ def main(arguments: Sequence[str]) -> int:
     content, hypothesis = (json.loads(path.read_text(encoding="utf-8")) for path in (KEPT, AUTHORS))
     page = replace_sections(PAGE.read_text(encoding="utf-8"), sections(content), SCRIPT)
     texts = {PAGE: page, CLAIMS: claims_csv(content), HYPOTHESIS: hypothesis_csv(hypothesis)}
-    write_whole({path: text.encode() for path, text in texts.items()})
+    write_files({path: text.encode() for path, text in texts.items()})
     return 0
 
 

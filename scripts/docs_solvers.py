@@ -22,7 +22,7 @@ import numpy as np
 from docs_page import DATA, DOCS, markdown_table, replace_sections
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.atomic_write import write_whole
+from cycloid_mj.base.atomic_write import write_files
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.mjcf import build
@@ -175,7 +175,7 @@ def write_rows(rows: Iterable[Row]) -> None:
     writer = csv.DictWriter(text, COLUMNS, restval="", lineterminator="\n")
     writer.writeheader()
     writer.writerows(rows)
-    write_whole({KEPT: text.getvalue().encode()})
+    write_files({KEPT: text.getvalue().encode()})
 
 
 def run_layouts(chosen: Sequence[str]) -> None:
@@ -199,7 +199,7 @@ def main() -> None:
         warnings.simplefilter("ignore")
         run_layouts(chosen or list(LAYOUTS))
     text = replace_sections(PAGE.read_text(encoding="utf-8"), {"summary": summary(read_rows())}, SCRIPT)
-    write_whole({PAGE: text.encode()})
+    write_files({PAGE: text.encode()})
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ from typing import Any
 
 from cycloid_mj.app.jobs import Download
 from cycloid_mj.app.state import design_of
-from cycloid_mj.base.atomic_write import zipped
+from cycloid_mj.base.atomic_write import zip_files
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.result import plain
 from cycloid_mj.design import Design, dump
@@ -122,4 +122,4 @@ def run(on_progress: Progress, values: Any) -> Download:
 
 def _zip(name: str, files: Mapping[str, bytes]) -> dict[str, bytes]:
     """Return a zip file with a folder of files, by the name of the zip file."""
-    return {f"{name}.zip": zipped({f"{name}/{file}": content for file, content in sorted(files.items())})}
+    return {f"{name}.zip": zip_files({f"{name}/{file}": content for file, content in sorted(files.items())})}

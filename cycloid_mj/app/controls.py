@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, get_args
 
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.design import Design, declared, value_of
+from cycloid_mj.design import Design, declaration_of, value_of
 from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.design.units import file_key, unit_of
 
@@ -150,7 +150,7 @@ def key_in_words(key: str) -> str:
     if word != key:
         return f"{word[:1].lower()}{word[1:]}"
     try:
-        unit = unit_of(declared(key)).suffix
+        unit = unit_of(declaration_of(key)).suffix
     except UsageError:
         return key
     table, _, name = key.partition(".")
@@ -175,7 +175,7 @@ def value_in_words(key: str, value: Any) -> str:
         return str(options[value])
     if not isinstance(value, int | float):
         return str(value).replace("_", " ")
-    unit = unit_of(declared(key)).suffix
+    unit = unit_of(declaration_of(key)).suffix
     return f"{value:.6g} {SYMBOLS.get(unit, unit)}".rstrip()
 
 

@@ -9,20 +9,20 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from cycloid_mj.base.errors import CycloidError, UsageError, reason
-from cycloid_mj.base.interrupt import unbroken
-from cycloid_mj.base.overwrite_guard import LOG, as_own, require_replaceable
+from cycloid_mj.base.interrupt import defer_signals
+from cycloid_mj.base.overwrite_guard import LOG, note_output, require_replaceable
 
 EPOCH = (1980, 1, 1, 0, 0, 0)
 """Time of all files in a package."""
 
 
-def storable(text: str) -> str:
+def encodable_text(text: str) -> str:
     """Return text that UTF-8 can hold: odd bytes of a command line come as lone surrogates."""
     return text.encode("utf-8", "backslashreplace").decode("utf-8")
 
 
 @contextmanager
-def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
+def atomic_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Yield the name of a new hidden file beside `path`, which takes its place when the block ends without an error.
 
     Raises
@@ -30,12 +30,12 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     CycloidError
         It cannot be written; a file that was there before is as it was.
     """
-    with whole_files([path]) as (beside,):
+    with atomic_files([path]) as (beside,):
         yield beside
 
 
 @contextmanager
-def whole_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]]:
+def atomic_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]]:
     """Yield new hidden files beside `paths`, which take their places together when the block ends without an error.
 
     Files that belong together, such as the parts of a model, are never left as a mixture of old and new ones. A
@@ -55,26 +55,26 @@ def whole_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]]
     try:
         for at in map(Path, paths):
             target = Path(os.path.realpath(at))
-            with unbroken():
-                beside.append((_claimed(target, at), target))
+            with defer_signals():
+                beside.append((_create_hidden_file(target, at), target))
         at = at if len(beside) == 1 else at.parent
         yield [hidden for hidden, _ in beside]
-        with unbroken():
+        with defer_signals():
             for hidden, target in beside:
                 os.replace(hidden, target)
-                as_own(target)
+                note_output(target)
     except OSError as problem:
         raise CycloidError(
             f"cannot write {at}: {reason(problem)}; choose a file in a folder that exists, is writable and has space"
         ) from problem
     finally:
-        with unbroken():
+        with defer_signals():
             for hidden, _ in beside:
                 with suppress(OSError):
                     hidden.unlink()
 
 
-def write_whole(files: Mapping[Path, bytes]) -> None:
+def write_files(files: Mapping[Path, bytes]) -> None:
     """Write files that belong together, all of them or none, replacing those of the same names.
 
     Raises
@@ -82,30 +82,30 @@ def write_whole(files: Mapping[Path, bytes]) -> None:
     CycloidError
         One of them cannot be written.
     """
-    with whole_files(list(files)) as beside:
+    with atomic_files(list(files)) as beside:
         for hidden, content in zip(beside, files.values(), strict=True):
             hidden.write_bytes(content)
 
 
-def hidden_beside(path: Path) -> Path:
+def hidden_path(path: Path) -> Path:
     """Return a hidden name in the folder of `path`, with its ending, that no file has."""
     # not the process's number: in containers the next process has the same one, and a killed one's file may be there
     return path.with_name(f".{path.stem}.{secrets.token_hex(4)}.new{path.suffix}")
 
 
-def _claimed(path: Path, called: Path) -> Path:
+def _create_hidden_file(path: Path, called: Path) -> Path:
     """Make a hidden file beside `path`, which the user calls otherwise."""
     if path.suffix.lower() == LOG:
         raise UsageError(f"cannot write {called}: the ending {LOG} is reserved for logs; choose another ending")
     require_replaceable(called)
     if path.exists() and not path.is_file():
         raise CycloidError(f"cannot write {called}: it is not a regular file; choose the name of a file")
-    hidden = hidden_beside(path)
+    hidden = hidden_path(path)
     with hidden.open("xb"):
         return hidden
 
 
-def zipped(files: Mapping[str, bytes]) -> bytes:
+def zip_files(files: Mapping[str, bytes]) -> bytes:
     """Pack files by name, in their order; the same files always give the same bytes."""
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w") as package:

@@ -14,7 +14,7 @@ from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 
 from cycloid_mj.base.compile_cache import SealedCache, folder, say_compiling
-from cycloid_mj.base.interrupt import unbroken
+from cycloid_mj.base.interrupt import defer_signals
 
 Function = Callable[..., Any]
 
@@ -73,13 +73,13 @@ class _NoEnvironment:
 
 
 def cfunc(signature: Any, *, cache: bool = False) -> Callable[[Function], Any]:
-    """Compile a function that C can call, as ``numba.cfunc`` does, `announced`; kept in a `SealedCache` if asked."""
+    """Compile a function that C can call, as ``numba.cfunc`` does; `cache` keeps it in a `SealedCache`."""
 
     def compiled(function: Function) -> Any:
         compiled_function: Any = CFunc(function, sigutils.normalize_signature(signature), locals={}, options={})
         if cache:
             compiled_function._cache = SealedCache(function)
-        with announced():
+        with announce_compilation():
             compiled_function.compile()
         return compiled_function
 
@@ -100,12 +100,12 @@ def digest(*modules: ModuleType) -> int:
 
 
 @contextmanager
-def announced() -> Iterator[None]:
+def announce_compilation() -> Iterator[None]:
     """Log once (level info) that code is being compiled, if it is in this block, and not loaded from the cache.
 
     Signals that end the program wait until the block is done: raised within LLVM, they would be lost.
     """
-    with unbroken(), event.install_listener("numba:compile", _Announcer()):
+    with defer_signals(), event.install_listener("numba:compile", _Announcer()):
         yield
 
 

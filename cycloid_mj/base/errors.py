@@ -77,21 +77,21 @@ class CycloidWarning(UserWarning):
     """A run goes through, but its figures are not, or not all, those of its design."""
 
 
-_told_elsewhere: ContextVar[Collection[str]] = ContextVar("told_elsewhere", default=())
+_suppressed: ContextVar[Collection[str]] = ContextVar("suppressed", default=())
 
 
 @contextmanager
-def told_elsewhere(texts: Collection[str]) -> Iterator[None]:
+def suppress_warnings(texts: Collection[str]) -> Iterator[None]:
     """Issue none of these warnings inside this ``with`` block, in this thread: who wrote it tells of them."""
-    token = _told_elsewhere.set(texts)
+    token = _suppressed.set(texts)
     try:
         yield
     finally:
-        _told_elsewhere.reset(token)
+        _suppressed.reset(token)
 
 
 def warn(design: str, texts: Iterable[str]) -> None:
-    """Issue warnings about a design of some name, but those that are `told_elsewhere`."""
+    """Issue warnings about a design of some name, but those that are `suppress_warnings`."""
     for text in texts:
-        if text not in _told_elsewhere.get():
+        if text not in _suppressed.get():
             warnings.warn(legible(f"{design}: {text}"), CycloidWarning, stacklevel=3)

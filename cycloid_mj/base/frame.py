@@ -22,7 +22,7 @@ from typing import Any, TextIO
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.base.atomic_write import whole_file
+from cycloid_mj.base.atomic_write import atomic_file
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.notebook_display import Presented
 
@@ -112,7 +112,7 @@ def write_csv(frame: Frame, path: str | os.PathLike[str]) -> None:
     CycloidError
         The file cannot be written; one that was there before is as it was.
     """
-    with whole_file(path) as beside, beside.open("w", encoding="utf-8", newline="") as stream:
+    with atomic_file(path) as beside, beside.open("w", encoding="utf-8", newline="") as stream:
         _write_rows(frame, stream)
 
 
@@ -148,14 +148,14 @@ def write_parquet(
     """
     duckdb = _duckdb("Parquet", "write CSV", error)
     pairs = {"units": dict(frame.units), **metadata}
-    entries = ", ".join(f"{key}: {_quoted(json.dumps(value))}" for key, value in pairs.items())
+    entries = ", ".join(f"{key}: {_quote(json.dumps(value))}" for key, value in pairs.items())
     options = f"FORMAT parquet, COMPRESSION zstd, KV_METADATA {{{entries}}}"
-    with whole_file(path) as beside, duckdb.connect() as database, TemporaryDirectory() as elsewhere:
+    with atomic_file(path) as beside, duckdb.connect() as database, TemporaryDirectory() as elsewhere:
         database.register("frame", dict(frame.columns))
         # DuckDB takes names in UTF-8 alone
         at = beside if str(beside).isprintable() else Path(elsewhere) / "frame.parquet"
         try:
-            database.execute(f"COPY (SELECT * FROM frame) TO {_quoted(str(at))} ({options})")
+            database.execute(f"COPY (SELECT * FROM frame) TO {_quote(str(at))} ({options})")
         except duckdb.Error as problem:
             raise error(f"cannot write {path}: {problem}; choose another file") from problem
         if at != beside:
@@ -169,6 +169,6 @@ def _duckdb(what: str, instead: str, error: Callable[[str], CycloidError] = Cycl
         raise error(f"{what} needs DuckDB ({problem}): pip install 'cycloid-mj[parquet]', or {instead}") from problem
 
 
-def _quoted(text: str) -> str:
+def _quote(text: str) -> str:
     """Quote text as SQL does."""
     return "'" + text.replace("'", "''") + "'"

@@ -22,7 +22,7 @@ class Stopped(KeyboardInterrupt):
     """A signal other than Ctrl-C asked the program to end; the text is its name, such as "SIGTERM"."""
 
 
-def cause(stop: KeyboardInterrupt) -> str:
+def signal_name(stop: KeyboardInterrupt) -> str:
     """Return what stopped the program, for a message "stopped by ..."."""
     return str(stop) or "Ctrl-C"
 
@@ -72,7 +72,7 @@ def signals_kept() -> Iterator[None]:
 
 
 @contextmanager
-def unbroken() -> Iterator[None]:
+def defer_signals() -> Iterator[None]:
     """Hold Ctrl-C, SIGTERM and SIGHUP back until the block is done: a sample cut in two would spoil a log.
 
     The first one held back is raised anew after the block, for whoever handled it before.
@@ -95,8 +95,8 @@ def unbroken() -> Iterator[None]:
 
 
 @contextmanager
-def stopped_by(event: threading.Event) -> Iterator[None]:
-    """Let `give_way` raise in this block, in the thread that runs it, once the event is set."""
+def interrupt_on_event(event: threading.Event) -> Iterator[None]:
+    """Let `check_interrupt` raise in this block, in the thread that runs it, once the event is set."""
     token = _to_stop.set(event)
     try:
         yield
@@ -104,7 +104,7 @@ def stopped_by(event: threading.Event) -> Iterator[None]:
         _to_stop.reset(token)
 
 
-def give_way() -> None:
+def check_interrupt() -> None:
     """Raise KeyboardInterrupt where this thread does a piece of work that is to stop; long work calls it now and then.
 
     An exception that another thread raises in this one, at any place, can leave a lock taken for good.

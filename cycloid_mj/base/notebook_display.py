@@ -9,7 +9,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from cycloid_mj.base.errors import CycloidError
-from cycloid_mj.base.registry import provided
+from cycloid_mj.base.registry import get_provider
 
 if TYPE_CHECKING:
     from cycloid_mj.base.frame import Frame
@@ -29,7 +29,7 @@ class Drawn:
         UsageError
             The result has nothing to draw, or no figure of that name.
         """
-        return provided("draw_result")(self, name)
+        return get_provider("draw_result")(self, name)
 
 
 class Presented(Drawn):

@@ -77,7 +77,7 @@ _command: ContextVar[_Command | None] = ContextVar("command", default=None)
 
 
 @contextmanager
-def one_command() -> Iterator[None]:
+def command_scope() -> Iterator[None]:
     """Apply the rule inside this block; at its end, remove the folders that the command made and left empty."""
     command = _Command()
     token = _command.set(command)
@@ -115,7 +115,7 @@ def remove_empty(folders: Iterable[Path]) -> None:
             folder.rmdir()
 
 
-def as_input(path: Path) -> Path:
+def note_input(path: Path) -> Path:
     """Note that the command reads a file, and so never writes it; return the path."""
     if (command := _command.get()) is not None:
         with suppress(OSError, ValueError):
@@ -123,7 +123,7 @@ def as_input(path: Path) -> Path:
     return path
 
 
-def as_own(path: Path) -> None:
+def note_output(path: Path) -> None:
     """Note that a file, or all of a folder, is the command's own, of this call or of an earlier one."""
     if (command := _command.get()) is not None:
         command.replaceable.add(_real(path))
@@ -157,7 +157,7 @@ def require_replaceable(path: Path) -> None:
     real = _real(path)
     if command.replaceable.isdisjoint((real, *real.parents)):
         raise TakenError(
-            f"{path} already exists ({standing(path)}): choose another name (--out), or overwrite it with --force"
+            f"{path} already exists ({describe_file(path)}): choose another name (--out), or overwrite it with --force"
         )
     _require_own_kind(path)
 
@@ -171,7 +171,7 @@ def require_ending(path: Path, ending: str) -> None:
         )
 
 
-def standing(path: Path) -> str:
+def describe_file(path: Path) -> str:
     """Tell what a file is, what it is about where its head says so, and its time of change."""
     head = _head(path)
     own = _own_kind(path)

@@ -86,8 +86,8 @@ class Run(Presented):
     topics: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        columns = {name: _locked(values) for name, values in self.columns.items()}
-        object.__setattr__(self, "time", _locked(self.time))
+        columns = {name: _lock_array(values) for name, values in self.columns.items()}
+        object.__setattr__(self, "time", _lock_array(self.time))
         object.__setattr__(self, "columns", MappingProxyType(columns))
         for name in ("units", "provenance", "attachments"):
             value = getattr(self, name)
@@ -113,7 +113,7 @@ class Run(Presented):
     def __getitem__(self, name: str) -> Array:
         """Return the column `name`, shape (n,); raise LogError if there is none."""
         if name not in self.columns:
-            raise LogError(_unknown(name, list(self.columns)))
+            raise LogError(_unknown_column(name, list(self.columns)))
         return self.columns[name]
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -208,7 +208,7 @@ def usable(values: Array) -> Array:
     return values if sound.all() else np.where(sound, values, np.nan)
 
 
-def _locked(values: npt.ArrayLike) -> Array:
+def _lock_array(values: npt.ArrayLike) -> Array:
     array = np.asarray(values, dtype=np.float64)
     return own(array.copy()) if array.flags.writeable or array.base is not None else array
 
@@ -243,7 +243,7 @@ def _check_columns(samples: int, columns: Mapping[str, Array], units: Mapping[st
         if name not in units:
             raise LogError(f"column {name!r} has no unit: add it to units ('1' for a plain number)")
     if surplus := [name for name in units if name not in columns]:
-        raise LogError(f"units has {surplus[0]!r}, which is no column: {_unknown(surplus[0], list(columns))}")
+        raise LogError(f"units has {surplus[0]!r}, which is no column: {_unknown_column(surplus[0], list(columns))}")
 
 
 def _topics(topics: Mapping[str, Sequence[str]], columns: Mapping[str, Array]) -> dict[str, tuple[str, ...]]:
@@ -251,7 +251,7 @@ def _topics(topics: Mapping[str, Sequence[str]], columns: Mapping[str, Array]) -
     names_by_topic = {topic: tuple(names) for topic, names in topics.items()}
     listed = [name for names in names_by_topic.values() for name in names]
     if unknown := [name for name in listed if name not in columns]:
-        raise LogError(f"topics has {unknown[0]!r}, which is no column: {_unknown(unknown[0], list(columns))}")
+        raise LogError(f"topics has {unknown[0]!r}, which is no column: {_unknown_column(unknown[0], list(columns))}")
     if len(set(listed)) < len(listed):
         twice = next(name for name in listed if listed.count(name) > 1)
         raise LogError(f"topics has column {twice!r} twice: give it one topic")
@@ -261,7 +261,7 @@ def _topics(topics: Mapping[str, Sequence[str]], columns: Mapping[str, Array]) -
     return names_by_topic
 
 
-def _unknown(name: str, names: list[str]) -> str:
+def _unknown_column(name: str, names: list[str]) -> str:
     nearest = get_close_matches(name, names, n=3) or names[:3]
     listed = ", ".join(nearest) if nearest else "none, the run has no columns"
     return f"no column {name!r} in this run of {len(names)}; nearest: {listed}"

@@ -14,7 +14,7 @@ def register(**providers: str) -> None:
     _providers.update(providers)
 
 
-def provided(name: str) -> Any:
+def get_provider(name: str) -> Any:
     """Return what is registered under a name.
 
     Raises

@@ -11,7 +11,7 @@ from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.base.errors import UsageError, reason
 from cycloid_mj.base.frame import Frame
 from cycloid_mj.base.notebook_display import Presented
-from cycloid_mj.base.overwrite_guard import as_input
+from cycloid_mj.base.overwrite_guard import note_input
 from cycloid_mj.base.units import DEGREE
 
 TORQUE, DEFLECTION = COLUMNS = ("torque_output_Nm", "deflection_deg")
@@ -159,7 +159,7 @@ def read_columns(path: Path, names: tuple[str, ...], content: str) -> dict[str, 
     """
     form = f"{content} needs the columns {','.join(names)}, separated by commas"
     try:
-        lines = as_input(path).read_text(encoding="utf-8-sig").splitlines()
+        lines = note_input(path).read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise UsageError(f"cannot read {path}: {reason(error)}; {form}") from error
     numbered = [(number, line) for number, line in enumerate(lines, 1) if line.strip(" \t#")]

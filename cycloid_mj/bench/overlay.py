@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 
 from cycloid_mj.base.array import Array, Mask
-from cycloid_mj.base.compiling import announced, njit
+from cycloid_mj.base.compiling import announce_compilation, njit
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.parameters import Model, Parameter
 from cycloid_mj.statics.friction_path import Held, course_along
@@ -89,7 +89,7 @@ def distances(loop: MeasuredLoop, branches: Branches, torque: float, deflection:
     ranges = float(np.ptp(loop.torque)), loop.height
     distance = np.zeros(len(loop.torque))
     points = loop.torque / ranges[0], loop.deflection / ranges[1]
-    with announced():
+    with announce_compilation():
         for number, (loads, turns) in enumerate(branches):
             line = (loads + torque) / ranges[0], (turns + deflection) / ranges[1]
             _fill_distances(points, loop.branch == number, line, distance)

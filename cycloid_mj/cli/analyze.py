@@ -10,7 +10,7 @@ from cycloid_mj.base.errors import warn
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.result import Table
-from cycloid_mj.cli.delivery import claimed, deliver
+from cycloid_mj.cli.delivery import claim_destination, deliver
 from cycloid_mj.cli.flags import DELIVERY, FLAT, Delivery, PointFlag, point
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def analyze(log: LogName, /, *, q: PointFlag = None, delivery: Annotated[Deliver
     from cycloid_mj.analysis import analyze as judged
     from cycloid_mj.log import read
 
-    point_q, place = point(q), claimed(delivery, f"{Path(log).stem}-analysis")
+    point_q, place = point(q), claim_destination(delivery, f"{Path(log).stem}-analysis")
     run = read(log)
     findings = judged(run, point_q, log=log)
     if not run.complete:

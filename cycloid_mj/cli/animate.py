@@ -7,7 +7,7 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.overwrite_guard import claim
 from cycloid_mj.cli.analyze import LogName
-from cycloid_mj.cli.delivery import claimed_page, deliver_files
+from cycloid_mj.cli.delivery import claim_page, deliver_files
 from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, whole, within
 
 EXAMPLES = """Examples:
@@ -94,6 +94,6 @@ def animate(
 
     scene = take(read(log), magnify, frames, turns, disc - 1)
     claim(Path(out), force=delivery.force)
-    page = claimed_page(delivery, f"{Path(out).stem}-film")
+    page = claim_page(delivery, f"{Path(out).stem}-film")
     write_movie(film(scene, width), out, fps)
     return deliver_files(f"film: {log}", [out], page, delivery)

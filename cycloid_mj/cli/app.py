@@ -14,14 +14,14 @@ from cyclopts import App, CoercionError, CycloptsError, Group
 
 from cycloid_mj.base.engine import at_most
 from cycloid_mj.base.errors import CycloidError, UsageError, reason, warn
-from cycloid_mj.base.interrupt import cause, exit_code
-from cycloid_mj.base.overwrite_guard import one_command
+from cycloid_mj.base.interrupt import exit_code, signal_name
+from cycloid_mj.base.overwrite_guard import command_scope
 from cycloid_mj.base.version import __version__
 from cycloid_mj.cli import page
 from cycloid_mj.cli.completion import CompletingApp
 from cycloid_mj.cli.contents import GROUPS, HERE, PAPER_AND_LOG
 from cycloid_mj.cli.terminal import log_to_stderr, tell, tell_error, warnings_kept
-from cycloid_mj.cli.validation_errors import sentence, with_known_case
+from cycloid_mj.cli.validation_errors import describe_error, with_known_case
 
 if TYPE_CHECKING:
     from cycloid_mj.papers import Paper
@@ -58,32 +58,32 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     A mistake of the user's never raises: it is told in one line on stderr.
     """
-    words = _unfolded([_renamed(word) for word in (sys.argv[1:] if argv is None else argv)])
+    words = _expand_folded_command([_rename_flag(word) for word in (sys.argv[1:] if argv is None else argv)])
     try:
         quiet = "--quiet" in words
-        with one_command(), warnings_kept(None if quiet else tell), log_to_stderr(quiet):
+        with command_scope(), warnings_kept(None if quiet else tell), log_to_stderr(quiet):
             app = application(words[:1])
             if group := _group_alone(app, words):
                 app.help_print(words, console=page.console(stderr=True))
                 raise UsageError(f"{group} needs a command: {', '.join(page.commands(app[group])) or 'none is there'}")
-            command, bound = parsed(app, words)
+            command, bound = parse(app, words)
             with at_most(_workers(bound)):
                 code = command(*bound.args, **bound.kwargs)
         sys.stdout.flush()
         return code or 0
     except CycloptsError as error:
-        return _failed(sentence(error), UsageError.exit_code)
+        return _report_failure(describe_error(error), UsageError.exit_code)
     except CycloidError as error:
         with suppress(OSError):
             tell_error(error)
         return exit_code(error.__cause__) if isinstance(error.__cause__, KeyboardInterrupt) else error.exit_code
     except KeyboardInterrupt as stop:
-        return _failed(f"stopped by {cause(stop)}", exit_code(stop))
+        return _report_failure(f"stopped by {signal_name(stop)}", exit_code(stop))
     except BrokenPipeError:
         return FAILURE
     except OSError as error:
         file = f" {error.filename}" if error.filename else ""
-        return _failed(f"cannot read or write{file}: {reason(error)}", FAILURE)
+        return _report_failure(f"cannot read or write{file}: {reason(error)}", FAILURE)
     except SystemExit as stop:
         # rich ends the program itself when a help page meets a closed pipe
         return stop.code if isinstance(stop.code, int) else FAILURE
@@ -140,10 +140,10 @@ def _add_papers(app: App, group: Group, wanted: bool) -> None:
             several.command(paper.command, name=paper.key, help_epilogue=paper.examples)
         app.command(several)
     if wanted:
-        page.flowing(app[REPRODUCE])
+        page.flow_help(app[REPRODUCE])
 
 
-def parsed(app: App, words: list[str]) -> tuple[Callable[..., int], BoundArguments]:
+def parse(app: App, words: list[str]) -> tuple[Callable[..., int], BoundArguments]:
     """Parse a command line; a word of a fixed set, such as a solver's name, may be in capital or small letters."""
     while True:
         try:
@@ -161,7 +161,7 @@ def _has_command(paper: "Paper") -> bool:
     trial = App()
     try:
         trial.command(paper.command, name=REPRODUCE, help_epilogue=paper.examples)
-        page.flowing(trial[REPRODUCE]).assemble_argument_collection()
+        page.flow_help(trial[REPRODUCE]).assemble_argument_collection()
     except Exception as problem:
         warn(
             f"paper {paper.key}",
@@ -171,7 +171,7 @@ def _has_command(paper: "Paper") -> bool:
     return True
 
 
-def _unfolded(words: list[str]) -> list[str]:
+def _expand_folded_command(words: list[str]) -> list[str]:
     """Return a command line with the group before a command that was called without it."""
     if not words or (group := FOLDED.get(words[0])) is None:
         return words
@@ -179,7 +179,7 @@ def _unfolded(words: list[str]) -> list[str]:
     return [*group, *words[1:]]
 
 
-def _renamed(word: str) -> str:
+def _rename_flag(word: str) -> str:
     """Return a word of the command line with the present name of a flag that was called otherwise."""
     flag, equals, value = word.partition("=")
     if (name := RENAMED.get(flag)) is None:
@@ -199,7 +199,7 @@ def _group_alone(app: App, words: Sequence[str]) -> str:
     return chain[-1] if chain and not rest and apps[-1].default_command is None else ""
 
 
-def _failed(message: str, code: int) -> int:
+def _report_failure(message: str, code: int) -> int:
     with suppress(OSError):
         tell(f"error: {message}")
     return code

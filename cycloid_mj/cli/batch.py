@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from cycloid_mj.base.engine import Engine
 from cycloid_mj.base.errors import RunError
-from cycloid_mj.base.interrupt import Stopped, cause
+from cycloid_mj.base.interrupt import Stopped, signal_name
 from cycloid_mj.cli.progress import Progress
 from cycloid_mj.cli.simulate import run_into_log
 from cycloid_mj.design import Design
@@ -53,8 +53,8 @@ def run_all(
             if failed is not None:
                 failed.result()
         except KeyboardInterrupt as stop:
-            whole.stop(cause(stop))
-            raise RunError(_stopped(jobs, stop)) from stop
+            whole.stop(signal_name(stop))
+            raise RunError(_stop_message(jobs, stop)) from stop
         finally:
             whole.stop("the failure of another run")
             pool.shutdown(wait=False, cancel_futures=True)
@@ -93,6 +93,6 @@ class _Part(Progress):
         self._before = simulated
 
 
-def _stopped(jobs: Mapping[Design, Path], stop: KeyboardInterrupt) -> str:
+def _stop_message(jobs: Mapping[Design, Path], stop: KeyboardInterrupt) -> str:
     folder = next(iter(jobs.values())).parent
-    return f"stopped by {cause(stop)}; the logs of the finished part are in {folder}"
+    return f"stopped by {signal_name(stop)}; the logs of the finished part are in {folder}"

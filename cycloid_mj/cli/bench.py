@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
-from cycloid_mj.base.atomic_write import storable
+from cycloid_mj.base.atomic_write import encodable_text
 from cycloid_mj.base.errors import CycloidError, RunError, UsageError
-from cycloid_mj.base.interrupt import cause
+from cycloid_mj.base.interrupt import signal_name
 from cycloid_mj.base.outcome import MOST_FIGURES, Outcome
-from cycloid_mj.cli.delivery import Destination, claimed, deliver, write
+from cycloid_mj.cli.delivery import Destination, claim_destination, deliver, write
 from cycloid_mj.cli.flags import FLAT, Delivery, DesignOptions, DesignValue, out_flag
 from cycloid_mj.reducer import Reducer
 
@@ -134,7 +134,7 @@ def calibrate(
     from cycloid_mj.bench import compare_losses, read_loop
     from cycloid_mj.bench.calibration import CalibrationStopped, calibrated_name
     from cycloid_mj.bench.parameters import DEFAULT, parameters
-    from cycloid_mj.cli.progress import counted
+    from cycloid_mj.cli.progress import count_progress
 
     if not math.isfinite(crank_deg):
         raise UsageError(
@@ -151,45 +151,45 @@ def calibrate(
     design = chosen.sound()
     parameters(Reducer(design), keys, loops)  # refuses a wrong one
     name = calibrated_name(Reducer(design))
-    place = claimed(delivery, name, [f"{name}{rest}" for rest in FILES], OUT, paged=True)
+    place = claim_destination(delivery, name, [f"{name}{rest}" for rest in FILES], OUT, paged=True)
     silent = replace(delivery, quiet=True)
     try:
         calibration = calibrated(
-            design, loops, keys, held, math.radians(crank_deg), counted("calibrate", delivery.quiet)
+            design, loops, keys, held, math.radians(crank_deg), count_progress("calibrate", delivery.quiet)
         )
     except CalibrationStopped as stop:
-        write(_calibrated(stop.calibration, place), place, silent)
-        raise RunError(f"stopped by {cause(stop)}; the fit at that time is in {place.folder}") from stop
+        write(_calibration_outcome(stop.calibration, place), place, silent)
+        raise RunError(f"stopped by {signal_name(stop)}; the fit at that time is in {place.folder}") from stop
     if losses:
-        write(_calibrated(calibration, place), place, silent)
+        write(_calibration_outcome(calibration, place), place, silent)
         try:
             calibration = compare_losses(
                 calibration,
-                counted("calibrate: losses", delivery.quiet),
-                lambda so_far: write(_calibrated(so_far, place), place, silent),
+                count_progress("calibrate: losses", delivery.quiet),
+                lambda so_far: write(_calibration_outcome(so_far, place), place, silent),
             )
         except KeyboardInterrupt as stop:
             raise RunError(
-                f"stopped by {cause(stop)}; the calibration and the losses fitted by then are in {place.folder}"
+                f"stopped by {signal_name(stop)}; the calibration and the losses fitted by then are in {place.folder}"
             ) from stop
     try:
-        unusable = _unusable(calibration, delivery.quiet)
+        unusable = _find_defects(calibration, delivery.quiet)
     except KeyboardInterrupt as stop:
-        write(_calibrated(calibration, place), place, silent)
+        write(_calibration_outcome(calibration, place), place, silent)
         raise RunError(
-            f"stopped by {cause(stop)}; the calibration is in {place.folder}, but its design was not tested "
+            f"stopped by {signal_name(stop)}; the calibration is in {place.folder}, but its design was not tested "
             "(checks, statics, reduce)"
         ) from stop
-    return deliver(_calibrated(calibration, place, unusable), place, delivery)
+    return deliver(_calibration_outcome(calibration, place, unusable), place, delivery)
 
 
-def _unusable(calibration: "Calibration", quiet: bool) -> tuple[str, ...]:
+def _find_defects(calibration: "Calibration", quiet: bool) -> tuple[str, ...]:
     """Tell on what the written design stops, and which of its fitted values is why; empty where it serves."""
-    from cycloid_mj.cli.progress import underway
+    from cycloid_mj.cli.progress import show_activity
 
     most = max(loop.most for loop in calibration.fitted.loops)
-    with underway("calibrate: testing the design with its checks, statics and reduce", quiet):
-        flaw = _flaw(Reducer(calibration.design), most)
+    with show_activity("calibrate: testing the design with its checks, statics and reduce", quiet):
+        flaw = _first_defect(Reducer(calibration.design), most)
     if flaw is None:
         return ()
     fitted, blamed = calibration.fitted, []
@@ -197,8 +197,10 @@ def _unusable(calibration: "Calibration", quiet: bool) -> tuple[str, ...]:
         model = fitted.model
         for other, value in zip(fitted.parameters, fitted.values.tolist(), strict=True):
             model = model if other == one else other.apply(model, value)
-        with underway(f"calibrate: testing it with the drawn {one.key}, {number} of {len(fitted.parameters)}", quiet):
-            serves = _flaw(model.reducer, most) is None
+        with show_activity(
+            f"calibrate: testing it with the drawn {one.key}, {number} of {len(fitted.parameters)}", quiet
+        ):
+            serves = _first_defect(model.reducer, most) is None
         if serves:
             blamed.append(one.key)
     estimates = calibration.estimates
@@ -212,7 +214,7 @@ def _unusable(calibration: "Calibration", quiet: bool) -> tuple[str, ...]:
     return (f"the calibrated design cannot be used: {flaw}; {why}",)
 
 
-def _flaw(reducer: Reducer, torque: float) -> str | None:
+def _first_defect(reducer: Reducer, torque: float) -> str | None:
     """Return on what a reducer stops: its checks, statics under a torque [N m], or its reduction to a joint."""
     from cycloid_mj.checks import require_sound
     from cycloid_mj.robot import reduce
@@ -231,7 +233,9 @@ def _flaw(reducer: Reducer, torque: float) -> str | None:
     return None
 
 
-def _calibrated(calibration: "Calibration", place: Destination, unusable: tuple[str, ...] | None = None) -> Outcome:
+def _calibration_outcome(
+    calibration: "Calibration", place: Destination, unusable: tuple[str, ...] | None = None
+) -> Outcome:
     """Collect the outcome of a calibration; `unusable` is None where its design was not tried."""
     from cycloid_mj.base.result import quantity_table
     from cycloid_mj.base.units import DEGREE
@@ -253,7 +257,7 @@ def _calibrated(calibration: "Calibration", place: Destination, unusable: tuple[
     draw = cache(partial(encode_figure, calibration_figure(calibration)))
     files = {
         f"{name}.toml": dump(calibration.design).encode(),
-        f"{name}-residuals.csv": storable("\n".join([*rows, ""])).encode(),
+        f"{name}-residuals.csv": encodable_text("\n".join([*rows, ""])).encode(),
     }
     names = [*files, f"{name}-loops.png", f"{name}-loops.svg", f"{name}.json"]
     return Outcome(
@@ -291,10 +295,12 @@ def _headline(calibration: "Calibration") -> dict[str, str]:
 
     read, modelled = calibration.measured, calibration.modelled
     derived = {
-        "play, from the loaded branches": _beside(read.play.value / DEGREE, modelled.play.value / DEGREE, "deg"),
-        "play, at zero torque": _beside(read.width.value / DEGREE, modelled.width.value / DEGREE, "deg"),
-        "stiffness": _beside(read.stiffness.value, modelled.stiffness.value, "N m/rad"),
-        "Coulomb friction": _beside(read.coulomb.value, modelled.coulomb.value, "N m"),
+        "play, from the loaded branches": _value_and_model(
+            read.play.value / DEGREE, modelled.play.value / DEGREE, "deg"
+        ),
+        "play, at zero torque": _value_and_model(read.width.value / DEGREE, modelled.width.value / DEGREE, "deg"),
+        "stiffness": _value_and_model(read.stiffness.value, modelled.stiffness.value, "N m/rad"),
+        "Coulomb friction": _value_and_model(read.coulomb.value, modelled.coulomb.value, "N m"),
         "residual, rms": f"{calibration.rms / DEGREE:.3g} deg",
     }
     fitted = {
@@ -305,7 +311,7 @@ def _headline(calibration: "Calibration") -> dict[str, str]:
     return dict(islice((derived | fitted).items(), MOST_FIGURES))
 
 
-def _beside(measured: float, model: float, unit: str) -> str:
+def _value_and_model(measured: float, model: float, unit: str) -> str:
     return f"{measured:.4g} {unit} (fitted model {model:.4g})"
 
 
@@ -330,7 +336,7 @@ def compare_bench(
     measured = read_te(te)
     design = chosen.sound()
     stem = f"{design.name}-{measured.name}"
-    place = claimed(delivery, stem, [f"{stem}.png"], OUT_TE)
+    place = claim_destination(delivery, stem, [f"{stem}.png"], OUT_TE)
     comparison = compared(design, measured, load_nm)
     outcome = Outcome(
         title=f"transmission error of {design.name}, compared with {te}",

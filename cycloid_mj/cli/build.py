@@ -10,7 +10,7 @@ from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.overwrite_guard import claim
 from cycloid_mj.base.result import Table
-from cycloid_mj.cli.delivery import Destination, claimed_page, deliver
+from cycloid_mj.cli.delivery import Destination, claim_page, deliver
 from cycloid_mj.cli.flags import COMMON, FLAT, STEP, TIMESTEP, CommonFlags, DesignOptions, whole, within
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import note
@@ -74,7 +74,7 @@ def build(
     reducer = Reducer(chosen.sound([(TIMESTEP, timestep_us)]))
     _require_room(out)
     claim(Path(out) / SCENE, Path(out) / MANIFEST, force=delivery.force)
-    page = claimed_page(delivery, f"{reducer.design.name}-model")
+    page = claim_page(delivery, f"{reducer.design.name}-model")
     settings = ConvexSettings(chord_error=chord_error_um * 1e-6)
     settings = replace(settings, coacd=replace(settings.coacd, seed=seed))
     note("cutting the parts into convex pieces")

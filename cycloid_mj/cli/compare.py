@@ -11,7 +11,7 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.errors import CycloidError, LogError, UsageError, warn
 from cycloid_mj.base.outcome import Outcome, Picture
-from cycloid_mj.cli.delivery import Destination, claimed_page, deliver
+from cycloid_mj.cli.delivery import Destination, claim_page, deliver
 from cycloid_mj.cli.flags import (
     FLAT,
     HOLD,
@@ -27,7 +27,7 @@ from cycloid_mj.cli.flags import (
     SeveralFlag,
     StudySolverFlag,
     Values,
-    designed,
+    load_design,
     point,
     require_distinct,
 )
@@ -203,8 +203,8 @@ def compare(
         usual = f"{logs[0].removesuffix('.mcap')}-compare"
         place = _place(folder(delivery.out or usual, "the figures", FILES, delivery.force), delivery)
         return deliver(_from_logs(logs, q, place), place, delivery)
-    first = designed(designs[0], (*DEFAULTS, *options.set_), options.first)
-    plan = _planned(all_cases([designed(name, options.set_, ()) for name in designs], first, options), options)
+    first = load_design(designs[0], (*DEFAULTS, *options.set_), options.first)
+    plan = _plan_runs(all_cases([load_design(name, options.set_, ()) for name in designs], first, options), options)
     warn_of_overloads(plan.starts)
     names_of_files = [*(f"{name}.mcap" for name in plan.names.values()), *FILES]
     place = _place(logs_folder(RUNS, delivery.out, names_of_files, delivery.force), delivery)
@@ -241,7 +241,7 @@ def _capacity(case: Design) -> float:
 
 
 def _place(into: Path, wanted: Delivery) -> Destination:
-    return Destination(STEM, into, claimed_page(wanted, STEM, into))
+    return Destination(STEM, into, claim_page(wanted, STEM, into))
 
 
 def _first_design(names: Sequence[str]) -> str:
@@ -298,7 +298,7 @@ class RunPlan:
     solver: "Solver"
 
 
-def _planned(cases: Sequence[Design], options: CompareOptions) -> RunPlan:
+def _plan_runs(cases: Sequence[Design], options: CompareOptions) -> RunPlan:
     """Plan the runs of all cases; raise UsageError or DesignError for one that is not possible."""
     from cycloid_mj.comparison import ASSUMPTIONS, STARTS, SWEEP, independent_starts
 
@@ -322,7 +322,7 @@ def _planned(cases: Sequence[Design], options: CompareOptions) -> RunPlan:
 def _from_logs(names: Sequence[str], q: tuple[float, float] | None, place: Destination) -> Outcome:
     from cycloid_mj.comparison import compare as compared
 
-    trials = [_measured(Path(name), q) for name in names]
+    trials = [_measure_trial(Path(name), q) for name in names]
     comparison = compared([trial for _, trial in trials])
     motions = {trial: motion for motion, trial in trials}
     judged = judged_runs(comparison.trials, {})
@@ -340,7 +340,7 @@ def _from_runs(plan: RunPlan, q: tuple[float, float] | None, place: Destination,
     run_all(logs, wanted.force, wanted.quiet, plan.solver, shown=plan.starts)
     motions, measured = {}, {}
     for design, log in logs.items():
-        motion, trial = _measured(log, q)
+        motion, trial = _measure_trial(log, q)
         measured[design] = trial.measures
         if design in plan.starts:
             motions[design] = motion
@@ -365,7 +365,7 @@ def _log_name(design: Design, start: int = 0) -> str:
     return f"{case}-start-{start + 1}" if start else case
 
 
-def _measured(log: Path, q: tuple[float, float] | None) -> "tuple[Series, Trial]":
+def _measure_trial(log: Path, q: tuple[float, float] | None) -> "tuple[Series, Trial]":
     from cycloid_mj.comparison import Trial, measure_run, settle_run
     from cycloid_mj.log import read
 

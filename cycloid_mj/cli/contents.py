@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from cyclopts import App, Group
 
-from cycloid_mj.cli.page import flowing
+from cycloid_mj.cli.page import flow_help
 
 
 class Listed(NamedTuple):
@@ -34,7 +34,7 @@ class Listed(NamedTuple):
         else:
             examples = getattr(module, self.examples)
             app.command(function, name=name, group=group, sort_key=place, help_epilogue=examples)
-        flowing(app[name])
+        flow_help(app[name])
 
     def list_in(self, app: App, name: str, group: Group, place: int) -> None:
         """Add the command's name and line, which import nothing."""

@@ -8,7 +8,7 @@ from cyclopts import Parameter
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.outcome import Outcome, headline
 from cycloid_mj.base.result import keyed, quantity_table
-from cycloid_mj.cli.delivery import RUNS, Destination, claimed, deliver
+from cycloid_mj.cli.delivery import RUNS, Destination, claim_destination, deliver
 from cycloid_mj.cli.flags import FLAT, PRESET, Delivery, PresetOptions, out_flag
 from cycloid_mj.reducer import Reducer
 
@@ -46,15 +46,15 @@ def datasheet(
     motion, stiffness, efficiency, backlash, mass, inertia, curves and a dimensioned drawing. All values are computed
     by statics and stated with their conditions.
     """
-    from cycloid_mj.cli.progress import counted
+    from cycloid_mj.cli.progress import count_progress
     from cycloid_mj.life.datasheet import datasheet as computed
 
     if life_h is not None and not 0.0 < life_h < float("inf"):
         raise UsageError(f"--life-h {life_h:g} is out of range: it must be more than 0")
     design = chosen.sound()
     stem = f"{design.name}-datasheet"
-    place = claimed(delivery, stem, [f"{stem}.pdf"], RUNS, paged=True)
-    progress = counted("data sheet", delivery.quiet)
+    place = claim_destination(delivery, stem, [f"{stem}.pdf"], RUNS, paged=True)
+    progress = count_progress("data sheet", delivery.quiet)
     return deliver(_outcome(computed(Reducer(design), life_h or 0.0, progress), place), place, delivery)
 
 

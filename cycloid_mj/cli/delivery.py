@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from cycloid_mj.base.atomic_write import storable, write_whole
+from cycloid_mj.base.atomic_write import encodable_text, write_files
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.base.interrupt import unbroken
+from cycloid_mj.base.interrupt import defer_signals
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.overwrite_guard import claim, require_ending
 from cycloid_mj.base.result import Table
@@ -56,7 +56,7 @@ class Destination:
         return [str(self.folder / name) for name in names] if self.folder else []
 
 
-def claimed(
+def claim_destination(
     wanted: Delivery,
     stem: str,
     names: Iterable[str] = (),
@@ -93,13 +93,13 @@ def claimed(
     out = wanted.out or usual
     files = () if resumed else (f"{stem}.json", f"{stem}.csv", *names)
     into = folder(out, "the results", files, wanted.force) if out else None
-    return Destination(stem, into, claimed_page(wanted, stem, into, paged, resumed))
+    return Destination(stem, into, claim_page(wanted, stem, into, paged, resumed))
 
 
-def claimed_page(
+def claim_page(
     wanted: CommonFlags, stem: str, into: Path | None = None, paged: bool = False, resumed: bool = False
 ) -> Path | None:
-    """Claim the name of the page, None where there is none; parameters and errors are those of `claimed`."""
+    """Claim the name of the page, None where there is none; parameters and errors are those of `claim_destination`."""
     if wanted.html is None and not paged:
         return None
     named = wanted.html or ()
@@ -168,13 +168,13 @@ def write(outcome: Outcome, place: Destination, wanted: CommonFlags) -> None:
     """Write the files of an outcome, all of them or none, and name those that its text does not."""
     files = dict(_files(outcome, place))
     if files:
-        with unbroken():
-            write_whole(files)
+        with defer_signals():
+            write_files(files)
         if not wanted.quiet and (unnamed := [path for path in files if str(path) not in (outcome.text or ())]):
-            tell(f"wrote {_named(unnamed)}")
+            tell(f"wrote {_list_files(unnamed)}")
 
 
-def _named(files: Collection[Path]) -> str:
+def _list_files(files: Collection[Path]) -> str:
     """Name some files, and count many by their folders."""
     if len(files) <= MOST_NAMED:
         return ", ".join(map(str, files))
@@ -191,13 +191,13 @@ def _files(outcome: Outcome, place: Destination) -> Iterator[tuple[Path, bytes]]
             for form in outcome.formats:
                 yield place.folder / f"{name}.{form}", draw(form)
         if outcome.filed:
-            yield place.folder / f"{place.stem}.json", storable(f"{json_text(_result(outcome))}\n").encode()
+            yield place.folder / f"{place.stem}.json", encodable_text(f"{json_text(_result(outcome))}\n").encode()
         if outcome.frame:
-            yield place.folder / f"{place.stem}.csv", storable(outcome.frame.as_csv()).encode()
+            yield place.folder / f"{place.stem}.csv", encodable_text(outcome.frame.as_csv()).encode()
     if place.page:
         from cycloid_mj.report.results import outcome_page
 
-        yield place.page, storable(outcome.page() if outcome.page else outcome_page(outcome)).encode()
+        yield place.page, encodable_text(outcome.page() if outcome.page else outcome_page(outcome)).encode()
 
 
 def show_outcome(outcome: Outcome, everything: bool) -> None:

@@ -10,7 +10,7 @@ from cyclopts import App
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.cli.completion import CompletingApp
-from cycloid_mj.cli.delivery import claimed, deliver
+from cycloid_mj.cli.delivery import claim_destination, deliver
 from cycloid_mj.cli.flags import DELIVERY, FLAT, Delivery, DesignOptions
 from cycloid_mj.cli.kinematics import EXAMPLES as KINEMATICS_EXAMPLES
 from cycloid_mj.cli.kinematics import kinematics
@@ -55,7 +55,7 @@ def show(chosen: Annotated[DesignOptions, FLAT], *, delivery: Annotated[Delivery
     """
     design = chosen.resolved()
     text, file = dump(design, reasons(chosen.design, design)), f"{design.name}.toml"
-    place = claimed(delivery, f"{design.name}-design", [file])
+    place = claim_destination(delivery, f"{design.name}-design", [file])
     outcome = Outcome(
         title=f"design: {design.name}",
         text=text.splitlines(),
@@ -80,11 +80,11 @@ def check(chosen: Annotated[DesignOptions, FLAT], *, delivery: Annotated[Deliver
     from cycloid_mj.life.checks import check_design
 
     design = chosen.resolved()
-    place = claimed(delivery, f"{design.name}-check")
+    place = claim_destination(delivery, f"{design.name}-check")
     inherited = inherited_keys(chosen.design, chosen.set_, ("drive.torque_nm", "drive.speed_rpm"))
     checks = check_design(design)
-    summed = None if checks.failures else _summed(design)
-    rating = _rated(design) if summed else None
+    summed = None if checks.failures else _compute_summary(design)
+    rating = _compute_rating(design) if summed else None
     return deliver(_outcome(design, checks, summed, rating, inherited), place, delivery)
 
 
@@ -126,7 +126,7 @@ def _defaults(design: Design, inherited: Sequence[str]) -> str:
     )
 
 
-def _summed(design: Design) -> "Summary | None":
+def _compute_summary(design: Design) -> "Summary | None":
     """Sum a design up; nothing where its statics have no solution, which a check has told."""
     from cycloid_mj.checks import summary
 
@@ -136,7 +136,7 @@ def _summed(design: Design) -> "Summary | None":
         return None
 
 
-def _rated(design: Design) -> "Rating | None":
+def _compute_rating(design: Design) -> "Rating | None":
     """Rate a design at its rated torque and speed; nothing where its crank stands still."""
     from cycloid_mj.life.items import rate_at_rated_load
 

@@ -11,7 +11,7 @@ from typing import Annotated, NamedTuple
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.version import __version__
-from cycloid_mj.cli.delivery import claimed, deliver
+from cycloid_mj.cli.delivery import claim_destination, deliver
 from cycloid_mj.cli.flags import DELIVERY, FLAT, Delivery
 
 NEEDED = ("numpy", "scipy", "numba", "trimesh", "coacd", "mcap", "matplotlib", "pydantic", "cyclopts")
@@ -55,8 +55,11 @@ def doctor(*, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
     """
     from cycloid_mj.base.frame import framed
 
-    place = claimed(delivery, "doctor")
-    trials = _tried("self-test of MuJoCo", True, _self_tested), _tried("contact and simulation", True, _simulated)
+    place = claim_destination(delivery, "doctor")
+    trials = (
+        _run_test("self-test of MuJoCo", True, _self_tested),
+        _run_test("contact and simulation", True, _simulate_self_test),
+    )
     findings = [*_versions(), *_cache(), *trials, *_rendering(), *_extras()]
     rows = [finding._asdict() for finding in findings]
     title = f"cycloid-mj {__version__}, Python {platform.python_version()}, {platform.system()} {platform.machine()}"
@@ -93,7 +96,7 @@ def _cache() -> Iterator[Finding]:
     yield Finding("compile cache", cacheable(), False, kept)
 
 
-def _tried(name: str, needed: bool, work: Callable[[], str]) -> Finding:
+def _run_test(name: str, needed: bool, work: Callable[[], str]) -> Finding:
     try:
         return Finding(name, True, needed, work())
     except CycloidError as error:
@@ -110,7 +113,7 @@ def _self_tested() -> str:
         return f"release {mujoco.__version__} passes: memory layout, gaps and forces are as expected"
 
 
-def _simulated() -> str:
+def _simulate_self_test() -> str:
     """Run a millisecond of a reducer with pressed-in pins, and hold its gear against the closed form."""
     from cycloid_mj.design import PRESETS, override
     from cycloid_mj.dynamics.run import simulate

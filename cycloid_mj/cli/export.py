@@ -8,7 +8,7 @@ from cyclopts import Parameter
 from cycloid_mj.base.errors import UsageError, warn
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.result import Table
-from cycloid_mj.cli.delivery import Destination, claimed_page, deliver
+from cycloid_mj.cli.delivery import Destination, claim_page, deliver
 from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, DesignOptions, within
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.reducer import Reducer
@@ -189,7 +189,7 @@ def export(
         parts |= _assembly(reducer, sizes)
     into = folder(f"{design.name}-{format_}" if out is None else out, "the parts", parts, delivery.force)
     stem = f"{design.name}-parts"
-    place = Destination(stem, into, claimed_page(delivery, stem, into))
+    place = Destination(stem, into, claim_page(delivery, stem, into))
     result = {
         "files": place.paths(parts),
         "clearances": [asdict(clearance) for clearance in files_and_clearances.clearances],

@@ -7,7 +7,7 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.result import Table
-from cycloid_mj.cli.delivery import claimed, deliver
+from cycloid_mj.cli.delivery import claim_destination, deliver
 from cycloid_mj.cli.flags import DELIVERY, FLAT, Delivery
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def figures(*, need: NeedFlag = None, delivery: Annotated[Delivery, FLAT] = DELI
     from cycloid_mj.base.frame import framed
     from cycloid_mj.figures import FIGURES
 
-    place = claimed(delivery, "figures")
+    place = claim_destination(delivery, "figures")
     rows = [row for row in FIGURES.values() if need is None or row.need == need]
     cells = tuple(map(_cells, rows))
     outcome = Outcome(

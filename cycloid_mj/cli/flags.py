@@ -230,7 +230,7 @@ Values = Sequence[tuple[DesignValue, float | None]]
 """Values of the design that flags set; None where the flag is not given."""
 
 
-def designed(name_or_file: str, changes: Sequence[str], values: Values) -> Design:
+def load_design(name_or_file: str, changes: Sequence[str], values: Values) -> Design:
     """Return the design of a command line: file or preset, then ``--set``, then the flags; a preload by its angle.
 
     Raises
@@ -262,8 +262,8 @@ class DesignOptions:
     set_: SetFlag = ()
 
     def resolved(self, values: Values = ()) -> Design:
-        """Return the design, with `values` of other flags; see `designed` for the errors."""
-        return designed(self.design, self.set_, values)
+        """Return the design, with `values` of other flags; see `load_design` for the errors."""
+        return load_design(self.design, self.set_, values)
 
     def sound(self, values: Values = ()) -> Design:
         """Return the same; raise DesignError if it fails a check."""

@@ -6,7 +6,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.cli.delivery import claimed_page, deliver_columns
+from cycloid_mj.cli.delivery import claim_page, deliver_columns
 from cycloid_mj.cli.flags import (
     COMMON,
     FLAT,
@@ -74,7 +74,7 @@ def kinematics(
     design = chosen.resolved([(RAMP, ramp_s), (SPEED, speed_rpm)])
     columns = _motion(design, point(q) or (0.0, design.output.pin_circle_radius), until_s, step_s)
     claim_csv(csv, delivery.force)
-    page = claimed_page(delivery, f"{design.name}-kinematics")
+    page = claim_page(delivery, f"{design.name}-kinematics")
     return deliver_columns(f"ideal motion: {design.name}", columns, csv, page, delivery)
 
 

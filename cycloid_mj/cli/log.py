@@ -14,7 +14,7 @@ from cycloid_mj.base.overwrite_guard import claim, require_ending
 from cycloid_mj.base.result import Table
 from cycloid_mj.cli.analyze import LogName
 from cycloid_mj.cli.completion import CompletingApp
-from cycloid_mj.cli.delivery import claimed, claimed_page, deliver, deliver_columns, deliver_files
+from cycloid_mj.cli.delivery import claim_destination, claim_page, deliver, deliver_columns, deliver_files
 from cycloid_mj.cli.flags import COMMON, DELIVERY, FLAT, CommonFlags, Delivery, within
 from cycloid_mj.cli.outfile import STDOUT, claim_csv
 from cycloid_mj.cli.plot import EXAMPLES as PLOT_EXAMPLES
@@ -74,7 +74,7 @@ def info(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> 
     from cycloid_mj.log import load
 
     contents = load(log)
-    place = claimed(delivery, f"{Path(log).stem}-info")
+    place = claim_destination(delivery, f"{Path(log).stem}-info")
     run = contents.run
     state = "complete" if run.complete else f"not complete: {run.note or 'no reason is known'}"
     span = f"{len(run):,} samples from {run.time[0]:g} to {run.time[-1]:g} s, {_rate(run):.6g} per second"
@@ -90,7 +90,7 @@ def info(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> 
             Table("attachments", ("file", "bytes"), attached),
             Table("provenance", ("what", "value"), tuple(sorted(run.provenance.items()))),
         ],
-        result={"log": log, **_described(contents)},
+        result={"log": log, **_describe_contents(contents)},
     )
     # the tables are what was asked for, however long
     return deliver(outcome, place, replace(delivery, all=True))
@@ -102,7 +102,7 @@ def columns(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) 
     from cycloid_mj.log import load
 
     groups = load(log).run.groups
-    place = claimed(delivery, f"{Path(log).stem}-columns")
+    place = claim_destination(delivery, f"{Path(log).stem}-columns")
     rows = [
         {"topic": topic, "column": name, "unit": unit}
         for topic, units in groups.items()
@@ -129,7 +129,7 @@ def csv(
     run = _read(log)
     written = {"time": run.time, **{name: run[name] for name in _names(columns) or run.columns}}
     claim_csv(out, delivery.force, "--out")
-    page = claimed_page(delivery, f"{Path(log).stem}-columns")
+    page = claim_page(delivery, f"{Path(log).stem}-columns")
     return deliver_columns(f"columns: {log}", written, out, page, delivery)
 
 
@@ -149,7 +149,7 @@ def parquet(
     """
     from cycloid_mj.log.parquet import write_parquet
 
-    run, (path, page) = _read(log), _named(log, out, ".parquet", delivery)
+    run, (path, page) = _read(log), _select_columns(log, out, ".parquet", delivery)
     write_parquet(run, path, _names(columns))
     return deliver_files(f"columns: {log}", [path], page, delivery)
 
@@ -174,11 +174,11 @@ def repair(
     contents = load(log)
     if contents.whole and scene_hz is None:
         note(f"{log} is complete: nothing to repair")
-        return deliver_files(f"nothing to repair: {log}", [], claimed_page(delivery, "repaired"), delivery)
+        return deliver_files(f"nothing to repair: {log}", [], claim_page(delivery, "repaired"), delivery)
     source = Path(log)
     path = source.with_name(f"{source.stem}-repaired.mcap") if out is None else Path(out)
     claim(path, force=delivery.force)
-    page = claimed_page(delivery, path.stem)
+    page = claim_page(delivery, path.stem)
     write(contents.run, path, _scene(contents, scene_hz), force=delivery.force)
     note(contents.run.note or f"wrote all {len(contents.run)} samples")
     return deliver_files(f"repaired: {log}", [path], page, delivery)
@@ -201,7 +201,7 @@ def rerun(
     from cycloid_mj.log import read
     from cycloid_mj.scene.rerun import write_rerun
 
-    run, (path, page) = read(log), _named(log, out, ".rrd", delivery)
+    run, (path, page) = read(log), _select_columns(log, out, ".rrd", delivery)
     write_rerun(run, Reducer(design_of(run)), path)
     return deliver_files(f"recording: {log}", [path], page, delivery)
 
@@ -215,17 +215,17 @@ def layout(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -
     from cycloid_mj.scene.layout import layout as arranged
 
     arrangement = arranged(Reducer(design_of(_read(log))))
-    place = claimed(delivery, f"{Path(log).stem}-layout")
+    place = claim_destination(delivery, f"{Path(log).stem}-layout")
     text = json.dumps(arrangement, indent=2).splitlines()
     return deliver(Outcome(title=f"layout: {log}", text=text, result=arrangement), place, delivery)
 
 
-def _named(log: str, out: str | None, ending: str, wanted: CommonFlags) -> tuple[Path, Path | None]:
+def _select_columns(log: str, out: str | None, ending: str, wanted: CommonFlags) -> tuple[Path, Path | None]:
     """Claim the name of a file made from a log, by default the log's with another ending, and that of the page."""
     path = Path(log).with_suffix(ending) if out is None else Path(out)
     require_ending(path, ending)
     claim(path, force=wanted.force)
-    return path, claimed_page(wanted, f"{path.stem}-{ending[1:]}")
+    return path, claim_page(wanted, f"{path.stem}-{ending[1:]}")
 
 
 def _read(log: str) -> "Run":
@@ -256,7 +256,7 @@ def _scene(log: "Log", rate: float | None) -> "Scene | None":
         return None
 
 
-def _described(log: "Log") -> dict[str, Any]:
+def _describe_contents(log: "Log") -> dict[str, Any]:
     run = log.run
     return {
         "bytes": log.size,

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from cyclopts import App, Parameter
 
-from cycloid_mj.base.interrupt import unbroken
+from cycloid_mj.base.interrupt import defer_signals
 from cycloid_mj.base.outcome import Outcome, Picture, headline
 from cycloid_mj.base.result import quantity_table
 from cycloid_mj.cli.completion import CompletingApp
-from cycloid_mj.cli.delivery import Destination, claimed, show_outcome, write
+from cycloid_mj.cli.delivery import Destination, claim_destination, show_outcome, write
 from cycloid_mj.cli.flags import (
     FLAT,
     LOAD,
@@ -373,18 +373,18 @@ def _command(name: str, options: type[MeasureOptions]) -> Callable[..., int]:
 
 def _measure(name: str, designs: Sequence[Design], options: MeasureOptions, delivered: MeasureDelivery) -> int:
     """Measure designs, and print and write the results."""
-    from cycloid_mj.cli.progress import counted
+    from cycloid_mj.cli.progress import count_progress
     from cycloid_mj.measure import MEASURES
     from cycloid_mj.papers import published_torques
 
     require_distinct(designs)
     stems = [f"{name}-{design.name}" for design in designs]
     drawn = [f".{form}" for form in Outcome.formats] if _is_drawn(delivered) else []
-    places = [claimed(delivered, stem, [stem + ending for ending in drawn], OUT) for stem in stems]
+    places = [claim_destination(delivered, stem, [stem + ending for ending in drawn], OUT) for stem in stems]
     measurements = []
     for design in designs:
         words = WORDS.get(name, name) + (f" of {design.name}" if options.values() else "")
-        progress = counted(words, delivered.quiet)
+        progress = count_progress(words, delivered.quiet)
         published = {"published": published_torques(Reducer(design))} if options.PUBLISHED else {}
         measurements.append(MEASURES[name](design, **options.arguments(), **published, progress=progress))
     for measurement, place in zip(measurements, places, strict=True):
@@ -408,7 +408,7 @@ def _deliver(measurement: "Measurement", place: Destination, delivered: MeasureD
     from cycloid_mj.log import write as write_log
 
     outcome = _outcome(measurement, _pictures(measurement, place.stem) if _is_drawn(delivered) else {})
-    with unbroken():
+    with defer_signals():
         write(outcome, place, delivered)
         if place.folder and not delivered.no_log:
             for run_name, run in measurement.runs.items():

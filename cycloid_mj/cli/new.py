@@ -12,8 +12,8 @@ from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.overwrite_guard import claim
 from cycloid_mj.base.result import Table
-from cycloid_mj.cli.delivery import Destination, claimed_page, deliver
-from cycloid_mj.cli.flags import FLAT, NAMES, Delivery, SetFlag, designed, out_flag, whole, whole_number
+from cycloid_mj.cli.delivery import Destination, claim_page, deliver
+from cycloid_mj.cli.flags import FLAT, NAMES, Delivery, SetFlag, load_design, out_flag, whole, whole_number
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.design import PRESETS, dump, override, reasons
 
@@ -165,10 +165,10 @@ def new(
             raise UsageError(
                 f"--discs {discs} applies to new sizes only: to change a copied design, use --set gear.discs={discs}"
             )
-        started = designed(source or "pin", set_, ()).but(name=stem)
+        started = load_design(source or "pin", set_, ()).but(name=stem)
         files = {f"{stem}.toml": dump(started, reasons(source or "pin", started)).encode()}
         copied = {"figures": {}, "why": f"a copy of {source or 'pin'}"}
-        return _written(files, [copied], _claimed(stem, delivery), delivery)
+        return _write_designs(files, [copied], _claim_files(stem, delivery), delivery)
     if (ratio is None and not ratio_range) or diameter_mm is None or torque_nm is None:
         missing = " and ".join(flag for flag, value in asked.items() if value is None)
         verb = "are" if " and " in missing else "is"
@@ -200,10 +200,10 @@ def new(
     )
     if ratio_range:
         wanted = best_ratio(wanted, low, high)
-    place = _claimed(stem, delivery)
+    place = _claim_files(stem, delivery)
     answer = answered(wanted)
     if answer.drives:
-        return _sized(stem, answer, set_, place, delivery)
+        return _sized_outcome(stem, answer, set_, place, delivery)
     if delivery.json:
         refusal = _refusal(answer, wanted, bool(ratio_range))
         outcome = Outcome(title=f"no drive: {stem}", failures=[answer.refusal], result=refusal, filed=False, code=1)
@@ -212,13 +212,15 @@ def new(
     raise DesignError(best + answer.refusal)
 
 
-def _claimed(stem: str, wanted: NewDelivery) -> Destination:
+def _claim_files(stem: str, wanted: NewDelivery) -> Destination:
     """Claim the file of the design and the page, before the work."""
     into = folder(wanted.out or ".", "the designs", [f"{stem}.toml"], wanted.force)
-    return Destination(stem, into, claimed_page(wanted, stem, into))
+    return Destination(stem, into, claim_page(wanted, stem, into))
 
 
-def _sized(stem: str, answer: "Answer", changes: tuple[str, ...], place: Destination, wanted: NewDelivery) -> int:
+def _sized_outcome(
+    stem: str, answer: "Answer", changes: tuple[str, ...], place: Destination, wanted: NewDelivery
+) -> int:
     """Write the drives that were found, and tell of them."""
     files: dict[str, bytes] = {}
     for number, drive in enumerate(answer.drives):
@@ -235,10 +237,10 @@ def _sized(stem: str, answer: "Answer", changes: tuple[str, ...], place: Destina
         f"  {drive.title}{'' if number else ' (to be taken)'}: {drive.why}"
         for number, drive in enumerate(answer.drives)
     ]
-    return _written(files, about, place, wanted, [table], notes)
+    return _write_designs(files, about, place, wanted, [table], notes)
 
 
-def _written(
+def _write_designs(
     files: Mapping[str, bytes],
     about: Sequence[Mapping[str, Any]],
     place: Destination,

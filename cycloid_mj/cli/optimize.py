@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.base.atomic_write import write_whole
+from cycloid_mj.base.atomic_write import write_files
 from cycloid_mj.base.errors import DesignError, RunError, UsageError
-from cycloid_mj.base.interrupt import cause
+from cycloid_mj.base.interrupt import signal_name
 from cycloid_mj.base.outcome import MOST_FIGURES, Outcome
-from cycloid_mj.cli.delivery import claimed, deliver
+from cycloid_mj.cli.delivery import claim_destination, deliver
 from cycloid_mj.cli.flags import (
     FLAT,
     PRESET,
@@ -137,7 +137,7 @@ def optimize(
     adds a run in full dynamics and, if the design has tolerances, its yield. The exit
     code is 1 if no point satisfies all checks and limits.
     """
-    from cycloid_mj.cli.progress import counted
+    from cycloid_mj.cli.progress import count_progress
     from cycloid_mj.explore.journal import has_study, remove_study
     from cycloid_mj.explore.optimizer import BEST, HISTORY, PARQUET, STUDY, check_best, run_search
     from cycloid_mj.explore.problem import define_problem
@@ -145,19 +145,19 @@ def optimize(
     engine = delivery.engine()
     task = define_problem(Reducer(chosen.resolved()), _ranges(vary), minimize, maximize, limit, strict, follow)
     resumed = has_study(Path(delivery.out or OUT), STUDY)
-    place = claimed(delivery, STEM, (HISTORY, PARQUET, BEST, FIGURE), OUT, paged=True, resumed=resumed)
+    place = claim_destination(delivery, STEM, (HISTORY, PARQUET, BEST, FIGURE), OUT, paged=True, resumed=resumed)
     into = place.folder or Path(OUT)
     if delivery.force:
         remove_study(into, STUDY)
     try:
-        optimum = run_search(task, evaluations, starts, seed, into, engine, counted("optimize", delivery.quiet))
+        optimum = run_search(task, evaluations, starts, seed, into, engine, count_progress("optimize", delivery.quiet))
         if optimum.best is None:
             raise DesignError(f"{optimum.infeasible_words} (all points are in {into})")
-        write_whole({into / BEST: _best(optimum)})
+        write_files({into / BEST: _best(optimum)})
         optimum = optimum if quick else check_best(optimum, solver)
     except KeyboardInterrupt as stop:
         raise RunError(
-            f"stopped by {cause(stop)}; the points so far are in {into}. Run the same command again to resume"
+            f"stopped by {signal_name(stop)}; the points so far are in {into}. Run the same command again to resume"
         ) from stop
     return deliver(_outcome(optimum, into / BEST), place, delivery)
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TextIO
 
 from cyclopts import Parameter
 
-from cycloid_mj.base.atomic_write import whole_file
+from cycloid_mj.base.atomic_write import atomic_file
 from cycloid_mj.base.errors import CycloidError, UsageError, reason
 from cycloid_mj.base.overwrite_guard import claim, make_folder, require_ending
 
@@ -128,7 +128,7 @@ def _written(file: str) -> Iterator[TextIO]:
             with path.open("w", encoding="utf-8", newline="\n") as stream:
                 yield stream
             return
-        with whole_file(path) as beside, beside.open("w", encoding="utf-8", newline="\n") as stream:
+        with atomic_file(path) as beside, beside.open("w", encoding="utf-8", newline="\n") as stream:
             yield stream
     except (OSError, ValueError) as problem:
         raise CycloidError(

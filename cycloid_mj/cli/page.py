@@ -26,18 +26,18 @@ def console(stderr: bool = False) -> "Console":
     return Console(stderr=stderr, width=width, highlight=False)
 
 
-def flowing(app: App) -> App:
+def flow_help(app: App) -> App:
     """Set the help of an app and of all its commands: lines break where the page ends, and no flag has a negative."""
     # its own, too: the command reference and completion look at a command without the defaults of the app around it
     app.default_parameter = FLAGS
     app.help = paragraphs(app.help)
-    app.help_epilogue = "\n".join(folded(line) for line in (app.help_epilogue or "").splitlines()) or None
+    app.help_epilogue = "\n".join(fold_line(line) for line in (app.help_epilogue or "").splitlines()) or None
     for name in commands(app):
-        flowing(app[name])
+        flow_help(app[name])
     return app
 
 
-def folded(line: str) -> str:
+def fold_line(line: str) -> str:
     """Break a command that is wider than a page between its flags, so that a shell takes it as one."""
     if len(line) <= WIDEST:
         return line

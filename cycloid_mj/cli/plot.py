@@ -9,7 +9,7 @@ from cyclopts import Parameter
 from cycloid_mj.base.errors import warn
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.cli.analyze import LogName
-from cycloid_mj.cli.delivery import Destination, claimed_page, deliver
+from cycloid_mj.cli.delivery import Destination, claim_page, deliver
 from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, PointFlag, point
 from cycloid_mj.cli.outfile import folder
 
@@ -55,7 +55,7 @@ def plot(
     names = [f"{name}.{format_}" for name in shown]
     into = folder(str(Path(log).with_suffix("")) if out is None else out, "the figures", names, delivery.force)
     stem = f"{Path(log).stem}-figures"
-    place = Destination(stem, into, claimed_page(delivery, stem, into))
+    place = Destination(stem, into, claim_page(delivery, stem, into))
     outcome = Outcome(
         title=f"figures: {log}",
         text=place.paths(names),

@@ -11,7 +11,7 @@ from io import StringIO, TextIOWrapper
 from pathlib import Path
 from typing import TextIO
 
-from cycloid_mj.base.interrupt import cause, end_on_signals, exit_code, raise_on_signals
+from cycloid_mj.base.interrupt import end_on_signals, exit_code, raise_on_signals, signal_name
 from cycloid_mj.base.memory import leave_circles, look_rarely
 
 FAILURE = 1
@@ -115,13 +115,13 @@ def run() -> None:
     except KeyboardInterrupt as stop:
         # before `main` could tell it, such as while modules were loaded
         code = exit_code(stop)
-        sys.stderr.write(f"error: stopped by {cause(stop)}\n")
+        sys.stderr.write(f"error: stopped by {signal_name(stop)}\n")
     except ImportError as error:
         # a module in C that is stopped while it is loaded ends in an error of its own
         if not isinstance(error.__cause__, KeyboardInterrupt):
             raise
         code = exit_code(error.__cause__)
-        sys.stderr.write(f"error: stopped by {cause(error.__cause__)}\n")
+        sys.stderr.write(f"error: stopped by {signal_name(error.__cause__)}\n")
     except OSError:
         # the pipe is closed: what is left must not be flushed again, and complained about, when Python ends
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

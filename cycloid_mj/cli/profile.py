@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.cli.delivery import claimed_page, deliver_columns
+from cycloid_mj.cli.delivery import claim_page, deliver_columns
 from cycloid_mj.cli.flags import COMMON, FLAT, MOST_ROWS, CommonFlags, DesignOptions, whole, within
 from cycloid_mj.cli.outfile import Columns, CsvFlag, claim_csv
 from cycloid_mj.reducer import Reducer
@@ -71,7 +71,7 @@ def profile(
     reducer = Reducer(chosen.resolved())
     columns = {"gear": _gear, "ring": _ring, "curvature": _curvature}[part](reducer, points)
     claim_csv(csv, delivery.force)
-    page = claimed_page(delivery, f"{reducer.design.name}-{part}")
+    page = claim_page(delivery, f"{reducer.design.name}-{part}")
     return deliver_columns(f"{part} of {reducer.design.name}", columns, csv, page, delivery)
 
 

@@ -17,7 +17,7 @@ SECONDS_BETWEEN_LINES, SECONDS_BETWEEN_COUNTS = 10.0, 5.0
 
 
 @contextmanager
-def underway(words: str, quiet: bool = False) -> Iterator[None]:
+def show_activity(words: str, quiet: bool = False) -> Iterator[None]:
     """Write what is being done, and now and then that it goes on; nothing if it is to be quiet."""
     if quiet:
         yield
@@ -57,7 +57,7 @@ class Progress:
         self._waiting = ExitStack()
 
     def __enter__(self) -> "Progress":
-        self._waiting.enter_context(underway(PREPARING, self._quiet))  # modules are loaded, code is compiled
+        self._waiting.enter_context(show_activity(PREPARING, self._quiet))  # modules are loaded, code is compiled
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
@@ -89,7 +89,7 @@ class Progress:
         if self._bar:
             self._bar.stop()
             self._bar = None
-        self._waiting.enter_context(underway(JUDGING, self._quiet))
+        self._waiting.enter_context(show_activity(JUDGING, self._quiet))
 
     def _line(self, simulated: float) -> str:
         """Tell how far it is, and the time left by the pace since the first sample: what came before was no run."""
@@ -106,7 +106,7 @@ def seconds_left(start: float, share: float) -> float:
     return (monotonic() - start) * (1.0 / share - 1.0) if share > 0.0 else float("inf")
 
 
-def counted(what: str, quiet: bool) -> Callable[[int, int], None]:
+def count_progress(what: str, quiet: bool) -> Callable[[int, int], None]:
     """Return what writes, not too often, how many pieces of work are done, of how many, and the time left."""
     start = monotonic()
     last = [start]

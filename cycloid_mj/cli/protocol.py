@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.outcome import Outcome
-from cycloid_mj.cli.delivery import claimed, deliver
+from cycloid_mj.cli.delivery import claim_destination, deliver
 from cycloid_mj.cli.flags import DELIVERY, FLAT, PRESET, Delivery, PresetOptions, whole
 from cycloid_mj.reducer import Reducer
 
@@ -98,7 +98,7 @@ def protocol(
     from cycloid_mj.bench import read_loop, read_te
     from cycloid_mj.bench.protocol import BenchFiles
     from cycloid_mj.bench.protocol import protocol as computed
-    from cycloid_mj.cli.progress import counted
+    from cycloid_mj.cli.progress import count_progress
 
     if rated_nm is not None and not (rated_nm > 0.0 and isfinite(rated_nm)):
         raise UsageError(f"--rated-nm {rated_nm:g} is out of range: it must be more than 0")
@@ -108,9 +108,11 @@ def protocol(
         tuple(read_loop(path) for path in loop), read_te(te) if te else None, starting, running, back_driving
     )
     design = chosen.sound()
-    place = claimed(delivery, f"{design.name}-protocol", [f"{design.name}-protocol{end}" for end in (".png", ".svg")])
+    place = claim_destination(
+        delivery, f"{design.name}-protocol", [f"{design.name}-protocol{end}" for end in (".png", ".svg")]
+    )
     sheet = computed(
-        Reducer(design), files, rated_nm or design.rated_torque, angles, counted("protocol", delivery.quiet)
+        Reducer(design), files, rated_nm or design.rated_torque, angles, count_progress("protocol", delivery.quiet)
     )
     return deliver(_outcome(sheet), place, delivery)
 

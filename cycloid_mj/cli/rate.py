@@ -8,7 +8,7 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.outcome import Outcome
-from cycloid_mj.cli.delivery import Destination, claimed, deliver
+from cycloid_mj.cli.delivery import Destination, claim_destination, deliver
 from cycloid_mj.cli.flags import DELIVERY, FLAT, LOAD, PRESET, SPEED, Delivery, PresetOptions
 from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
@@ -84,7 +84,7 @@ def rate(
     design = chosen.sound()
     cycle = _duty(design, load_nm, speed_rpm, duty, peak_nm)
     ranges = read_ranges(stress, Reducer(design)) if stress else None
-    place = claimed(delivery, f"{design.name}-rating")
+    place = claim_destination(delivery, f"{design.name}-rating")
     rating = rated(design, cycle, life_h or 0.0, ranges, compliance=True)
     return deliver(_outcome(rating, place), place, delivery)
 

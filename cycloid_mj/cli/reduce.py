@@ -8,7 +8,7 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError, warn
 from cycloid_mj.base.outcome import Outcome, headline
-from cycloid_mj.cli.delivery import claimed, deliver
+from cycloid_mj.cli.delivery import claim_destination, deliver
 from cycloid_mj.cli.flags import FLAT, Delivery, DesignOptions, out_flag, whole
 from cycloid_mj.reducer import Reducer
 
@@ -114,7 +114,7 @@ def reduce(
     error of each; "spread" in reducer.json their mean, standard deviation, percentiles and correlation. Joint.varied
     of joint.py makes a joint of a row.
     """
-    from cycloid_mj.cli.progress import counted
+    from cycloid_mj.cli.progress import count_progress
     from cycloid_mj.robot.comparison import compare_with_full_model
     from cycloid_mj.robot.files import BASE_FILES, SPRING_FILES, choose_scenes, without_slip
     from cycloid_mj.robot.identification import reduce as measured
@@ -135,9 +135,13 @@ def reduce(
     if seed < 0:
         raise UsageError(f"--seed {seed} is out of range: it must be 0 or more")
     design = chosen.sound()
-    place = claimed(delivery, STEM, (*BASE_FILES, *SPRING_FILES, *([SAMPLES] if spread else [])), OUT, paged=True)
-    reduced = measured(design, level, counted("reduce", delivery.quiet))
-    drives = draw_population(Reducer(design), samples, seed, counted("spread", delivery.quiet)) if spread else None
+    place = claim_destination(
+        delivery, STEM, (*BASE_FILES, *SPRING_FILES, *([SAMPLES] if spread else [])), OUT, paged=True
+    )
+    reduced = measured(design, level, count_progress("reduce", delivery.quiet))
+    drives = (
+        draw_population(Reducer(design), samples, seed, count_progress("spread", delivery.quiet)) if spread else None
+    )
     free = without_slip(reduced)
     comparison, steps = compare_with_full_model(Reducer(design), free), study_time_steps(free)
     step = None if timestep_ms is None else 1e-3 * timestep_ms

@@ -8,7 +8,7 @@ from cyclopts import Parameter
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.overwrite_guard import claim
 from cycloid_mj.cli.analyze import LogName
-from cycloid_mj.cli.delivery import claimed_page, deliver_files
+from cycloid_mj.cli.delivery import claim_page, deliver_files
 from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, whole, within
 from cycloid_mj.reducer import Reducer
 
@@ -64,7 +64,7 @@ def render(
     import numpy as np
 
     from cycloid_mj.analysis.series import design_of
-    from cycloid_mj.base.atomic_write import whole_file
+    from cycloid_mj.base.atomic_write import atomic_file
     from cycloid_mj.log import read
     from cycloid_mj.scene.opengl import require_mujoco
 
@@ -78,7 +78,7 @@ def render(
             f"--time-s {time_s:g} is outside of the run: it must be from {run.time[0]:g} to {run.time[-1]:g} s"
         )
     claim(Path(out), force=delivery.force)
-    page = claimed_page(delivery, f"{Path(out).stem}-picture")
+    page = claim_page(delivery, f"{Path(out).stem}-picture")
     sample = len(run) - 1 if time_s is None else int(np.argmin(np.abs(run.time - time_s)))
     require_mujoco()
     from cycloid_mj.scene.render import render as rendered
@@ -86,6 +86,6 @@ def render(
     picture = rendered(run, Reducer(design_of(run)), sample, (width, height), (azimuth, elevation))
     from PIL import Image
 
-    with whole_file(out) as beside:
+    with atomic_file(out) as beside:
         Image.fromarray(picture).save(beside)
     return deliver_files(f"picture: {log}", [out], page, delivery)

@@ -8,7 +8,7 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.outcome import Outcome
-from cycloid_mj.cli.delivery import Destination, claimed_page, deliver
+from cycloid_mj.cli.delivery import Destination, claim_page, deliver
 from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, PointFlag, point
 from cycloid_mj.cli.terminal import printable
 
@@ -46,7 +46,7 @@ def report(
     runs = {printable(log): read(log) for log in logs}
     named = tuple(dict.fromkeys((*([out] if out else ()), *(delivery.html or ()))))
     named = named or (str(Path(logs[0]).with_suffix(".html")),)
-    place = Destination("report", None, claimed_page(replace(delivery, html=named), "report"))
+    place = Destination("report", None, claim_page(replace(delivery, html=named), "report"))
     review = reviewed(runs, point_q)
     outcome = Outcome(title="review", text=named, result={"files": list(named)}, page=lambda: review)
     return deliver(outcome, place, delivery)

@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import CycloidError, LogError, RunError, UsageError, warn
-from cycloid_mj.base.interrupt import cause, unbroken
+from cycloid_mj.base.interrupt import defer_signals, signal_name
 from cycloid_mj.base.names import FORCES
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.overwrite_guard import claim
 from cycloid_mj.cli.analyze import outcome_of
-from cycloid_mj.cli.delivery import Destination, claimed_page, deliver
+from cycloid_mj.cli.delivery import Destination, claim_page, deliver
 from cycloid_mj.cli.flags import FLAT, HOLD, LOAD, RAMP, SPEED, STEP, TIMESTEP, Delivery, DesignOptions
 from cycloid_mj.cli.outfile import folder, new_folder
-from cycloid_mj.cli.progress import Progress, underway
+from cycloid_mj.cli.progress import Progress, show_activity
 from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
 
@@ -127,7 +127,7 @@ def simulate(
     require_possible(design, solver)
     force = delivery.force
     into = folder(delivery.out or RUNS, "the log", (), force)
-    page = claimed_page(delivery, design.name, into)
+    page = claim_page(delivery, design.name, into)
     names: Iterable[Path] = [into / f"{design.name}.mcap"]
     if delivery.out is None and not force:
         names = _free_names(into, design.name)
@@ -163,15 +163,15 @@ def _with_explanations(
         headline={},
         summary=[
             *explain(findings),
-            *([] if findings.condition.load else _unloaded(chosen.resolved())),
+            *([] if findings.condition.load else _explain_unloaded_run(chosen.resolved())),
             written,
             *(f"next: {words}" for words in _next(findings, chosen)),
         ],
-        page=lambda: _drawn(ran, quiet),
+        page=lambda: _draw_page(ran, quiet),
     )
 
 
-def _unloaded(design: Design) -> Iterator[str]:
+def _explain_unloaded_run(design: Design) -> Iterator[str]:
     """Explain an unloaded run, and yield figures of the loaded drive next to it, by statics."""
     yield (
         "no load: the output drives nothing (load.torque_nm = 0), so the parts rattle within their clearances; the "
@@ -186,10 +186,10 @@ def _unloaded(design: Design) -> Iterator[str]:
         yield f"at the rated torque of {design.rated_torque:.4g} N m, by statics: {', '.join(known)}"
 
 
-def _drawn(ran: "Ran", quiet: bool) -> str:
+def _draw_page(ran: "Ran", quiet: bool) -> str:
     from cycloid_mj.report import review_page
 
-    with underway("drawing the page of the run", quiet):
+    with show_activity("drawing the page of the run", quiet):
         return review_page(ran.log, ran.run)
 
 
@@ -335,7 +335,7 @@ def run_into_log(
         log.flush()
         unjudged = LogError(f"{log.name} has not been evaluated: run cycloid-mj analyze")
         findings, run = _judgement(log, note) if shown else (unjudged, None)
-        attached = {} if isinstance(findings, CycloidError) else _attached(findings)
+        attached = {} if isinstance(findings, CycloidError) else _findings_attachment(findings)
         log.close(note, attachments=attached)
     kept = replace(run, attachments={**run.attachments, **attached}) if run and keep_run else None
     return Ran(log.path, plan.steps, wall, findings, kept)
@@ -366,7 +366,7 @@ def _judgement(log: "LogWriter", note: str) -> "tuple[Findings | CycloidError, R
         return problem, None
 
 
-def _attached(findings: "Findings") -> dict[str, bytes]:
+def _findings_attachment(findings: "Findings") -> dict[str, bytes]:
     return {"findings.json": dumps(findings.as_json(), indent=2).encode()}
 
 
@@ -394,17 +394,17 @@ def _record(
 
     try:
         for block in stepped():
-            with unbroken():
+            with defer_signals():
                 log.write(block.time, block.values)
             progress.reached(float(block.time[-1]))
         return late
     except KeyboardInterrupt as stop:
-        raise _broken_off(log, f"stopped by {cause(stop)}") from stop
+        raise _close_incomplete_log(log, f"stopped by {signal_name(stop)}") from stop
     except RunError as error:
-        raise _broken_off(log, str(error)) from error
+        raise _close_incomplete_log(log, str(error)) from error
 
 
-def _broken_off(log: "LogWriter", why: str) -> RunError:
+def _close_incomplete_log(log: "LogWriter", why: str) -> RunError:
     """Close the log of a run that did not reach its end, and return the error that says where its samples are."""
     log.close(note=why, complete=False)
     kept = f"the {log.samples} samples up to then are in {log.path}" if log.samples else "nothing was logged"

@@ -8,7 +8,7 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.outcome import Outcome, headline
 from cycloid_mj.base.result import Quantity, Table
-from cycloid_mj.cli.delivery import claimed, deliver
+from cycloid_mj.cli.delivery import claim_destination, deliver
 from cycloid_mj.cli.flags import DELIVERY, FLAT, LOADED, RATED, Delivery, DesignOptions
 from cycloid_mj.reducer import Reducer
 
@@ -63,7 +63,7 @@ def statics(
     from cycloid_mj.statics.sheet import sheet
 
     design = chosen.sound()
-    place = claimed(delivery, f"{design.name}-statics")
+    place = claim_destination(delivery, f"{design.name}-statics")
     loaded = design if load_nm is None else design.but(load={"torque": load_nm})
     return deliver(_outcome(sheet(Reducer(design), load_nm), quantities(Reducer(loaded))), place, delivery)
 

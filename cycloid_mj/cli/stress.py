@@ -12,7 +12,7 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError, warn
 from cycloid_mj.base.outcome import MOST_FIGURES, Outcome
-from cycloid_mj.cli.delivery import Destination, claimed_page, deliver
+from cycloid_mj.cli.delivery import Destination, claim_page, deliver
 from cycloid_mj.cli.flags import (
     FLAT,
     LOAD,
@@ -22,7 +22,7 @@ from cycloid_mj.cli.flags import (
     DesignNames,
     SetFlag,
     SeveralFlag,
-    designed,
+    load_design,
     require_distinct,
     within,
 )
@@ -215,7 +215,7 @@ def stress(
         from cycloid_mj.stress.mounts import read_mounts
 
         told = None if mounts is None else read_mounts(Path(mounts))
-        return _springs([Reducer(designed(name, set_, ())) for name in asked], load_nm, told, delivery)
+        return _springs([Reducer(load_design(name, set_, ())) for name in asked], load_nm, told, delivery)
     settings = replace(
         QUICK if quick else StudySettings(),
         solid=solid,
@@ -223,18 +223,18 @@ def stress(
     )
     if log:
         runs = _read(log, asked)
-        planned = _planned([ran for ran, _, _ in runs], part, settings, delivery.quiet)
+        planned = _plan_cost([ran for ran, _, _ in runs], part, settings, delivery.quiet)
         usual = f"{log[0].removesuffix('.mcap')}-stress"
         place = _place(folder(delivery.out or usual, "the figures", FILES, delivery.force), delivery)
     else:
-        loaded = [for_one_turn(designed(name, set_, ()), load_nm) for name in asked]
+        loaded = [for_one_turn(load_design(name, set_, ()), load_nm) for name in asked]
         _require_apart(loaded)
-        planned = _planned(loaded, part, settings, delivery.quiet)
+        planned = _plan_cost(loaded, part, settings, delivery.quiet)
         names = (*(f"{one.name}.mcap" for one in loaded), *FILES)
         into = logs_folder(RUNS, delivery.out, names, delivery.force)
         place = _place(into, delivery)
         runs = _run(loaded, into, delivery)
-    studies = _studied(runs, planned, settings, delivery.quiet)
+    studies = _study_parts(runs, planned, settings, delivery.quiet)
     return deliver(outcome_of(studies, place, _figures(figure, place)), place, delivery)
 
 
@@ -271,7 +271,7 @@ def _figures(asked: Sequence[str], place: Destination) -> tuple[Drawn, ...]:
 
 
 def _place(into: Path, wanted: Delivery) -> Destination:
-    return Destination(STEM, into, claimed_page(wanted, STEM, into))
+    return Destination(STEM, into, claim_page(wanted, STEM, into))
 
 
 def _run(designs: Sequence[Design], into: Path, wanted: Delivery) -> "list[Logged]":
@@ -294,7 +294,7 @@ def _require_apart(designs: Sequence[Design]) -> None:
         require_possible(design)
 
 
-def _planned(designs: Sequence[Design], parts: Sequence[str], settings: "StudySettings", quiet: bool) -> list[Grids]:
+def _plan_cost(designs: Sequence[Design], parts: Sequence[str], settings: "StudySettings", quiet: bool) -> list[Grids]:
     """Mesh the parts asked for of every design, and say what the study of them will need."""
     from cycloid_mj.stress.cost import cost, total
     from cycloid_mj.stress.study import study_grids
@@ -322,12 +322,12 @@ def _read(logs: Sequence[str], designs: Sequence[str]) -> list[Logged]:
         ran = design_of(run)
         warn(ran.name, run.warnings)
         if designs:
-            require_same(Reducer(designed(designs[number], (), ())), Reducer(ran))
+            require_same(Reducer(load_design(designs[number], (), ())), Reducer(ran))
         logged.append((ran, run, Path(name)))
     return logged
 
 
-def _studied(
+def _study_parts(
     runs: Sequence[Logged], planned: Sequence[Grids], settings: "StudySettings", quiet: bool
 ) -> "list[StressStudy]":
     """Study every design that has a part of those asked for, and tell how far it is."""

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import RunError, UsageError
-from cycloid_mj.base.interrupt import cause
+from cycloid_mj.base.interrupt import signal_name
 from cycloid_mj.base.outcome import Outcome
-from cycloid_mj.cli.delivery import Destination, claimed, deliver
+from cycloid_mj.cli.delivery import Destination, claim_destination, deliver
 from cycloid_mj.cli.flags import (
     FLAT,
     PRESET,
@@ -138,7 +138,7 @@ def sweep(
     Loaded runs (`simulate`) neglect the inertia of moving pins, unless --real-pins is set
     or ring.pins is varied. The exit code is 1 if every point failed.
     """
-    from cycloid_mj.cli.progress import counted
+    from cycloid_mj.cli.progress import count_progress
     from cycloid_mj.explore.journal import SWEEP, has_study, remove_study
     from cycloid_mj.explore.ranks import select_quantities
     from cycloid_mj.explore.sweeps import define_task, sweep_in_folder
@@ -147,15 +147,15 @@ def sweep(
     engine = delivery.engine()
     task = define_task(Reducer(chosen.resolved()), wanted, measure, quick, real_pins, follow, solver)
     resumed = has_study(Path(delivery.out or OUT), SWEEP)
-    place = claimed(delivery, STEM, FILES, OUT, paged=True, resumed=resumed)
+    place = claim_destination(delivery, STEM, FILES, OUT, paged=True, resumed=resumed)
     into = place.folder or Path(OUT)
     if delivery.force:
         remove_study(into, SWEEP)
     try:
-        swept = sweep_in_folder(task, wanted, into, engine, counted("sweep", delivery.quiet))
+        swept = sweep_in_folder(task, wanted, into, engine, count_progress("sweep", delivery.quiet))
     except KeyboardInterrupt as stop:
         raise RunError(
-            f"stopped by {cause(stop)}; the rows so far are in {into}. Run the same command again to resume"
+            f"stopped by {signal_name(stop)}; the rows so far are in {into}. Run the same command again to resume"
         ) from stop
     quantities = select_quantities(swept, tuple(name for name in show_.split(",") if name))
     code = deliver(_outcome(swept, quantities, place), place, delivery)

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from cycloid_mj.base.errors import RunError, UsageError
-from cycloid_mj.base.interrupt import cause
+from cycloid_mj.base.interrupt import signal_name
 from cycloid_mj.base.outcome import Outcome
-from cycloid_mj.cli.delivery import claimed, deliver, write
+from cycloid_mj.cli.delivery import claim_destination, deliver, write
 from cycloid_mj.cli.flags import FLAT, PRESET, ClusterDelivery, PresetOptions, StudySolverFlag, out_flag, whole
 from cycloid_mj.reducer import Reducer
 
@@ -94,7 +94,7 @@ def tolerance(
     design in um (drawn_cam_um, drawn_pin_position_1_x_um) and the figures. Ctrl-C
     writes the samples balanced so far, which are those of a smaller --samples.
     """
-    from cycloid_mj.cli.progress import counted
+    from cycloid_mj.cli.progress import count_progress
     from cycloid_mj.explore.constraints import parse_limit as read
     from cycloid_mj.explore.tolerances import StudyInterrupted, TooManyJams
     from cycloid_mj.explore.tolerances import tolerance as run_study
@@ -107,14 +107,18 @@ def tolerance(
     design = chosen.sound()
     limits = [read(text, Reducer(design)) for text in limit]
     name = design.name
-    place = claimed(delivery, f"{name}-tolerance", [f"{name}-worst-1.toml", f"{name}-samples.csv"], OUT, paged=True)
+    place = claim_destination(
+        delivery, f"{name}-tolerance", [f"{name}-worst-1.toml", f"{name}-samples.csv"], OUT, paged=True
+    )
     try:
         tolerances = run_study(
-            design, samples, seed, limits, counted("tolerance", delivery.quiet), engine, verify, solver
+            design, samples, seed, limits, count_progress("tolerance", delivery.quiet), engine, verify, solver
         )
     except StudyInterrupted as stop:
         deliver(_outcome(stop.tolerances), place, delivery)
-        raise RunError(f"stopped by {cause(stop)}; {stop.tolerances.samples_text} are in {place.folder}") from stop
+        raise RunError(
+            f"stopped by {signal_name(stop)}; {stop.tolerances.samples_text} are in {place.folder}"
+        ) from stop
     except TooManyJams as jam:
         outcome = _outcome(jam.tolerances)
         if delivery.json:

@@ -7,7 +7,7 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.result import Table
-from cycloid_mj.cli.delivery import claimed, deliver
+from cycloid_mj.cli.delivery import claim_destination, deliver
 from cycloid_mj.cli.flags import DELIVERY, FLAT, Delivery
 from cycloid_mj.cli.progress import seconds_left
 from cycloid_mj.cli.terminal import note
@@ -44,7 +44,7 @@ def validate(*, quick: QuickFlag = False, only: OnlyFlag = (), delivery: Annotat
     from cycloid_mj.validate.suite import WORKERS, select_parts
 
     parts = select_parts(only, witnesses.PARTS)
-    place = claimed(delivery, STEM)
+    place = claim_destination(delivery, STEM)
     start = monotonic()
     rows = _run(parts, quick, delivery.workers or WORKERS)
     return deliver(_outcome(rows, quick, monotonic() - start), place, delivery)

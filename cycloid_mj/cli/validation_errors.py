@@ -18,10 +18,10 @@ from cycloid_mj.cli.contents import GROUPS
 from cycloid_mj.cli.page import commands
 
 
-def sentence(error: CycloptsError) -> str:
+def describe_error(error: CycloptsError) -> str:
     """Return one line that names the flag, what was got and what is allowed."""
     command = " ".join(("cycloid-mj", *(error.command_chain or ())))
-    what = " ".join(_what(error).split()).rstrip(".")
+    what = " ".join(_describe(error).split()).rstrip(".")
     return f"{what}{' S' if what.endswith('?') else '; s'}ee {command} --help"
 
 
@@ -52,7 +52,7 @@ def _choices(hint: Any) -> tuple[str, ...]:
     return tuple(choice for part in parts for choice in _choices(part))
 
 
-def _what(error: CycloptsError) -> str:
+def _describe(error: CycloptsError) -> str:
     argument = error.argument
     if isinstance(error, UnknownCommandError) and error.app is not None:
         return _unknown_command((error.unused_tokens or [""])[0], error.app)

@@ -26,7 +26,7 @@ HEADLINE = (
 all of geometry and statics."""
 
 
-def catalogued(designs: Sequence[Design]) -> dict[str, dict[str, Quantity]]:
+def catalogue_figures(designs: Sequence[Design]) -> dict[str, dict[str, Quantity]]:
     """Compute the catalogue's figures of geometry and statics of each design, by its name."""
     from cycloid_mj.figures import quantities
 
@@ -69,7 +69,7 @@ def outcome_of(
     for trial in comparison.trials:
         warn(trial.name, tuple(dict.fromkeys(each for start in trial.starts for each in start.findings.warnings)))
     loaded = comparison.at(comparison.loads[-1])
-    by_statics = catalogued([trial.design for trial in loaded])
+    by_statics = catalogue_figures([trial.design for trial in loaded])
     statics = {name: values_json(computed) for name, computed in by_statics.items()}
     return Outcome(
         title=f"compare: {' / '.join(comparison.designs)}",

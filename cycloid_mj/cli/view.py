@@ -4,7 +4,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import NAMES, QuietFlag, SetFlag, designed, within
+from cycloid_mj.cli.flags import NAMES, QuietFlag, SetFlag, load_design, within
 from cycloid_mj.cli.terminal import note
 
 EXAMPLES = """Examples:
@@ -39,7 +39,7 @@ def view(what: WhatFlag, *, set_: SetFlag = (), slow: SlowFlag = SLOW, _quiet: Q
         note("close the window to stop")
         show_run(read(what), slow)
         return 0
-    design = designed(what, set_, ())
+    design = load_design(what, set_, ())
     from cycloid_mj.base.errors import warn
     from cycloid_mj.dynamics.mjcf import build
     from cycloid_mj.reducer import Reducer

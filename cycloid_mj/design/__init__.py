@@ -3,7 +3,7 @@
 This room owns every input of the project and is the only place where mm, rpm, degrees and micrometres become SI.
 """
 
-from cycloid_mj.design.file import Named, declared, dump, inherited_keys, load, loads, override, resolve, value_of
+from cycloid_mj.design.file import Named, declaration_of, dump, inherited_keys, load, loads, override, resolve, value_of
 from cycloid_mj.design.model import (
     PARTNERS,
     PARTS,
@@ -62,7 +62,7 @@ __all__ = [
     "Stiffness",
     "Tolerance",
     "WorkingForce",
-    "declared",
+    "declaration_of",
     "dump",
     "inherited_keys",
     "load",

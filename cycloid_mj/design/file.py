@@ -14,12 +14,12 @@ from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
 from cycloid_mj.base.errors import DesignError, UsageError, reason
-from cycloid_mj.base.overwrite_guard import as_input
+from cycloid_mj.base.overwrite_guard import note_input
 from cycloid_mj.design.model import Design, Section
 from cycloid_mj.design.presets import PRESETS
 from cycloid_mj.design.units import Unit, counted_by, file_key, section_of, source_of, unit_of
 from cycloid_mj.design.unsupported import unsupported_key
-from cycloid_mj.design.validation_errors import literal_choices, refusal
+from cycloid_mj.design.validation_errors import as_design_error, literal_choices
 
 S = TypeVar("S", bound=Section)
 
@@ -83,7 +83,7 @@ def inherited_keys(named: Named, changes: Sequence[str], keys: Sequence[str]) ->
     """
     if isinstance(named, Design) or preset(str(named)):
         return ()
-    tables = tomllib.loads(as_input(Path(named)).read_text(encoding="utf-8-sig"))
+    tables = tomllib.loads(note_input(Path(named)).read_text(encoding="utf-8-sig"))
     changed = {_pair(change)[0] for change in changes}
 
     def stated(key: str) -> bool:
@@ -96,7 +96,7 @@ def inherited_keys(named: Named, changes: Sequence[str], keys: Sequence[str]) ->
 def load(path: Path) -> Design:
     """Read a design file."""
     try:
-        text = as_input(path).read_text(encoding="utf-8-sig")
+        text = note_input(path).read_text(encoding="utf-8-sig")
     except FileNotFoundError as error:
         raise UsageError(_unknown_design(path)) from error
     except IsADirectoryError as error:
@@ -111,7 +111,7 @@ def loads(text: str, where: str = "the design") -> Design:
     tables = parse_toml(text, where)
     if not tables:
         raise DesignError(f"{where} is empty: `cycloid-mj design new my` writes a complete design file to start from")
-    return _validated(Design, _filled(_to_si(Design, tables, where), where), where)
+    return _validate(Design, _expand_sparse_lists(_to_si(Design, tables, where), where), where)
 
 
 def parse_toml(
@@ -140,7 +140,7 @@ def parse_toml(
 
 def record(kind: type[S], tables: Mapping[str, Any], where: str) -> S:
     """Read the tables of another file than a design's, by the same rules; `kind` has them as its sections."""
-    return _validated(kind, _to_si(kind, tables, where, root=kind), where)
+    return _validate(kind, _to_si(kind, tables, where, root=kind), where)
 
 
 def override(design: Design, changes: Sequence[str] | Mapping[str, Any]) -> Design:
@@ -177,11 +177,11 @@ def override(design: Design, changes: Sequence[str] | Mapping[str, Any]) -> Desi
         tables[name] = (section or Section).changed(tables.get(name, {}), change)
     if not pairs:
         return design
-    values = _untouched(design, named) | _to_si(Design, tables, where)
-    return _validated(Design, _filled(values, where), where)
+    values = _values_except(design, named) | _to_si(Design, tables, where)
+    return _validate(Design, _expand_sparse_lists(values, where), where)
 
 
-def declared(path: str) -> FieldInfo:
+def declaration_of(path: str) -> FieldInfo:
     """Return the declaration of a key of the design file, such as ``load.torque_nm``.
 
     Raises
@@ -192,22 +192,22 @@ def declared(path: str) -> FieldInfo:
     section, prefix = Design, ""
     *tables, last = _keys(path) or [path]
     for table in tables:
-        section, prefix = section_of(_declared(section, table, path, prefix)), f"{table}."
-    return _declared(section, last, path, prefix)
+        section, prefix = section_of(_field_of(section, table, path, prefix)), f"{table}."
+    return _field_of(section, last, path, prefix)
 
 
 def value_of(design: Design, path: str) -> Any:
-    """Get the value of a key of the design file, such as ``load.torque_nm``, in the file's unit; errors as `declared`.
+    """Return the value of a key of the design file, such as ``load.torque_nm``, in the unit of the file.
 
-    What all parts are made of stands for a part without a table of its own.
+    A part without a material table of its own has the values of `material`. Errors are those of `declaration_of`.
     """
-    declared(path)
+    declaration_of(path)
     first, *rest = _keys(path)
     chosen: dict[str, Any] = dict(_tables(design, (first, "material")))
     return chosen.get(first, chosen["material"])[rest[0]] if rest else chosen[path]
 
 
-def _declared(section: type[Section] | None, key: str, path: str, prefix: str) -> FieldInfo:
+def _field_of(section: type[Section] | None, key: str, path: str, prefix: str) -> FieldInfo:
     known = {file_key(name, field): field for name, field in section.model_fields.items()} if section else {}
     if key not in known:
         raise UsageError(f"unknown key {path:.80}; {_nearest(key, list(known), prefix)}")
@@ -219,7 +219,7 @@ def _pair(change: str) -> tuple[str, Any]:
     path, equals, value = change.partition("=")
     if not equals or not _keys(path.strip()):
         raise UsageError(f"--set {change!r} is not a change: give table.key=value, e.g. --set load.torque_nm=36")
-    return path.strip(), _parsed(value.strip())
+    return path.strip(), _parse_value(value.strip())
 
 
 def _keys(path: str) -> list[str]:
@@ -303,7 +303,7 @@ def _tables(section: Section, chosen: Container[str] | None = None) -> Iterator[
             yield file_key(name, field), _to_file(field, value)
 
 
-def _untouched(design: Design, named: Container[str]) -> dict[str, Any]:
+def _values_except(design: Design, named: Container[str]) -> dict[str, Any]:
     """Collect the values of a design in SI, but for those named: they need no way through the units of a file."""
     return {
         name: {key: item for key, _, item in _fields(value)} if isinstance(value, Section) else value
@@ -361,7 +361,7 @@ def _number_to_si(unit: Unit, value: Any) -> Any:
     return unit.to_si(float(value))
 
 
-def _filled(values: dict[str, Any], where: str) -> dict[str, Any]:
+def _expand_sparse_lists(values: dict[str, Any], where: str) -> dict[str, Any]:
     """Write out lists given as ``{3 = 5.0}``, the third value 5 and the others 0."""
     for table, section in values.items():
         inner = section_of(Design.model_fields[table])
@@ -391,11 +391,11 @@ def _full_list(sparse: Mapping[str, Any], counts: Sequence[Any], where: str) -> 
     return tuple(sparse.get(part, 0.0) for part in parts)
 
 
-def _validated(kind: type[S], values: dict[str, Any], where: str) -> S:
+def _validate(kind: type[S], values: dict[str, Any], where: str) -> S:
     try:
         return kind.model_validate(values, strict=True)
     except ValidationError as error:
-        raise refusal(error, kind, where) from error
+        raise as_design_error(error, kind, where) from error
 
 
 def _nearest(key: str, known: list[str], prefix: str, root: type[Section] = Design) -> str:
@@ -422,7 +422,7 @@ def _unknown_design(path: Path) -> str:
     return f"unknown design {str(path)!r}: it is neither a preset ({presets}) nor a file; {hint}"
 
 
-def _parsed(value: str) -> Any:
+def _parse_value(value: str) -> Any:
     try:
         return tomllib.loads(f"value = {value}")["value"]
     except (ValueError, RecursionError):

@@ -12,8 +12,18 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.design import units as u
 from cycloid_mj.design.materials import BY_CASEFOLD, DEFAULT, MATERIALS, SOFTEST_METAL, material_name
-from cycloid_mj.design.units import PAPER, choice, counted_by, file_key, listed, quantity, section_of, switch, unit_of
-from cycloid_mj.design.validation_errors import refusal
+from cycloid_mj.design.units import (
+    PAPER,
+    choice,
+    counted_by,
+    file_key,
+    list_quantity,
+    quantity,
+    section_of,
+    switch,
+    unit_of,
+)
+from cycloid_mj.design.validation_errors import as_design_error
 
 if TYPE_CHECKING:
     from cycloid_mj.base.frame import Frame
@@ -369,29 +379,31 @@ class Errors(Section):
     eccentricity: float = quantity(
         0.0, "eccentricity of the cam minus that for which the teeth are cut", u.MICROMETRE, ge=-1000.0, le=1000.0
     )
-    pin_x: Offsets = listed("position of each ring pin along x, pin 1 on +y, clockwise", u.MICROMETRE, "ring.teeth")
-    pin_y: Offsets = listed("position of each ring pin along y", u.MICROMETRE, "ring.teeth")
-    pin_dr: Offsets = listed("radius of each ring pin", u.MICROMETRE, "ring.teeth")
-    hole_x: Offsets = listed(
+    pin_x: Offsets = list_quantity(
+        "position of each ring pin along x, pin 1 on +y, clockwise", u.MICROMETRE, "ring.teeth"
+    )
+    pin_y: Offsets = list_quantity("position of each ring pin along y", u.MICROMETRE, "ring.teeth")
+    pin_dr: Offsets = list_quantity("radius of each ring pin", u.MICROMETRE, "ring.teeth")
+    hole_x: Offsets = list_quantity(
         "position of each disc hole along x, hole 1 on +y, clockwise, disc after disc",
         u.MICROMETRE,
         "output.pins gear.discs",
     )
-    hole_y: Offsets = listed(
+    hole_y: Offsets = list_quantity(
         "position of each disc hole along y, disc after disc", u.MICROMETRE, "output.pins gear.discs"
     )
-    disc_dr: Offsets = listed(
+    disc_dr: Offsets = list_quantity(
         "offset of each disc's flanks from the drawing, outwards positive", u.MICROMETRE, "gear.discs"
     )
-    profile_cos: Offsets = listed(
+    profile_cos: Offsets = list_quantity(
         "waves of the disc profile, orders 1, 2, ... per turn: offset of the flanks into the disc, "
         "coefficients of cos(k t) at the angle t clockwise from the valley on +y",
         u.MICROMETRE,
         "ring.teeth",
     )
-    profile_sin: Offsets = listed("the same, coefficients of sin(k t)", u.MICROMETRE, "ring.teeth")
-    cam_x: Offsets = listed("position of each cam along x, at the crank angle 0", u.MICROMETRE, "gear.discs")
-    cam_y: Offsets = listed("position of each cam along y, at the crank angle 0", u.MICROMETRE, "gear.discs")
+    profile_sin: Offsets = list_quantity("the same, coefficients of sin(k t)", u.MICROMETRE, "ring.teeth")
+    cam_x: Offsets = list_quantity("position of each cam along x, at the crank angle 0", u.MICROMETRE, "gear.discs")
+    cam_y: Offsets = list_quantity("position of each cam along y, at the crank angle 0", u.MICROMETRE, "gear.discs")
 
 
 def _zone(what: str) -> Any:
@@ -876,12 +888,12 @@ class Design(Section, Presented):
         for name, change in changes.items():
             section = section_of(field) if (field := type(self).model_fields.get(name)) else None
             if section and isinstance(change, Mapping):
-                change = section.changed(values[name] or {}, {key: _tupled(value) for key, value in change.items()})
+                change = section.changed(values[name] or {}, {key: _as_tuple(value) for key, value in change.items()})
             values[name] = change
         try:
             return type(self).model_validate(values, strict=True)
         except ValidationError as error:
-            raise refusal(error, type(self), "but") from error
+            raise as_design_error(error, type(self), "but") from error
 
     def steady(self, settled: float, turns: float, samples: float = 0.0, **changes: Mapping[str, Any]) -> Self:
         """Return the design for a run at full speed from its start, with other values, in SI, as in `but`.
@@ -1065,7 +1077,7 @@ class Design(Section, Presented):
         return self
 
 
-def _tupled(value: Any) -> Any:
+def _as_tuple(value: Any) -> Any:
     """Convert a list to the tuple that the model has in its place."""
     return tuple(value) if isinstance(value, list) else value
 

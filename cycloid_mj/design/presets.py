@@ -7,7 +7,7 @@ from cycloid_mj.design.model import Design, Ring
 from cycloid_mj.design.units import MICROMETRE, MILLIMETRE, RPM
 
 
-def _printed() -> Design:
+def _make_printed() -> Design:
     """Return the baseline drive of a master thesis (JelmerV, Twente 2024), as drawn.
 
     Source: github.com/JelmerV/Anti-Backlash-Cycloidal-Actuator (CC BY-SA 4.0), ``CAD source/parameters.txt``, and the
@@ -41,7 +41,7 @@ def _printed() -> Design:
     )
 
 
-def _twodisc() -> Design:
+def _make_twodisc() -> Design:
     """Return a drive with two discs, of a worked calculation: github.com/kubakos/cycloid-drive-generator.
 
     It gives ratio, teeth, discs, output pins, input torque and speed, and the rating of the bearings on the eccentrics.
@@ -80,8 +80,8 @@ def _twodisc() -> Design:
 PRESETS = {
     "pin": Design(),
     "nonpin": Design(name="nonpin", ring=Ring(kind="nonpin")),
-    "printed": _printed(),
-    "twodisc": _twodisc(),
+    "printed": _make_printed(),
+    "twodisc": _make_twodisc(),
 }
 """Designs by name."""
 

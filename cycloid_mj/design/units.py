@@ -110,7 +110,7 @@ def switch(default: bool, text: str, source: str = ASSUMED) -> Any:
     return Field(default=default, description=text, json_schema_extra={"unit": "", "source": source})
 
 
-def listed(text: str, unit: Unit, per: str, source: str = ASSUMED) -> Any:
+def list_quantity(text: str, unit: Unit, per: str, source: str = ASSUMED) -> Any:
     """Declare a list of the design, empty by default: one value for each of the parts that ``per`` counts.
 
     ``per`` is the ``table.name`` of an integer of the model, or of several that are multiplied, with a space between.

@@ -46,7 +46,7 @@ REQUIREMENTS = {
 """Error type of pydantic -> what the value must be."""
 
 
-def refusal(error: ValidationError, root: type[BaseModel], where: str) -> DesignError:
+def as_design_error(error: ValidationError, root: type[BaseModel], where: str) -> DesignError:
     """Return the error that names each wrong value of a design: key, value and what is allowed, in the file's units.
 
     Parameters
@@ -72,7 +72,7 @@ def literal_choices(field: FieldInfo) -> tuple[str, ...]:
 
 def _sentence(details: ErrorDetails, root: type[BaseModel]) -> str:
     """Describe one wrong value: its key, the value, what is allowed and what the key means."""
-    keys, field = _located(details, root)
+    keys, field = _locate(details, root)
     key = ".".join(keys)
     if not keys or field is None:
         requirement = _requirement(details, Unit(""))
@@ -80,14 +80,14 @@ def _sentence(details: ErrorDetails, root: type[BaseModel]) -> str:
     if details["type"] == "missing":
         return f"{key} is missing ({field.description})"
     unit, got = unit_of(field), details["input"]
-    value = _quoted(unit.from_si(got) if isinstance(got, float) else got)
+    value = _quote(unit.from_si(got) if isinstance(got, float) else got)
     if isinstance(got, str) and (unsupported := unsupported_value(key, got)):
         return f"{key} = {value} is not supported: {unsupported}"
     meaning = "" if details["type"] == "value_error" else f" ({field.description})"
-    return f"{key} = {value} is not allowed: {_allowed(details, field, unit)}{meaning}"
+    return f"{key} = {value} is not allowed: {_describe_allowed(details, field, unit)}{meaning}"
 
 
-def _quoted(value: Any) -> str:
+def _quote(value: Any) -> str:
     """Write a value as in TOML, and of a long one its start."""
     if isinstance(value, bool):
         return str(value).lower()
@@ -95,7 +95,7 @@ def _quoted(value: Any) -> str:
     return text if len(text) <= MAX_VALUE_LENGTH else f"{text[:MAX_VALUE_LENGTH]}..."
 
 
-def _located(details: ErrorDetails, root: type[BaseModel]) -> tuple[list[str], FieldInfo | None]:
+def _locate(details: ErrorDetails, root: type[BaseModel]) -> tuple[list[str], FieldInfo | None]:
     """Return the keys of a wrong value in the file, and its declaration, None for an unknown key."""
     section, field, keys = root, None, list[str]()
     for name in details["loc"]:
@@ -108,7 +108,7 @@ def _located(details: ErrorDetails, root: type[BaseModel]) -> tuple[list[str], F
     return keys, field
 
 
-def _allowed(details: ErrorDetails, field: FieldInfo, unit: Unit) -> str:
+def _describe_allowed(details: ErrorDetails, field: FieldInfo, unit: Unit) -> str:
     """Describe what a declared value must be: its range, its words, or its type."""
     got, choices = details["input"], literal_choices(field)
     if details["type"] == "literal_error" and choices:

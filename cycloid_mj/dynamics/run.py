@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import RunError, UsageError, warn
-from cycloid_mj.base.interrupt import give_way
+from cycloid_mj.base.interrupt import check_interrupt
 from cycloid_mj.base.names import (
     DRAGS,
     FORCE_X,
@@ -370,7 +370,7 @@ def _advance(
     recorder.steps.command(course.commands(time))
     taken, problem = list[Array](), ""
     for first in samples[::at_once]:
-        give_way()
+        check_interrupt()
         rows, problem = recorder.advance(min(at_once, samples.stop - first))
         taken.append(rows)
         if problem:

@@ -10,10 +10,10 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import IO, Any
 
-from cycloid_mj.base.atomic_write import write_whole
+from cycloid_mj.base.atomic_write import write_files
 from cycloid_mj.base.errors import CycloidError, UsageError, reason
-from cycloid_mj.base.interrupt import unbroken
-from cycloid_mj.base.overwrite_guard import as_own, make_folder
+from cycloid_mj.base.interrupt import defer_signals
+from cycloid_mj.base.overwrite_guard import make_folder, note_output
 from cycloid_mj.explore.row import PointResult
 
 SWEEP = "sweep"
@@ -85,7 +85,7 @@ class Journal:
         """
         line = json.dumps({"point": index + 1, **asdict(row)}).encode() + b"\n"
         try:
-            with unbroken():
+            with defer_signals():
                 if self._stream.write(line) != len(line):
                     raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         except OSError as problem:
@@ -117,7 +117,7 @@ def open_journal(into: Path, plan: Mapping[str, Any], study: str = SWEEP) -> Ite
         It cannot be read or written.
     """
     if _is_same_study(into, plan, study):
-        as_own(into)
+        note_output(into)
     path = into / rows_file(study)
     try:
         stream = path.open("ab+", buffering=0)
@@ -126,7 +126,7 @@ def open_journal(into: Path, plan: Mapping[str, Any], study: str = SWEEP) -> Ite
     with stream:
         _lock(stream, into, study)
         if not (into / plan_file(study)).exists():
-            write_whole({into / plan_file(study): json.dumps(plan, indent=2).encode() + b"\n"})
+            write_files({into / plan_file(study): json.dumps(plan, indent=2).encode() + b"\n"})
         yield Journal(path, stream, _read_rows(stream))
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from cycloid_mj.base.array import significant
 from cycloid_mj.base.errors import DesignError, UsageError
-from cycloid_mj.design import Design, declared, override, value_of
+from cycloid_mj.design import Design, declaration_of, override, value_of
 from cycloid_mj.explore.points import Value
 from cycloid_mj.reducer import Reducer
 
@@ -100,7 +100,7 @@ class Link:
             value = significant(_evaluate(_parse(self.formula), reducer))
         except ArithmeticError as error:
             raise DesignError(f"{self.key} = {self.formula} has no value: {error}") from error
-        is_integer = declared(self.key).annotation is int and value.is_integer()
+        is_integer = declaration_of(self.key).annotation is int and value.is_integer()
         return override(reducer.design, {self.key: int(value) if is_integer else value})
 
 
@@ -128,7 +128,7 @@ def parse_links(reducer: Reducer, requested: str | Sequence[str], varied: Iterab
         option = f"--follow {text!r:.80}"
         if not key or (equals and not formula):
             raise UsageError(f"{option}: expected KEY=FORMULA, e.g. {_EXAMPLE}")
-        if declared(key).annotation not in (int, float):
+        if declaration_of(key).annotation not in (int, float):
             raise UsageError(f"{option}: {key} is not a single number; only numbers can follow")
         if key in varied or key in links:
             problem = "is varied by --vary" if key in varied else "is repeated"

@@ -7,7 +7,7 @@ from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 
-from cycloid_mj.base.atomic_write import write_whole
+from cycloid_mj.base.atomic_write import write_files
 from cycloid_mj.base.engine import Engine, Progress, silent, versions
 from cycloid_mj.base.errors import CycloidError, DesignError, RunError
 from cycloid_mj.base.extras import extra
@@ -120,7 +120,7 @@ def optimize(
     if verify:
         optimum = check_best(optimum, solver)
     if out is not None:
-        write_whole({Path(out) / BEST: dump(optimum.design()).encode()})
+        write_files({Path(out) / BEST: dump(optimum.design()).encode()})
     return optimum
 
 

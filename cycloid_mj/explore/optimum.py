@@ -13,7 +13,7 @@ from cycloid_mj.base.frame import Cell, Frame, Tabular, framed
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.result import Quantity, Table
 from cycloid_mj.checks import check
-from cycloid_mj.design import Design, declared
+from cycloid_mj.design import Design, declaration_of
 from cycloid_mj.design.units import unit_of
 from cycloid_mj.explore.problem import FEASIBLE, REJECTED_BY, VIOLATION, Problem
 from cycloid_mj.explore.row import PointResult
@@ -172,7 +172,7 @@ class Optimum(Tabular):
     @cached_property
     def frame(self) -> Frame:
         """A row for each evaluation."""
-        units = {key: unit_of(declared(key)).suffix for key in self.task.keys}
+        units = {key: unit_of(declaration_of(key)).suffix for key in self.task.keys}
         names = ("evaluation", *self.task.keys, *self.task.figures, FEASIBLE, VIOLATION, REJECTED_BY, "error", "cpu_s")
         rows = [
             {"evaluation": number, **row.values, "error": row.error, "cpu_s": row.cpu}

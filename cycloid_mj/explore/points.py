@@ -15,8 +15,8 @@ from pydantic.fields import FieldInfo
 
 from cycloid_mj.base.array import Array, significant
 from cycloid_mj.base.errors import UsageError, reason
-from cycloid_mj.base.overwrite_guard import as_input
-from cycloid_mj.design import declared
+from cycloid_mj.base.overwrite_guard import note_input
+from cycloid_mj.design import declaration_of
 
 MAX_POINTS = 1_000_000
 """Points of a sweep at most: a larger count is a slip of the pen."""
@@ -123,7 +123,7 @@ def list_rows(rows: Iterable[Mapping[str, Any]]) -> Points:
 def read_table(path: Path) -> Points:
     """Read points from a CSV file whose header names keys of the design file; errors as `list_rows`."""
     try:
-        with as_input(path).open(encoding="utf-8-sig", newline="") as stream:
+        with note_input(path).open(encoding="utf-8-sig", newline="") as stream:
             header, *lines = [[cell.strip() for cell in line] for line in csv.reader(stream) if any(line)] or [[]]
     except (OSError, ValueError, csv.Error) as problem:
         raise UsageError(f"--table {path} cannot be read: {reason(problem)}") from problem
@@ -144,7 +144,7 @@ def _require_few(count: int) -> None:
 
 def _field(key: str) -> FieldInfo:
     """Return the declaration of a key that holds one value."""
-    field = declared(key)
+    field = declaration_of(key)
     if field.annotation not in (int, float, bool, str) and not _words(field):
         raise UsageError(f"{key} is a list or a table; only single values can be varied")
     return field

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from cycloid_mj.base.errors import CycloidError, CycloidWarning, DesignError, UsageError
 from cycloid_mj.checks import WALLS, check, soundness
-from cycloid_mj.design import Design, declared, override, value_of
+from cycloid_mj.design import Design, declaration_of, override, value_of
 from cycloid_mj.explore.constraints import FigureLimit, parse_limit, require_consistent
 from cycloid_mj.explore.linked_keys import Link, apply_links, default_links, parse_links
 from cycloid_mj.explore.points import Value, Wanted, axis_values, parse_axis
@@ -182,7 +182,7 @@ def define_problem(
 
 def _variable(key: str, wanted: Wanted) -> SearchRange | Choice:
     """Parse the values of a key: a range of real numbers, or values to try one by one."""
-    if declared(key).annotation is float and not isinstance(wanted, str) and len(wanted) == 2:
+    if declaration_of(key).annotation is float and not isinstance(wanted, str) and len(wanted) == 2:
         wanted = f"{wanted[0]}:{wanted[1]}"
     axis = parse_axis(key, wanted)
     if axis.values or axis.count:

@@ -13,7 +13,7 @@ from typing import Any
 from cycloid_mj.base.engine import Engine, Progress, silent, versions
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.frame import Cell, Frame, Tabular, framed, write_csv, write_parquet
-from cycloid_mj.design import Named, declared, dump, resolve
+from cycloid_mj.design import Named, declaration_of, dump, resolve
 from cycloid_mj.design.units import unit_of
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.explore.journal import create_folder, open_journal
@@ -97,7 +97,7 @@ class Sweep(Tabular):
         """A row for each point: number, inputs, quantities, warnings, error, CPU time [s], and versions."""
         packages = ", ".join(f"{name} {version}" for name, version in versions())
         follows = tuple(link.key for link in self.task.links)
-        units = {key: unit_of(declared(key)).suffix for key in (*self.task.keys, *follows)} | {CPU: "s"}
+        units = {key: unit_of(declaration_of(key)).suffix for key in (*self.task.keys, *follows)} | {CPU: "s"}
         rows: list[dict[str, Cell]] = []
         for index, row in sorted(self.rows.items()):
             units |= row.units

@@ -8,7 +8,7 @@ from difflib import get_close_matches
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import CycloidError, CycloidWarning, UsageError
-from cycloid_mj.base.registry import provided
+from cycloid_mj.base.registry import get_provider
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.figures.figure import Figure, Need
 from cycloid_mj.figures.geometry import OF_GEOMETRY
@@ -21,7 +21,7 @@ from cycloid_mj.statics.samples import Samples
 FIGURES: Mapping[str, Figure] = {
     row.key: row
     for need in Need
-    for row in (*OF_GEOMETRY, *OF_STATICS, *OF_BALANCE, *OF_SAMPLES, *provided("upper_figures"), *OF_RUNS)
+    for row in (*OF_GEOMETRY, *OF_STATICS, *OF_BALANCE, *OF_SAMPLES, *get_provider("upper_figures"), *OF_RUNS)
     if row.need == need
 }
 """Key -> figure, the cheapest first."""

@@ -1,6 +1,6 @@
 """Figures from runs: quantities of `cycloid-mj measure` at the default conditions of the measures."""
 
-from cycloid_mj.base.registry import provided
+from cycloid_mj.base.registry import get_provider
 from cycloid_mj.figures.figure import Figure, Need
 from cycloid_mj.reducer import Reducer
 
@@ -9,7 +9,7 @@ def _figure(key: str, unit: str, name: str, definition: str, measure: str, quant
     """Return the row of a quantity of a measure; its alias is ``measure/quantity``."""
 
     def compute(reducer: Reducer) -> float:
-        measured: float = provided("measure")(reducer, measure, quantity)
+        measured: float = get_provider("measure")(reducer, measure, quantity)
         return measured
 
     return Figure(

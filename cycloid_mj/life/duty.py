@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cycloid_mj.base.errors import UsageError, reason
-from cycloid_mj.base.overwrite_guard import as_input
+from cycloid_mj.base.overwrite_guard import note_input
 from cycloid_mj.base.units import RPM
 
 COLUMNS = ("torque_nm", "speed_rpm", "share")
@@ -68,7 +68,7 @@ def read_duty(path: Path, peak: float | None = None) -> Duty:
         The file cannot be read or does not have that form.
     """
     try:
-        with as_input(path).open(newline="", encoding="utf-8-sig") as file:
+        with note_input(path).open(newline="", encoding="utf-8-sig") as file:
             lines = [(number, _cells(line)) for number, line in enumerate(file, start=1) if _has_values(line)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise UsageError(

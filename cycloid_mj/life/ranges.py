@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from cycloid_mj.base.errors import UsageError, reason
-from cycloid_mj.base.overwrite_guard import as_input
+from cycloid_mj.base.overwrite_guard import note_input
 from cycloid_mj.reducer import Reducer
 
 RESULT = "stress.json"
@@ -33,7 +33,7 @@ def read_ranges(path: Path, reducer: Reducer) -> dict[str, StressRange]:
     design = reducer.design
     file = path / RESULT if path.is_dir() else path
     try:
-        content = json.loads(as_input(file).read_text(encoding="utf-8"))
+        content = json.loads(note_input(file).read_text(encoding="utf-8"))
         studies = {str(study["design"]): study for study in content["designs"]}
     except (OSError, UnicodeDecodeError) as error:
         raise UsageError(

@@ -12,7 +12,7 @@ from itertools import count
 from pathlib import Path
 from typing import BinaryIO
 
-from cycloid_mj.base.atomic_write import hidden_beside
+from cycloid_mj.base.atomic_write import hidden_path
 from cycloid_mj.base.errors import LogError, reason
 from cycloid_mj.base.overwrite_guard import LOG, claim, require_ending
 
@@ -101,7 +101,7 @@ class LogFile:
 
     def _opened(self) -> tuple[Path, BinaryIO]:
         if self.hidden:
-            at = hidden_beside(self.path)
+            at = hidden_path(self.path)
             return at, at.open("xb")
         for at in _partial_names(self.path) if self._replaces else [self.path]:
             try:

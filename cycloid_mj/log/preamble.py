@@ -7,7 +7,7 @@ import json
 import zlib
 from collections.abc import Iterable, Mapping
 
-from cycloid_mj.base.atomic_write import storable
+from cycloid_mj.base.atomic_write import encodable_text
 from cycloid_mj.log.encoding import FORMAT, PACKAGE
 
 PROVENANCE = "provenance"
@@ -18,8 +18,8 @@ Metadata = Mapping[str, Mapping[str, str]]
 
 def preamble(provenance: Mapping[str, str], attachments: Iterable[str]) -> dict[str, dict[str, str]]:
     """Return the metadata at the beginning of a log: entries by the name of their record, as valid UTF-8 text."""
-    stored = {storable(key): storable(value) for key, value in provenance.items()}
-    names = [storable(name) for name in attachments]
+    stored = {encodable_text(key): encodable_text(value) for key, value in provenance.items()}
+    names = [encodable_text(name) for name in attachments]
     entries = {"format": FORMAT, CHECKSUM: _checksum(stored), FILES: json.dumps(names)}
     return {PACKAGE: entries, PROVENANCE: stored}
 

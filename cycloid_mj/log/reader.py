@@ -14,7 +14,7 @@ from mcap.opcode import Opcode
 
 from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.errors import LogError, NoLogError, reason
-from cycloid_mj.base.overwrite_guard import as_input
+from cycloid_mj.base.overwrite_guard import note_input
 from cycloid_mj.base.record import Run
 from cycloid_mj.log import container
 from cycloid_mj.log.encoding import FORMAT, PACKAGE, TIME, ColumnGroup, group_of
@@ -169,7 +169,7 @@ def _opened(path: Path) -> BinaryIO:
         raise NoLogError(f"{path} is {what}: choose a log, such as run.mcap")
     if path.stat().st_size == 0:
         raise LogError(f"log {path} is empty: the run was stopped before anything was written; run it again")
-    return as_input(path).open("rb")
+    return note_input(path).open("rb")
 
 
 def _alternatives(path: Path) -> str:

@@ -13,9 +13,9 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.atomic_write import storable
+from cycloid_mj.base.atomic_write import encodable_text
 from cycloid_mj.base.errors import LogError, reason
-from cycloid_mj.base.interrupt import unbroken
+from cycloid_mj.base.interrupt import defer_signals
 from cycloid_mj.base.record import Run
 from cycloid_mj.log.blocks import BlockWriter, ChannelMessage
 from cycloid_mj.log.encoding import PACKAGE, Bytes, ColumnGroup
@@ -159,7 +159,7 @@ class LogWriter:
         """
         if not self._open:
             return
-        with unbroken():
+        with defer_signals():
             if not complete and not self.samples:
                 self._abandon()
                 return
@@ -233,7 +233,7 @@ class LogWriter:
 
     def _end(self, note: str, complete: bool, attachments: Mapping[str, bytes]) -> None:
         """Write the end of the log and rename it."""
-        end = {"complete": "true" if complete else "false", "note": storable(note), "samples": str(self.samples)}
+        end = {"complete": "true" if complete else "false", "note": encodable_text(note), "samples": str(self.samples)}
         try:
             _attach(self._mcap, attachments)
             self._mcap.add_metadata(f"{PACKAGE}.end", end)
@@ -321,7 +321,7 @@ def _begun(stream: BinaryIO, first: Metadata, attachments: Mapping[str, bytes]) 
 def _attach(mcap: BlockWriter, attachments: Mapping[str, bytes]) -> None:
     """Write attachments, contents by name."""
     for name, content in attachments.items():
-        mcap.add_attachment(storable(name), _media_type(name), content)
+        mcap.add_attachment(encodable_text(name), _media_type(name), content)
 
 
 def _media_type(name: str) -> str:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from cycloid_mj.base.engine import Progress, all_in_threads
-from cycloid_mj.base.errors import told_elsewhere, warn
+from cycloid_mj.base.errors import suppress_warnings, warn
 from cycloid_mj.base.powers import Powers, mean_powers
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.units import RPM
@@ -171,7 +171,7 @@ def run_map(
 def forward(reducer: Reducer, torque: float, speed: float, periods: int, solver: Solver) -> Point:
     """Run under an output torque [N m] at a constant crank speed [rad/s]."""
     loaded = reducer.but(drive={"speed": speed}, load={"torque": torque})
-    with told_elsewhere(tuple(creeping(loaded))):
+    with suppress_warnings(tuple(creeping(loaded))):
         run = run_steady(loaded, SETTLING_TIME, whole_periods(loaded, periods, torque), solver)
     return _point(torque, speed, run, loaded)
 
@@ -183,7 +183,7 @@ def backward(reducer: Reducer, torque: float, periods: int, solver: Solver) -> P
     The driving torque follows from a shorter run; for a self-locking drive it is that without losses.
     """
     if not torque:
-        with told_elsewhere(tuple(creeping(reducer))):
+        with suppress_warnings(tuple(creeping(reducer))):
             run = run_brake_test(reducer, torque, whole_periods(reducer, periods, torque), solver)
         return _point(torque, reducer.design.drive.speed, run, reducer)
     speed, driving = reducer.design.drive.speed, torque * reducer.design.reduction

@@ -9,7 +9,7 @@ import numpy as np
 
 from cycloid_mj.analysis.spectrum import tapered_orders
 from cycloid_mj.base.engine import Progress, all_in_threads, each_in_threads, silent
-from cycloid_mj.base.errors import told_elsewhere, warn
+from cycloid_mj.base.errors import suppress_warnings, warn
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.powers import Powers, mean_powers
 from cycloid_mj.base.record import Run
@@ -92,7 +92,7 @@ def torque(
     by_row = {row: rates[row] for row in rows}
     by_input = spread.pair_rates(assumed, rates)
     held = steady.but(load={"torque": ours.output})
-    with told_elsewhere(tuple(creeping(held))):
+    with suppress_warnings(tuple(creeping(held))):
         at_held_crank = held_efficiency(steady, ours.output, main, solver)
     beside = with_friction(published, steady, by_row, None if quick else rate_error(ours, finer), solver)
     called = _RUNS | {row: row.name for row in rows} | {end: name for one in assumed for end, name in one.names.items()}
@@ -131,7 +131,7 @@ def _loaded(reducer: Reducer) -> Reducer:
 
 def _untold_test(reducer: Reducer, periods: int, solver: Solver) -> BrakedRun:
     """Run the rated test without the warning about incomplete friction, which `torque` issues for all tests at once."""
-    with told_elsewhere(tuple(creeping(_loaded(reducer)))):
+    with suppress_warnings(tuple(creeping(_loaded(reducer)))):
         return rated_test(reducer, periods, solver)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
-from cycloid_mj.base.atomic_write import whole_file
+from cycloid_mj.base.atomic_write import atomic_file
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.extras import extra
 
@@ -50,7 +50,7 @@ def write_movie(frames: Iterable[Frame], path: Path | str, rate: int = RATE) -> 
         raise UsageError(f"cannot write {path}: the formats of animations are .gif and .mp4")
     if not MIN_RATE <= rate <= MAX_RATE:
         raise UsageError(f"{rate:g} frames per second is out of range: {MIN_RATE} to {MAX_RATE}")
-    with whole_file(path) as temporary:
+    with atomic_file(path) as temporary:
         writers[path.suffix.lower()](frames, temporary, rate)
 
 

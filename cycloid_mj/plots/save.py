@@ -8,7 +8,7 @@ from typing import Any
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from cycloid_mj.base.atomic_write import storable, write_whole
+from cycloid_mj.base.atomic_write import encodable_text, write_files
 from cycloid_mj.base.errors import CycloidError, UsageError, reason
 from cycloid_mj.base.overwrite_guard import make_folder
 from cycloid_mj.plots.style import styled
@@ -61,7 +61,7 @@ def save(figures: Mapping[str, Figure], folder: Path | str, formats: Sequence[st
             f"cannot write figures to {folder}: {reason(problem)}; choose a folder with write permission"
         ) from problem
     files = pictures(figures, folder, formats)
-    write_whole(files)
+    write_files(files)
     return list(files)
 
 
@@ -78,7 +78,7 @@ def pictures(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str]
 def encode_figure(figure: Figure, form: str) -> bytes:
     """Encode a figure in a format; the first encoding fixes the layout of all further ones."""
     for text in figure.findobj(Text):  # undecodable bytes of file names have no glyphs
-        text.set_text(storable(text.get_text()))
+        text.set_text(encodable_text(text.get_text()))
     content = BytesIO()
     figure.savefig(content, format=form, dpi=RESOLUTION, metadata=METADATA[form])
     figure.set_layout_engine("none")

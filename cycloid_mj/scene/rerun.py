@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.atomic_write import whole_file
+from cycloid_mj.base.atomic_write import atomic_file
 from cycloid_mj.base.extras import extra
 from cycloid_mj.base.names import gears, planar_speeds
 from cycloid_mj.base.record import Run
@@ -40,7 +40,7 @@ def write_rerun(run: Run, reducer: Reducer, path: str | os.PathLike[str]) -> Non
     rr = extra("rerun", "a recording", "rerun")
     place, acting = poses(reducer, run.columns), on_gear(reducer, run.columns)
     name = "cycloid_mj_" + "_".join(reducer.design.name.split())
-    with whole_file(path) as beside:
+    with atomic_file(path) as beside:
         recording = rr.RecordingStream(name)
         recording.save(str(beside), default_blueprint=_layout(reducer, run.topics))
         time = rr.TimeColumn(TIMELINE, duration=run.time)

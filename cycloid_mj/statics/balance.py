@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.compiling import announced
+from cycloid_mj.base.compiling import announce_compilation
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.powers import Powers
 from cycloid_mj.reducer import Reducer
@@ -142,7 +142,7 @@ def _solve_carrier_output(reducer: Reducer, springs: Springs, torque: float | Ar
     z, force = np.zeros(load.shape), np.zeros(contacts.distance.shape)
     of_discs = z[:, :-1].reshape(len(z), -1, 3)
     of_discs[..., :2] = contacts.cam_place
-    with announced():
+    with announce_compilation():
         search = balance(contacts, load, z, force, follow)
     require_balance(search, contacts, load)
     away = of_discs[..., :2] - contacts.cam_place

@@ -18,7 +18,7 @@ from typing import Literal
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.compiling import announced
+from cycloid_mj.base.compiling import announce_compilation
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import arc_gaps, ideal_motion
@@ -105,7 +105,7 @@ def course_along(
     rubbing = rubbing_of(still, springs.contacts, crank, losses, held)
     most = len(path) * (1 if math.isinf(reach) else MAX_ROWS)
     z, when = np.zeros((most, path.shape[1])), np.zeros(most)
-    with announced():
+    with announce_compilation():
         left, rows = follow_path(springs.contacts, rubbing, path, reach * radius, when, z)
     if left.force:
         raise RunError(

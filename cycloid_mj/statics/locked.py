@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.compiling import announced, njit
+from cycloid_mj.base.compiling import announce_compilation, njit
 from cycloid_mj.design.model import StructureSprings
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.balance import loads
@@ -144,7 +144,7 @@ def locked_branches(
     """
     largest = max(map(abs, ends)) + float(elements.limits.sum())
     turn, carried = _extended(curve, largest / (1.0 - load.share))
-    with announced():
+    with announce_compilation():
         lines: list[tuple[Array, Array]] = _bent(
             turn, carried, elements.limits, elements.stiffness, load.share, load.slips, np.array(ends)
         )

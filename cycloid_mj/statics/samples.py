@@ -13,8 +13,8 @@ from itertools import pairwise
 import numpy as np
 
 from cycloid_mj.base.array import Array, Integers
-from cycloid_mj.base.compiling import announced
-from cycloid_mj.base.interrupt import give_way
+from cycloid_mj.base.compiling import announce_compilation
+from cycloid_mj.base.interrupt import check_interrupt
 from cycloid_mj.design import Errors, Modification
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.kinematics import gear_rotation
@@ -213,11 +213,11 @@ def solve_samples(
 
     if threads == 1:
         for first, last in pairwise(bounds):
-            give_way()
-            with announced():
+            check_interrupt()
+            with announce_compilation():
                 balanced(first, last)
     else:
-        with announced(), ThreadPoolExecutor(threads) as pool:
+        with announce_compilation(), ThreadPoolExecutor(threads) as pool:
             list(pool.map(balanced, bounds[:-1], bounds[1:]))
     out[~(out[..., -1] <= BALANCED)] = np.nan
     solved, twist = [], wind_up(reducer)

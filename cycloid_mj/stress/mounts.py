@@ -13,7 +13,7 @@ from pydantic import Field, model_validator
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError, UsageError, reason
-from cycloid_mj.base.overwrite_guard import as_input
+from cycloid_mj.base.overwrite_guard import note_input
 from cycloid_mj.design import PARTS
 from cycloid_mj.design import units as u
 from cycloid_mj.design.file import parse_toml, record
@@ -90,7 +90,7 @@ def read_mounts(path: Path) -> Mounts:
         It is not TOML, or a key is unknown, missing or out of range.
     """
     try:
-        tables = parse_toml(as_input(path).read_text(encoding="utf-8-sig"), str(path), "docs/bench.md shows one")
+        tables = parse_toml(note_input(path).read_text(encoding="utf-8-sig"), str(path), "docs/bench.md shows one")
     except FileNotFoundError as error:
         raise UsageError(f"the file of mounts {path} does not exist; docs/printed-drive.md shows an example") from error
     except (OSError, ValueError) as error:

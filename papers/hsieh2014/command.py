@@ -12,7 +12,7 @@ from cyclopts import Parameter
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.result import Table, Verdict
-from cycloid_mj.cli.delivery import Destination, claimed, deliver
+from cycloid_mj.cli.delivery import Destination, claim_destination, deliver
 from cycloid_mj.cli.flags import FLAT, Delivery, out_flag
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.terminal import tell
@@ -122,7 +122,7 @@ def reproduce(
     if STRESS in only:  # before the runs, of which it is the last to know
         for name in ("gmsh", "skfem"):
             package(name)
-    place = claimed(delivery, STEM, usual=OUT, paged=True)
+    place = claim_destination(delivery, STEM, usual=OUT, paged=True)
     into = place.folder or Path(OUT)
     logs = Logs(folder(str(into / LOGS), "the logs", (), delivery.force), fresh, delivery.quiet)
     folder(str(into / FIGURES), "the figures", (), delivery.force)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import overload
 
 from cycloid_mj.base.errors import LogError, RunError, warn
-from cycloid_mj.base.overwrite_guard import as_own
+from cycloid_mj.base.overwrite_guard import note_output
 from cycloid_mj.base.record import Run
 from cycloid_mj.cli.batch import run_all
 from cycloid_mj.design import Design, dump
@@ -86,7 +86,7 @@ class Logs(Runs):
         if missing:
             for path in missing.values():
                 # one that was read did not fit
-                as_own(path)
+                note_output(path)
             self._read.cache_clear()
             try:
                 run_all(missing, force=True, quiet=self._quiet, solver=solver, shown=None if solver == "mujoco" else ())

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 from made_run import made_groups, made_run
 
-from cycloid_mj.base.atomic_write import whole_file, whole_files, write_whole
+from cycloid_mj.base.atomic_write import atomic_file, atomic_files, write_files
 from cycloid_mj.base.errors import CycloidError
-from cycloid_mj.base.interrupt import unbroken
+from cycloid_mj.base.interrupt import defer_signals
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.cli import main
 from cycloid_mj.cli.delivery import Destination, write
@@ -43,28 +43,28 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 def test_files_that_belong_together_are_replaced_together(tmp_path):
     old = {tmp_path / name: b"old" for name in "abc"}
-    write_whole(old)
+    write_files(old)
     assert contents(tmp_path) == {"a": b"old", "b": b"old", "c": b"old"}
     with disk_of(1000), pytest.raises(CycloidError, match="cannot write"):
-        write_whole({tmp_path / "a": b"new", tmp_path / "b": bytes(5000), tmp_path / "c": b"new"})
+        write_files({tmp_path / "a": b"new", tmp_path / "b": bytes(5000), tmp_path / "c": b"new"})
     (tmp_path / "folder").mkdir()
     with pytest.raises(CycloidError, match="folder: it is not a regular file"):
-        write_whole({tmp_path / "a": b"new", tmp_path / "folder": b"new"})
+        write_files({tmp_path / "a": b"new", tmp_path / "folder": b"new"})
     assert contents(tmp_path) == {"a": b"old", "b": b"old", "c": b"old"}
 
 
 def test_messages_name_files_as_they_were_given(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(CycloidError, match=r"^cannot write \.: it is not a regular file"):
-        write_whole({Path("."): b"new"})
+        write_files({Path("."): b"new"})
     with pytest.raises(CycloidError, match=r"^cannot write none/a: No such file"):
-        write_whole({Path("none/a"): b"new"})
+        write_files({Path("none/a"): b"new"})
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt(), RuntimeError("broken")])
 def test_what_breaks_off_leaves_no_trace(error, tmp_path):
-    write_whole({tmp_path / "a": b"old"})
-    with pytest.raises(type(error)), whole_files([tmp_path / "a", tmp_path / "b"]) as beside:  # noqa: PT012
+    write_files({tmp_path / "a": b"old"})
+    with pytest.raises(type(error)), atomic_files([tmp_path / "a", tmp_path / "b"]) as beside:  # noqa: PT012
         beside[0].write_bytes(b"new")
         raise error
     assert contents(tmp_path) == {"a": b"old"}
@@ -73,7 +73,7 @@ def test_what_breaks_off_leaves_no_trace(error, tmp_path):
 def test_what_a_link_points_to_is_replaced(tmp_path):
     (tmp_path / "there").mkdir()
     (tmp_path / "link").symlink_to(tmp_path / "there" / "file")
-    write_whole({tmp_path / "link": b"new"})
+    write_files({tmp_path / "link": b"new"})
     assert (tmp_path / "link").is_symlink()
     assert contents(tmp_path / "there") == {"file": b"new"}
 
@@ -82,8 +82,8 @@ def test_file_of_a_killed_process_of_the_same_number_is_not_in_the_way(tmp_path,
     monkeypatch.setattr("os.getpid", lambda: 7)
     for _ in range(2):
         # never ended, as in a process that was killed
-        next(whole_file(tmp_path / "a").gen)
-    write_whole({tmp_path / "a": b"new"})
+        next(atomic_file(tmp_path / "a").gen)
+    write_files({tmp_path / "a": b"new"})
     assert (tmp_path / "a").read_bytes() == b"new"
 
 
@@ -92,11 +92,11 @@ def test_stop_signals_wait_for_the_end_of_a_block(number):
     seen: list[object] = []
     before = signal.signal(number, lambda number, _: seen.append(number))
     try:
-        with unbroken(), unbroken():
+        with defer_signals(), defer_signals():
             signal.raise_signal(number)
             seen.append("whole")
         assert seen == ["whole", number]
-        with pytest.raises(RuntimeError, match="broken"), unbroken():  # noqa: PT012
+        with pytest.raises(RuntimeError, match="broken"), defer_signals():  # noqa: PT012
             signal.raise_signal(number)
             raise RuntimeError("broken")
         assert seen == ["whole", number, number]

@@ -12,7 +12,7 @@ from own_process import RUN, ran
 
 import cycloid_mj
 from cycloid_mj.base import compile_cache, compiling
-from cycloid_mj.base.compiling import announced, cfunc
+from cycloid_mj.base.compiling import announce_compilation, cfunc
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, override
@@ -63,7 +63,7 @@ def test_it_is_said_of_any_code_but_once_and_not_when_quiet(capsys, monkeypatch,
         def build(*given):
             for number in range(2):
                 # code that is not in any cache
-                with announced():
+                with announce_compilation():
                     njit(lambda x, number=number: x + number)(1)
             raise DesignError("enough")
 
@@ -138,7 +138,7 @@ def test_a_signal_waits_until_the_code_is_compiled() -> None:
     reached: list[bool] = []
 
     def compiling() -> None:
-        with announced():
+        with announce_compilation():
             signal.raise_signal(signal.SIGINT)
             reached.append(True)
 

@@ -119,7 +119,9 @@ def test_a_worker_that_ends_amid_its_work_is_replaced_where_warnings_are_errors(
 def test_other_versions_are_refused() -> None:
     require_same(versions(), "a worker")
     other = tuple((name, "0.0.1" if name == "numpy" else version) for name, version in versions())
-    with pytest.raises(RunError, match=r"a worker: numpy is 0\.0\.1 there and .* here; install the same versions"):
+    with pytest.raises(
+        RunError, match=r"a worker has other package versions: numpy is 0\.0\.1 there and .* here\. Install"
+    ):
         require_same(other, "a worker")
 
 

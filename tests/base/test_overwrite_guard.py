@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 from made_run import made_groups, made_run
 
-from cycloid_mj.base.atomic_write import write_whole
+from cycloid_mj.base.atomic_write import write_files
 from cycloid_mj.base.errors import CycloidError, UsageError
-from cycloid_mj.base.overwrite_guard import KINDS, claim, one_command
+from cycloid_mj.base.overwrite_guard import KINDS, claim, command_scope
 from cycloid_mj.cli import main
 from cycloid_mj.cli.app import application
 from cycloid_mj.cli.page import commands
@@ -173,11 +173,11 @@ def test_kinds_that_begin_alike_are_told_by_their_names(tmp_path: Path) -> None:
     for name, kind in (("a.svg", "a picture"), ("a.vtu", "a VTK file")):
         path = tmp_path / name
         path.write_bytes(b'<?xml version="1.0"?> another')
-        with one_command():
+        with command_scope():
             with pytest.raises(CycloidError, match=rf"already exists \({kind} of"):
                 claim(path, force=False)
             claim(path, force=True)
-            write_whole({path: b"new"})
+            write_files({path: b"new"})
         assert path.read_bytes() == b"new"
 
 
@@ -263,14 +263,14 @@ def test_files_of_another_kind_are_never_replaced(here: Path) -> None:
 
 def test_a_command_that_claims_nothing_replaces_nothing(tmp_path: Path) -> None:
     old = tmp_path / "old.csv"
-    write_whole({old: b"old"})
-    with one_command(), pytest.raises(CycloidError, match="already exists"):
-        write_whole({old: b"new"})
-    with one_command():
-        write_whole({tmp_path / "new.csv": b"first"})
-        write_whole({tmp_path / "new.csv": b"second"})
+    write_files({old: b"old"})
+    with command_scope(), pytest.raises(CycloidError, match="already exists"):
+        write_files({old: b"new"})
+    with command_scope():
+        write_files({tmp_path / "new.csv": b"first"})
+        write_files({tmp_path / "new.csv": b"second"})
     with pytest.raises(UsageError, match="is reserved for logs"):
-        write_whole({tmp_path / "new.mcap": b"no log"})
+        write_files({tmp_path / "new.mcap": b"no log"})
     assert contents(tmp_path) == {"old.csv": b"old", "new.csv": b"second"}
 
 
@@ -292,7 +292,7 @@ def test_a_command_that_fails_leaves_no_empty_folder(tmp_path: Path, monkeypatch
 
     monkeypatch.chdir(tmp_path)
     (tmp_path / "there").mkdir()
-    monkeypatch.setattr("cycloid_mj.cli.delivery.write_whole", failing)
+    monkeypatch.setattr("cycloid_mj.cli.delivery.write_files", failing)
     for out in ("new/deeper", "there"):
         assert main(["design", "show", "pin", "--out", out]) == 1
     assert sorted(path.name for path in tmp_path.iterdir()) == ["there"]

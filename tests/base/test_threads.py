@@ -6,7 +6,7 @@ import pytest
 
 from cycloid_mj.base.engine import each_in_threads
 from cycloid_mj.base.errors import RunError
-from cycloid_mj.base.interrupt import give_way
+from cycloid_mj.base.interrupt import check_interrupt
 
 LONG = 60.0
 
@@ -31,7 +31,7 @@ def test_the_first_error_stops_the_pieces_under_way(error: type[BaseException]) 
         try:
             for _ in range(int(1e3 * LONG)):
                 time.sleep(1e-3)
-                give_way()
+                check_interrupt()
         except BaseException as reason:
             stopped.append(type(reason))
             raise

@@ -762,7 +762,7 @@ def test_a_fit_that_is_stopped_keeps_the_best_there_was() -> None:
 def test_a_calibration_that_is_stopped_is_in_its_folder(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("cycloid_mj.cli.progress.counted", lambda what, quiet: pressed_at(100))
+    monkeypatch.setattr("cycloid_mj.cli.progress.count_progress", lambda what, quiet: pressed_at(100))
     words = ["calibrate", "--design", "printed", "--loop", str(BENCH[0]), "--fit", "drag"]
     assert main([*words, "--out", str(tmp_path), "--quiet"]) == 130
     assert f"stopped by Ctrl-C; what was fitted by then is in {tmp_path}" in capsys.readouterr().err

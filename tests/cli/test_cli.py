@@ -19,7 +19,7 @@ from commands import told
 import cycloid_mj.dynamics.run
 from cycloid_mj import __version__
 from cycloid_mj.base.errors import DesignError, LogError, RunError
-from cycloid_mj.base.interrupt import Stopped, unbroken
+from cycloid_mj.base.interrupt import Stopped, defer_signals
 from cycloid_mj.cli import flags, main, outfile, terminal
 from cycloid_mj.cli.app import FOLDED, application
 from cycloid_mj.cli.process import BLAS_THREADS, LOADED, first_start
@@ -328,7 +328,7 @@ def test_unbroken_holds_ctrl_c_back_and_puts_the_old_handler_back():
     before, seen = signal.getsignal(signal.SIGINT), []
 
     def work():
-        with unbroken():
+        with defer_signals():
             signal.raise_signal(signal.SIGINT)
             seen.append("whole")
 
@@ -963,7 +963,7 @@ def test_a_fault_of_the_program_is_not_taken_for_a_mistake_of_the_user(monkeypat
     def faulty(*words):
         raise ZeroDivisionError
 
-    monkeypatch.setattr("cycloid_mj.cli.flags.designed", faulty)
+    monkeypatch.setattr("cycloid_mj.cli.flags.load_design", faulty)
     with pytest.raises(ZeroDivisionError):
         main(["design", "show", "pin"])
 

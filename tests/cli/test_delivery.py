@@ -11,7 +11,7 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.outcome import MOST_FIGURES, Outcome
 from cycloid_mj.base.result import Table
 from cycloid_mj.cli import main
-from cycloid_mj.cli.delivery import MOST_LINES, claimed, deliver
+from cycloid_mj.cli.delivery import MOST_LINES, claim_destination, deliver
 from cycloid_mj.cli.flags import Delivery
 
 TABLE = Table("all of it", ("what", "number"), tuple((f"row {number}", float(number)) for number in range(40)))
@@ -28,7 +28,7 @@ def printed(capsys: pytest.CaptureFixture[str]) -> Callable[..., list[str]]:
 
     def lines(found: Outcome, **flags: bool) -> list[str]:
         wanted = Delivery(**flags)  # type: ignore[arg-type]
-        deliver(found, claimed(wanted, "stem"), wanted)
+        deliver(found, claim_destination(wanted, "stem"), wanted)
         return capsys.readouterr().out.splitlines()
 
     return lines
@@ -64,7 +64,7 @@ def test_many_files_are_counted_by_folder_and_few_are_named(
     for count, told in ((2, "wrote out/figures/0.png, out/figures/1.png, out/stem.json\n"), (40, None)):
         files = {f"figures/{number}.png": b"" for number in range(count)}
         wanted = Delivery(out="out", force=True)
-        deliver(outcome(files=files), claimed(wanted, "stem"), wanted)
+        deliver(outcome(files=files), claim_destination(wanted, "stem"), wanted)
         assert capsys.readouterr().err == (told or "wrote 40 files in out/figures, 1 file in out\n")
 
 
@@ -90,7 +90,7 @@ def test_files_are_what_was_asked_for(tmp_path: Path, monkeypatch: pytest.Monkey
         (Delivery(out="e", html=()), {"e/stem.json", "e/drawn.png", "e/drawn.svg", "e/more.txt", "e/stem.html"}),
     ):
         before = set(tmp_path.rglob("*.*"))
-        assert deliver(found, claimed(wanted, "stem"), wanted) == 0
+        assert deliver(found, claim_destination(wanted, "stem"), wanted) == 0
         assert {path.relative_to(tmp_path).as_posix() for path in set(tmp_path.rglob("*.*")) - before} == names
     assert json.loads(Path("d/stem.json").read_text())["key"] == 1.0
     assert "<h1>cycloid_mj: tried: pin</h1>" in Path("mine.html").read_text()
@@ -107,7 +107,7 @@ def test_results_replace_no_others_without_force(tmp_path: Path, capsys: pytest.
 @pytest.mark.parametrize("html", [("a.html", "b.html"), ("pin",), ("page.toml",)])
 def test_a_page_has_one_name_and_that_of_a_page(html: tuple[str, ...]) -> None:
     with pytest.raises(UsageError, match="html"):
-        claimed(Delivery(html=html), "stem")
+        claim_destination(Delivery(html=html), "stem")
 
 
 def test_csv_has_every_digit(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

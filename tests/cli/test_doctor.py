@@ -32,7 +32,7 @@ def test_what_is_missing_is_told_with_its_remedy(capsys, monkeypatch: pytest.Mon
         raise ContactError("MuJoCo 9.9 is not one that was tested: pip install another")
 
     monkeypatch.setattr(doctor, "NEEDED", ("numpy", "no-such-package"))
-    monkeypatch.setattr(doctor, "_simulated", broken)
+    monkeypatch.setattr(doctor, "_simulate_self_test", broken)
     monkeypatch.setattr(doctor, "EXTRAS", {"cad": ("no_such_module",)})
     assert main(["doctor"]) == 1
     out = capsys.readouterr().out

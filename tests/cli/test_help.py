@@ -16,10 +16,10 @@ import pytest
 from cyclopts import App
 
 from cycloid_mj.cli import main
-from cycloid_mj.cli.app import ABOUT_PAPERS, application, parsed
+from cycloid_mj.cli.app import ABOUT_PAPERS, application, parse
 from cycloid_mj.cli.contents import GROUPS
 from cycloid_mj.cli.flags import whole
-from cycloid_mj.cli.page import NARROWEST, WIDEST, commands, folded
+from cycloid_mj.cli.page import NARROWEST, WIDEST, commands, fold_line
 from cycloid_mj.design import resolve
 
 
@@ -67,11 +67,11 @@ def test_an_example_can_be_pasted_as_it_is_printed(chain):
 
 def test_an_example_is_broken_between_its_flags_alone():
     line = "  cycloid-mj sweep --design my.toml --vary load.torque_nm=5:40:8 --limit 'mass_kg <= 1' --out here"
-    assert folded(line).splitlines() == [
+    assert fold_line(line).splitlines() == [
         "  cycloid-mj sweep --design my.toml --vary load.torque_nm=5:40:8 \\",
         "      --limit 'mass_kg <= 1' --out here",
     ]
-    assert folded("  cycloid-mj app") == "  cycloid-mj app"
+    assert fold_line("  cycloid-mj app") == "  cycloid-mj app"
 
 
 def test_pages_are_those_of_every_command():
@@ -351,7 +351,7 @@ def test_examples_of_a_page_can_be_pasted_one_after_the_other(chain: tuple[str, 
     ],
 )
 def test_a_word_of_a_fixed_set_is_taken_in_any_case(words: list[str], name: str, value: object) -> None:
-    bound = parsed(application(words[:1]), words)[1]
+    bound = parse(application(words[:1]), words)[1]
     assert bound.arguments[name] == value
 
 

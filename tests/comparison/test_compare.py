@@ -13,8 +13,8 @@ from commands import told
 import cycloid_mj.dynamics.run
 from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.cli.compare import DEFAULTS, RUNS, TURNS, CompareOptions, all_cases
-from cycloid_mj.cli.flags import designed
-from cycloid_mj.cli.verdict import catalogue_table, catalogued, ratio_columns
+from cycloid_mj.cli.flags import load_design
+from cycloid_mj.cli.verdict import catalogue_figures, catalogue_table, ratio_columns
 from cycloid_mj.comparison import STARTS, SWEEP, comparable, differences, settle_run, settling_time
 from cycloid_mj.comparison.conditions import conditions
 from cycloid_mj.design import PRESETS, dump, loads, override
@@ -511,8 +511,8 @@ def test_figures_have_a_panel_for_each_run_and_name_it(compared):
 def test_designs_that_settle_apart_and_have_other_tables_are_compared(names: tuple[str, str]) -> None:
     """The slowest decides the hold of all, whichever is named first, and a key that one lacks is a difference."""
     options = CompareOptions(load_nm=5.0)
-    first = designed(names[0], DEFAULTS, ())
-    cases = all_cases([designed(name, (), ()) for name in names], first, options)
+    first = load_design(names[0], DEFAULTS, ())
+    cases = all_cases([load_design(name, (), ()) for name in names], first, options)
     for load in (0.0, 5.0):
         own = [case for case in cases if case.load.torque == load]
         assert len(own) >= 2
@@ -552,7 +552,7 @@ def test_an_overload_is_reported_before_the_run(here, planned, capfd, times: flo
 
 
 def test_the_headline_has_a_column_for_each_design_and_their_ratio() -> None:
-    by_design = catalogued([PRESETS["pin"], PRESETS["nonpin"]])
+    by_design = catalogue_figures([PRESETS["pin"], PRESETS["nonpin"]])
     table = catalogue_table(by_design)
     assert table.header == ("figure", "pin", "nonpin", "ratio", "unit")
     key, pin, nonpin, ratio, unit = next(row for row in table.rows if row[0] == "mass_kg")

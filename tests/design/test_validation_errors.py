@@ -9,7 +9,7 @@ from pydantic_core import InitErrorDetails, PydanticKnownError, core_schema
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import PRESETS, Design, loads, override, resolve
 from cycloid_mj.design.materials import MATERIALS
-from cycloid_mj.design.validation_errors import BOUNDS, range_words, refusal
+from cycloid_mj.design.validation_errors import BOUNDS, as_design_error, range_words
 
 WORDS = {"value_error": ValueError("set halves = 2 as well"), "assertion_error": AssertionError("set halves = 2")}
 """Type of error -> what stands for its exception."""
@@ -33,7 +33,7 @@ TYPES = [kind for kind in get_args(core_schema.ErrorType) if kind != "missing"]
 @pytest.mark.parametrize("kind", TYPES)
 def test_every_type_of_error_is_told_without_the_words_of_pydantic(kind: str) -> None:
     details = InitErrorDetails(type=kind, ctx=filling(kind), loc=("ring", "pin_radius"), input="a\nb")
-    error = refusal(ValidationError.from_exception_data("Design", [details]), Design, "my.toml")
+    error = as_design_error(ValidationError.from_exception_data("Design", [details]), Design, "my.toml")
     text = str(error)
     assert text.startswith('my.toml: ring.pin_radius_mm = "a\\nb" is not allowed: '), text
     for words in ("Value error", "Assertion failed", "Input should", "Input must", "pydantic", "  "):
@@ -74,7 +74,7 @@ def test_a_value_without_a_declared_range_has_that_of_the_error() -> None:
         inner: Inner = Inner()
 
     details = InitErrorDetails(type="less_than", ctx={"lt": 3}, loc=("inner", "x", 1), input=5)
-    refused = refusal(ValidationError.from_exception_data("Outer", [details]), Outer, "f")
+    refused = as_design_error(ValidationError.from_exception_data("Outer", [details]), Outer, "f")
     assert str(refused) == "f: inner.x[2] = 5 is not allowed: it must be less than 3 (places)"
 
 

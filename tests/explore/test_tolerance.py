@@ -549,7 +549,7 @@ def test_the_command_keeps_what_jammed_and_fails(tmp_path: Path, capsys, monkeyp
 
 def test_the_command_writes_what_is_done_at_ctrl_c(tmp_path: Path, capsys, monkeypatch) -> None:
     monkeypatch.setattr(sampling, "BLOCK_SAMPLES", 8)
-    monkeypatch.setattr("cycloid_mj.cli.progress.counted", lambda *_: stopping_after(16))
+    monkeypatch.setattr("cycloid_mj.cli.progress.count_progress", lambda *_: stopping_after(16))
     zones = ["--set", 'tolerance.cam="normal 0.2"', "--set", 'tolerance.mesh="normal 0.1"']
     flags = [*zones, "--samples", "50", "--workers", "1", "--out", str(tmp_path), "--json"]
     assert main(["tolerance", "--design", "pin", *flags]) == 130

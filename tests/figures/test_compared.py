@@ -2,7 +2,7 @@
 
 import pytest
 
-from cycloid_mj.cli.verdict import HEADLINE, catalogue_table, catalogued
+from cycloid_mj.cli.verdict import HEADLINE, catalogue_figures, catalogue_table
 from cycloid_mj.design import PRESETS
 from cycloid_mj.figures import figure
 from cycloid_mj.reducer import Reducer
@@ -10,7 +10,7 @@ from cycloid_mj.reducer import Reducer
 
 def test_designs_stand_side_by_side_under_the_catalogue_s_keys() -> None:
     designs = [PRESETS["pin"], PRESETS["nonpin"]]
-    found = catalogued(designs)
+    found = catalogue_figures(designs)
     table = catalogue_table(found)
     assert table.header == ("figure", "pin", "nonpin", "ratio", "unit")
     assert tuple(row[0] for row in table.rows) == HEADLINE

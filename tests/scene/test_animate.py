@@ -10,7 +10,7 @@ from made_run import made_run
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
-from cycloid_mj.base.atomic_write import whole_file
+from cycloid_mj.base.atomic_write import atomic_file
 from cycloid_mj.base.errors import CycloidError, LogError, UsageError
 from cycloid_mj.base.names import all_numbered
 from cycloid_mj.design import PRESETS, override
@@ -298,12 +298,12 @@ def test_what_cannot_be_written_as_a_movie(tmp_path, monkeypatch):
 
 
 def test_files_are_written_whole_or_not_at_all(tmp_path):
-    with whole_file(tmp_path / "a.html") as beside:
+    with atomic_file(tmp_path / "a.html") as beside:
         beside.write_text("new")
         assert not (tmp_path / "a.html").exists()
         assert beside.suffix == ".html"
     assert (tmp_path / "a.html").read_text() == "new"
-    with pytest.raises(CycloidError, match="it is not a regular file"), whole_file(tmp_path):
+    with pytest.raises(CycloidError, match="it is not a regular file"), atomic_file(tmp_path):
         pass
     assert [path.name for path in tmp_path.iterdir()] == ["a.html"]
 

@@ -24,19 +24,19 @@ def on_cluster(
     work: Callable[[T], R], items: Iterable[T], scheduler: str, lost: Callable[[int, str], R] | None = None
 ) -> Iterator[tuple[int, R]]:
     """Do a piece of work for each item; see `Engine.stream`."""
-    with _client(scheduler) as client, _connected(scheduler):
+    with _client(scheduler) as client, _connect(scheduler):
         from distributed import KilledWorker, as_completed
 
         _require_workers(client, scheduler)
         waiting = iter(enumerate(items))
         places: dict[Any, int] = {}
 
-        def submitted(count: int) -> list[Any]:
+        def submit_work(count: int) -> list[Any]:
             futures = {client.submit(_piece, work, item, pure=False): place for place, item in islice(waiting, count)}
             places.update(futures)
             return list(futures)
 
-        running = as_completed(submitted(max(AHEAD, 4 * sum(client.nthreads().values()))), loop=client.loop)
+        running = as_completed(submit_work(max(AHEAD, 4 * sum(client.nthreads().values()))), loop=client.loop)
         for future in running:
             place = places.pop(future)
             if future.status == "finished":
@@ -53,7 +53,7 @@ def on_cluster(
                 raise _failure(future, scheduler)
             future.release()
             yield place, result
-            running.update(submitted(1))
+            running.update(submit_work(1))
 
 
 def _piece(work: Callable[[T], R], item: T) -> tuple[Versions, R]:
@@ -101,15 +101,15 @@ def _of_dask(name: str) -> bool:
 
 
 @contextmanager
-def _connected(scheduler: str) -> Iterator[None]:
+def _connect(scheduler: str) -> Iterator[None]:
     """Turn what Dask raises where the scheduler is gone into a RunError."""
     try:
         yield
     except (OSError, CancelledError) as problem:
-        raise _lost(scheduler) from problem
+        raise _connection_error(scheduler) from problem
 
 
-def _lost(scheduler: str) -> RunError:
+def _connection_error(scheduler: str) -> RunError:
     return RunError(
         f"the connection to the scheduler {scheduler} was lost: restart it, then run the same command again"
     )
@@ -135,7 +135,7 @@ def _require_workers(client: Any, scheduler: str) -> None:
 def _failure(future: Any, scheduler: str) -> BaseException:
     """Return the error that ends the work: that of the work itself, or that the cluster is gone."""
     if future.status != "error":
-        return _lost(scheduler)
+        return _connection_error(scheduler)
     error: BaseException = future.exception()
     if isinstance(error, CycloidError):
         return error

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import TypeVar
 
 from cycloid_mj.base.engine.housekeeping import handed_on
-from cycloid_mj.base.interrupt import give_way, stopped_by
+from cycloid_mj.base.interrupt import check_interrupt, interrupt_on_event
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -43,8 +43,8 @@ class _AtWork:
         with self._changed:
             self._under_way += 1
         try:
-            with stopped_by(self._stopped):
-                give_way()
+            with interrupt_on_event(self._stopped):
+                check_interrupt()
                 return place, work(item)
         finally:
             with self._changed:

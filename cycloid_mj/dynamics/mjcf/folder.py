@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 from cycloid_mj.base import names
-from cycloid_mj.base.atomic_write import write_whole
+from cycloid_mj.base.atomic_write import write_files
 from cycloid_mj.base.errors import CycloidError, reason, warn
 from cycloid_mj.base.overwrite_guard import make_folder, remove_empty
 from cycloid_mj.base.version import __version__
@@ -92,7 +92,7 @@ def write_folder(files: Mapping[str, bytes], folder: Path) -> None:
     except OSError as error:
         raise CycloidError(f"cannot create the folder {assets}: {reason(error)}; choose another folder") from error
     try:
-        write_whole({folder / name: content for name, content in files.items()})
+        write_files({folder / name: content for name, content in files.items()})
     except BaseException:
         remove_empty([assets])
         raise

@@ -12,7 +12,7 @@ import numpy as np
 
 from cycloid_mj.base import compiling
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.compiling import announced, cacheable, digest
+from cycloid_mj.base.compiling import announce_compilation, cacheable, digest
 from cycloid_mj.dynamics.contact import contact_search, gap, local_gap, memory, ring, teeth
 from cycloid_mj.dynamics.contact.contact_search import STRIDE
 from cycloid_mj.dynamics.contact.each_step import OF_SOLVER
@@ -112,7 +112,7 @@ class Stepper:
         commands = self._commands[np.minimum(np.arange(self._taken, self._taken + steps), len(self._commands) - 1)]
         system = self._system
         lobes = np.ascontiguousarray(system.ring[:, 0]) if system.lobes else None
-        with announced():  # the first steps compile
+        with announce_compilation():  # the first steps compile
             _compile_steps()(
                 system,
                 lobes,

@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Iterator
 
-from cycloid_mj.base.atomic_write import zipped
+from cycloid_mj.base.atomic_write import zip_files
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import Mesh
 from cycloid_mj.parts.export.plate import PrintPlate
@@ -26,7 +26,7 @@ MODEL = "3D/3dmodel.model"
 def threemf_bytes(plate: PrintPlate) -> bytes:
     """Encode a plate; copies of a part are numbered."""
     texts = {"[Content_Types].xml": TYPES, "_rels/.rels": RELATIONS, MODEL: _model(plate)}
-    return zipped({name: text.encode() for name, text in texts.items()})
+    return zip_files({name: text.encode() for name, text in texts.items()})
 
 
 def _model(plate: PrintPlate) -> str:
