@@ -648,7 +648,11 @@ def test_the_exported_joint_opens_in_mujoco(tmp_path: Path) -> None:
     place = tmp_path / "printed-joint"
     for name in ("scene.xml", "lossy_scene.xml"):
         assert mujoco.MjModel.from_xml_path(str(place / name)).joint("output").name == "output"
-    assert {file.name for file in place.iterdir()} == {*robot_files.BASE_FILES, *robot_files.SPRING_FILES, "reducer.json"}
+    assert {file.name for file in place.iterdir()} == {
+        *robot_files.BASE_FILES,
+        *robot_files.SPRING_FILES,
+        "reducer.json",
+    }
 
 
 def test_job_of_returns_a_function_for_every_kind() -> None:
