@@ -72,9 +72,9 @@ times what they bore before is looked at."""
 COOLER, SLOWER = 0.9, 3
 """Of the speed at which a torque would be held by the law of what fails: what is tried; and how often at most."""
 
-NO_BALANCE = "its teeth snap over within their clearances of {0:g} um under any load"
+NO_BALANCE = "with clearances of {0:g} um its teeth skip under any load"
 
-NO_STOCK, FREE = "no pins and bearings in stock fit", "any size of pins and bearings"
+NO_STOCK, FREE = "no pins and bearings in stock fit", "free sizes of pins and bearings"
 
 MOST_WAYS, LOOKED_FOR, TOGETHER = 3, 16.0, 30.0
 """Ways out beside a larger diameter, and the budgets within which all are looked for, and then several at once."""
@@ -135,7 +135,7 @@ class Answer(Presented):
 
     @property
     def line(self) -> str:
-        """What was asked for, and the drives, or what goes."""
+        """The requirement, and the drives or the reason why there is none."""
         asked = f"{self.asked.ratio}:1, {1e3 * self.asked.diameter:g} mm, {self.asked.torque:g} N m"
         drives = ", ".join(f"{one.title} {one.figures['mass_kg']:.3g} kg" for one in self.drives)
         return f"{asked}; {drives or self.refusal}"
@@ -212,7 +212,7 @@ def _none_fits(asked: Requirement) -> Answer:
     within = f"{1e3 * asked.diameter:g} mm"
     within += f" by {1e3 * asked.length:g} mm" if asked.length < math.inf else ""
     limit = (
-        f"no gear with a ratio of {asked.ratio} fits into {within} with clearances of "
+        f"no disc with a ratio of {asked.ratio} fits into {within} with clearances of "
         f"{1e6 * asked.usual_clearance:g} um ({asked.process})"
     )
     way = _longer(asked) or _larger(asked, 0.0, Budget(LOOKED_FOR))
@@ -249,7 +249,7 @@ def _longer(asked: Requirement) -> Way | None:
     reducer = step[1].reducer
     longer = free.but(length=math.ceil(drive_length(reducer)) / MILLIMETRES)
     held = _held(longer, Budget())[0]
-    length = f"{words}a length of {MILLIMETRES * longer.length:g} mm (a drive was found with {length_parts(reducer)})"
+    length = f"{words}a length of {MILLIMETRES * longer.length:g} mm (a drive exists with {length_parts(reducer)})"
     return Way(length, longer) if held else None
 
 
@@ -283,7 +283,7 @@ def _too_loose(asked: Requirement, least: float, listed: Listed, held: bool = Tr
     share, finest = asked.backlash / least, PROCESSES[asked.process].finest
     if asked.tightened and asked.usual_clearance > finest:
         return _answered(asked.but(clearance=max(TIGHTER * share * asked.usual_clearance, finest)), listed)
-    limit = f"its backlash is {least:.3g} arcmin at least with clearances of {1e6 * asked.usual_clearance:.3g} um"
+    limit = f"the smallest backlash is {least:.3g} arcmin with clearances of {1e6 * asked.usual_clearance:.3g} um"
     ways = []
     if (clearance := TIGHTER * share * asked.usual_clearance) >= finest:
         ways.append(Way(f"clearances of {1e6 * clearance:.2g} um", asked.but(clearance=clearance, fit="")))
@@ -318,7 +318,7 @@ def best_ratio(asked: Requirement, low: int, high: int) -> Requirement:
         The range is none.
     """
     if low > high:
-        raise UsageError(f"the ratios from {low} to {high} are none: give the smaller one first")
+        raise UsageError(f"the range of ratios {low} to {high} is empty: give the smaller ratio first")
     count = min(MOST_RATIOS, high - low + 1)
     ratios = sorted({round(low + (high - low) * place / max(count - 1, 1)) for place in range(count)})
 
@@ -536,17 +536,19 @@ def _shortlist(asked: Requirement, step: Step) -> Iterator[SizedDrive]:
         drives.setdefault(trial.reducer.design, (of, trial))  # some round to the same parts in stock
     lightest, *rest = _lightest_first(asked, list(drives.values()))
     beside = list(_beside(asked, lightest[1], rest))
-    why = f"the least mass of those tried, none of it saved by a softer drive{_why_so_few(hard, len(beside))}"
+    why = f"lowest mass of the candidates without loss of stiffness{_why_so_few(hard, len(beside))}"
     yield _drive(asked, *lightest, "lightest", why)
     yield from (_drive(asked, *one) for one in beside)
 
 
 def _why_so_few(hard: bool, beside: int) -> str:
-    """Tell why fewer than two drives are shown beside the lightest; nothing where two are."""
+    """Return why fewer than two candidates are shown next to the lightest; empty where two are."""
     if hard:
-        return "; shown alone, as drives of so much play, or so many teeth, are slow to balance and to compare"
-    differs = f"is {DIFFERENT - 1.0:.0%} stiffer or lives {DIFFERENT - 1.0:.0%} longer"
-    return {0: f"; shown alone, as no other {differs}", 1: f"; of the others one alone {differs}"}.get(beside, "")
+        return "; the only candidate shown, as drives with so much clearance or so many teeth take long to compare"
+    differs = f"is {DIFFERENT - 1.0:.0%} stiffer or has {DIFFERENT - 1.0:.0%} more life"
+    return {0: f"; the only candidate shown, as no other {differs}", 1: f"; only one other candidate {differs}"}.get(
+        beside, ""
+    )
 
 
 def _beside(
@@ -564,11 +566,11 @@ def _beside(
         longest, stiffest = stiffest, None
         reached = _first_stiffness(longest[1].reducer)
     if stiffest:
-        yield *stiffest, "stiffest", "the stiffest of those tried"
+        yield *stiffest, "stiffest", "highest stiffness of the candidates"
     if longest and (stiffest or reached < stiffer):
-        yield *longest, "longest life", "its first part to wear out lasts the longest of those tried"
+        yield *longest, "longest life", "longest life of the candidates"
     elif longest:
-        yield *longest, "stiffest", "the stiffest of those tried, and its first part to wear out lasts the longest"
+        yield *longest, "stiffest", "highest stiffness and longest life of the candidates"
     one = stiffest or longest
     if one and not (stiffest and longest):
         some = [
@@ -580,7 +582,7 @@ def _beside(
             yield (
                 *between,
                 "in between",
-                "stiffer or longer living than the lightest, for the least mass more of those tried",
+                "stiffer or with more life than the lightest, for the smallest additional mass",
             )
 
 
@@ -671,7 +673,7 @@ def _narrowed(asked: Requirement, step: Step) -> Step:
 def _drive(asked: Requirement, of: Proportions, trial: TorqueTrial, title: str, why: str) -> SizedDrive:
     figures = _figures(trial)
     if figures["drive_diameter_mm"] > (1.0 + TOUCHING) * figures["outer_diameter_mm"]:
-        why += f"; covers of {figures['drive_diameter_mm']:.3g} mm, as no screw in stock has room in the ring's wall"
+        why += f"; covers of {figures['drive_diameter_mm']:.3g} mm, as no screw in stock fits in the ring's wall"
     return SizedDrive(title, why, trial.reducer.design, figures, dict(reasons_of(asked, of, trial)))
 
 

@@ -1,4 +1,4 @@
-"""Why each value of a new drive is as it is, for the comments of its file."""
+"""Reasons for the values of a new drive, for the comments in its file."""
 
 from collections.abc import Iterator
 
@@ -11,52 +11,61 @@ from cycloid_mj.sizing.requirement import Requirement
 from cycloid_mj.sizing.trial import TorqueTrial
 
 THICKER = 0.015
-"""Of the outer radius: by how much a wall is thicker than asked for, so that it is not by rounding."""
+"""Excess of a wall over the required thickness, relative to the outer radius, that is more than rounding."""
 
 
 def reasons_of(asked: Requirement, of: Proportions, trial: TorqueTrial) -> Iterator[tuple[str, str]]:
-    """Yield value and reason, by ``table.value``."""
+    """Yield key, ``table.value``, and reason of each value."""
     design, discs = trial.reducer.design, trial.reducer.design.gear.discs
-    weakest = f"; at the torque asked for {trial.weakest.name} is the first to fail" if trial.weakest else ""
-    yield "structure", "as drives are built: output pins bend, carrier, shaft and housing twist"
-    yield "ring.teeth", f"the ratio {design.lobes} plus one"
+    weakest = f"; at the required torque {trial.weakest.name} fails first" if trial.weakest else ""
+    yield "structure", "includes bending of output pins and torsion of carrier, shaft and housing"
+    yield "ring.teeth", f"ratio {design.lobes} plus one"
     outer = design.housing.outer_radius
     wall = 1.0 - (design.ring.pin_circle_radius + design.ring.pin_radius) / outer
     needed = "" if wall < of.wall + THICKER else ", as the screws of the covers need it"
     yield "ring.pin_circle_radius", f"leaves a wall of {wall:.0%} of the outer radius{needed}"
     stock = "" if asked.custom else ", in stock"
-    yield "ring.pin_radius", f"{of.pin:.0%} of the room between neighbours, about{stock}"
-    yield "gear.eccentricity", f"K1 = c N / E = {of.short_width:g}: the largest with which nothing else is weaker"
-    as_sold = "" if asked.custom else ", about, as long as pins in stock"
+    yield "ring.pin_radius", f"{of.pin:.0%} of the space between neighbours, approximately{stock}"
+    yield (
+        "gear.eccentricity",
+        f"K1 = c N / E = {of.short_width:g}: the largest at which no other part becomes the weakest",
+    )
+    as_sold = "" if asked.custom else ", as long as pins in stock"
     yield "gear.face_width", f"{of.width:.0%} of the pin circle for all discs{as_sold}{weakest}"
-    yield "gear.bore_radius", f"{of.bore:.0%} of the gear's root, about{stock and ', for a bearing in stock'}"
+    yield (
+        "gear.bore_radius",
+        f"{of.bore:.0%} of the disc's root radius, approximately{stock and ', for a bearing in stock'}",
+    )
     if discs > 1:
         one_part = are_one_part(discs, design.output.pins, design.lobes)
-        yield "gear.discs", "as asked for; they balance each other" if asked.discs else "one is too few"
-        yield "output.pins", "with them all discs are one and the same part" if one_part else "discs differ as parts"
+        yield "gear.discs", "required; they balance each other" if asked.discs else "one disc is not enough"
+        yield (
+            "output.pins",
+            "with this number all discs are identical parts" if one_part else "the discs are different parts",
+        )
     else:
-        yield "output.pins", "as many as leave walls between their holes"
-    yield "gear.disc_gap", "room for a spacer, of several discs"
+        yield "output.pins", "the largest number with walls between the holes"
+    yield "gear.disc_gap", "space for a spacer between several discs"
     yield "output.pin_circle_radius", "the middle of the web between bore and root"
-    yield "output.pin_radius", f"its hole takes {of.hole:.0%} of the web, or of the room between neighbours"
+    yield "output.pin_radius", f"its hole takes {of.hole:.0%} of the web, or of the space between neighbours"
     yield "output.hole_radius", "output pin + eccentricity"
-    reach = stock and ", about: dowels in stock reach from face to face"
+    reach = stock and ", approximately: dowels in stock reach from face to face"
     yield "output.disc_thickness", f"{DISC_SHARE:.0%} of the outer radius{reach}"
-    yield "output.support", "held at one end, the pins would bend away from the load"
+    yield "output.support", "supported at one end, the pins would bend away from the load"
     if stock:
         yield "output.core_radius", "a dowel in stock under the roller"
-        yield "output.roller_bearing", "a turned sleeve has room on the dowel, needles have not"
-        yield "shaft.bearing_width", "of a bearing in stock"
+        yield "output.roller_bearing", "a turned sleeve fits on the dowel, needles do not"
+        yield "shaft.bearing_width", "width of a bearing in stock"
         yield from _clamping(design)
-    yield "shaft.radius", f"at most {of.shaft:.0%} of the bore, and room for its bearing within the cam{stock}"
-    yield "shaft.length", "room for a bearing" + (", and for the counterweight" if discs == 1 else "")
-    yield "shaft.counterweight_radius", "three quarters of the room within the pins"
+    yield "shaft.radius", f"at most {of.shaft:.0%} of the bore, with space for its bearing within the cam{stock}"
+    yield "shaft.length", "space for a bearing" + (", and for the counterweight" if discs == 1 else "")
+    yield "shaft.counterweight_radius", "three quarters of the space within the pins"
     yield "shaft.mounting", "a bearing on either side of the discs"
-    yield "housing.outer_radius", "as asked for"
-    yield "drive.torque", "the torque asked for, over the ratio"
-    yield "drive.speed", "as asked for, or a motor with four poles at 50 Hz"
-    yield "drive.power", f"{OVERRATED:g} times what torque and speed ask for"
-    yield "service.life", "as asked for"
+    yield "housing.outer_radius", "required"
+    yield "drive.torque", "required torque divided by the ratio"
+    yield "drive.speed", "required, or that of a four-pole motor at 50 Hz"
+    yield "drive.power", f"{OVERRATED:g} times the power of torque and speed"
+    yield "service.life", "required"
     yield from _made(asked, design)
 
 
@@ -64,9 +73,9 @@ def _clamping(design: Design) -> Iterator[tuple[str, str]]:
     """Yield why the ring is held as it is, where its screws are those in stock."""
     screw = stock.bolt_under(2.0 * design.housing.bolt_radius)
     if design.housing.support == "rim" or not screw:
-        yield "housing.support", "the wall behind the teeth has no room for the heads of screws in stock"
+        yield "housing.support", "the wall behind the teeth has no space for the heads of screws in stock"
         return
-    yield "housing.support", "the wall behind the teeth has room for the heads of screws in stock"
+    yield "housing.support", "the wall behind the teeth has space for the heads of screws in stock"
     yield "housing.bolt_radius", f"half the head of {screw.designation}"
 
 
@@ -74,19 +83,19 @@ def _made(asked: Requirement, design: Design) -> Iterator[tuple[str, str]]:
     """Yield why materials, clearances and tolerances are as they are."""
     reasons = dict(PROCESSES[asked.process].reasons)
     if asked.material:
-        reasons["material.name"] = "as asked for"
+        reasons["material.name"] = "required"
     clearance = reasons.pop("clearance.pin_gear")
     if asked.tightened:
-        clearance = "what the backlash leaves, and the process can hold"
+        clearance = "the largest that the backlash allows, within the process's accuracy"
     elif asked.clearance:
-        clearance = "as asked for"
+        clearance = "required"
     elif asked.fit:
-        clearance = f"the mean of {asked.fit}, of the radius"
+        clearance = f"mean clearance of {asked.fit}, on the radius"
     reasons |= dict.fromkeys((f"clearance.{pair}" for pair in type(design.clearance).model_fields), clearance)
     if asked.fit:
-        reasons |= dict.fromkeys((f"tolerance.{zone}" for zone in FITTED), "as asked for")
+        reasons |= dict.fromkeys((f"tolerance.{zone}" for zone in FITTED), "required")
     for table in ("material", *(f"{part}_material" for part in PARTS)):
         if material := getattr(design, table):
             numbers = [f"{table}.{key}" for key in type(material).model_fields if key != "name"]
-            reasons |= dict.fromkeys(numbers, f"of {material.name}, in the library")
+            reasons |= dict.fromkeys(numbers, f"{material.name}, from the library")
     yield from reasons.items()

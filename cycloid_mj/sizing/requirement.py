@@ -1,4 +1,4 @@
-"""What is asked of a new drive."""
+"""Requirements of a new drive."""
 
 import math
 from collections.abc import Iterator
@@ -17,16 +17,16 @@ MOST_DISCS = 4
 DIAMETERS_MM, TORQUES_NM = (5.0, 3000.0), (1e-4, 1e6)
 LIVES_H, SPEEDS_RPM = (1.0, 1e6), (0.1, 50e3)
 BACKLASHES_ARCMIN, CLEARANCES_UM = (0.01, 6000.0), (0.1, 1000.0)
-"""Least and most of each size that is asked for, lengths as diameters: beyond, no drive of one stage is made."""
+"""Range of each required size, lengths as diameters: there are no single-stage drives beyond."""
 
 PIN_SIZE = 0.06
-"""Diameter of a ring pin over that of a drive, about: where one clearance stands for those of a fit."""
+"""Typical diameter of a ring pin relative to that of a drive, at which a fit is represented by one clearance."""
 
 LARGEST_PAIR = 0.6
-"""Diameter of the largest pair, that of the cam, over that of a drive, at most: a fit is to be known there."""
+"""Largest diameter of a pair, that of the cam, relative to that of a drive, at which a fit must be tabulated."""
 
 MOST_RATIOS = 7
-"""Of a range of ratios: so many are tried, evenly spaced."""
+"""Number of ratios tried in a range, evenly spaced."""
 
 
 def required(
@@ -64,47 +64,47 @@ def required(
 
 
 def _named(material: str) -> str:
-    """Return the only material of the library that has a word in its name, as 16MnCr5; what is none stays as it is."""
+    """Return the only material of the library with a word in its name, such as 16MnCr5; else the text itself."""
     matching = [name for name in MATERIALS if material.lower() in name.lower().split()]
     return matching[0] if len(matching) == 1 and material not in MATERIALS else material
 
 
 @dataclass(frozen=True)
 class Requirement:
-    """What a drive is to do, in SI but for the life.
+    """Requirement of a drive, in SI except for the life.
 
     Attributes
     ----------
     ratio
-        Turns of the crank for one of the output.
+        Crank turns per output turn.
     diameter
-        Outside [m].
+        Outer diameter [m].
     torque
-        On the output [N m], for all of the life; twice as much is to be held once.
+        Output torque over the life [N m]; twice this is required as a peak.
     life
-        Hours at that torque.
+        Life at that torque [h].
     speed
-        Of the crank [rad/s].
+        Crank speed [rad/s].
     process
-        How it is made.
+        Manufacturing process.
     discs
-        On the crank; 0: one, or two where one is too few.
+        Number of discs; 0: one, or two where one is not enough.
     length
-        Most that it is to be long over all [m]; inf: any.
+        Largest overall length [m]; inf: any.
     backlash
-        Most that it is to have [arcmin]; inf: any.
+        Largest backlash [arcmin]; inf: any.
     material
-        Of gear and housing, by its name in the library; empty: the usual one of the process.
+        Material of disc and housing, by its name in the library; empty: the default of the process.
     clearance
-        Of each pair of parts [m]; 0: the usual one of the process, or less where the backlash asks for it.
+        Clearance of each pair of parts [m]; 0: the default of the process, or less where the backlash requires it.
     fit
-        Of each pair of parts instead, such as H7/g6, at its own size (ISO 286-1); empty: none.
+        Fit of each pair of parts instead, such as H7/g6, at its size (ISO 286-1); empty: none.
     custom
-        Whether sizes are free, and not those of pins and bearings in stock.
+        Whether sizes are free instead of those of pins and bearings in stock.
     tightened
-        Whether the clearance was lowered for the backlash's sake, and may be lowered more.
+        Whether the clearance was reduced for the backlash, and may be reduced further.
     covered
-        Whether the covers are to be no larger than the ring: their screws have room in its wall.
+        Whether the covers must not be larger than the ring, with their screws in its wall.
     """
 
     ratio: int
@@ -124,42 +124,44 @@ class Requirement:
     covered: bool = False
 
     def __post_init__(self) -> None:
-        """Refuse what no drive can be.
+        """Check the ranges of all values.
 
         Raises
         ------
         UsageError
-            A value is out of its range, or no whole number.
+            A value is out of range, or not a whole number.
         """
         for what, number in (("ratio", self.ratio), ("number of discs", self.discs)):
             if number != round(number):
-                raise UsageError(f"the {what} is {number}; give {math.floor(number)} or {math.ceil(number)}")
+                raise UsageError(
+                    f"the {what} is {number}; it must be whole, such as {math.floor(number)} or {math.ceil(number)}"
+                )
         if not LEAST_RATIO <= self.ratio <= MOST_RATIO:
-            raise UsageError(f"the ratio is {self.ratio}; one stage of pins has from {LEAST_RATIO} to {MOST_RATIO}")
+            raise UsageError(f"the ratio is {self.ratio}; a single stage allows {LEAST_RATIO} to {MOST_RATIO}")
         if not 0 <= self.discs <= MOST_DISCS:
-            raise UsageError(f"{self.discs} discs are asked for; a crank has from 1 to {MOST_DISCS}")
+            raise UsageError(f"the number of discs is {self.discs}; allowed: 1 to {MOST_DISCS}")
         for what, value, unit, least, most in self._sizes():
             if not least <= value <= most:
-                raise UsageError(f"the {what} is {value:.10g} {unit}; it is to be from {least:g} to {most:g} {unit}")
+                raise UsageError(f"the {what} is {value:.10g} {unit}; allowed: {least:g} to {most:g} {unit}")
         if self.material and self.material not in MATERIALS:
-            raise UsageError(f"there is no material {self.material!r}; it is one of {', '.join(MATERIALS)}")
+            raise UsageError(f"unknown material {self.material!r}; available: {', '.join(MATERIALS)}")
         if self.fit:
             self._check_fit()
 
     def _check_fit(self) -> None:
         if self.clearance:
             raise UsageError(
-                f"a fit, {self.fit}, and a clearance of {1e6 * self.clearance:g} um: leave one of them out"
+                f"both a fit, {self.fit}, and a clearance, {1e6 * self.clearance:g} um, are set: remove one of them"
             )
         try:
             tightest, _ = clearances(self.fit, LARGEST_PAIR * self.diameter)
         except ValueError as error:
             raise UsageError(f"the fit is {self.fit!r}: {error}") from None
         if tightest < 0.0:
-            raise UsageError(f"the fit {self.fit} jams: its parts move in each other; take one such as H7/g6")
+            raise UsageError(f"the fit {self.fit} jams, as its parts must move: use a clearance fit such as H7/g6")
 
     def _sizes(self) -> Iterator[tuple[str, float, str, float, float]]:
-        """Yield what has a unit: its name, value and unit, and the least and the most that it may be."""
+        """Yield name, value, unit and range of each size."""
         yield "diameter", MILLIMETRES * self.diameter, "mm", *DIAMETERS_MM
         yield "torque", self.torque, "N m", *TORQUES_NM
         yield "life", self.life, "h", *LIVES_H
@@ -177,12 +179,12 @@ class Requirement:
 
     @property
     def made_of(self) -> str:
-        """Material of gear and housing."""
+        """Material of disc and housing."""
         return self.material or PROCESSES[self.process].material
 
     @property
     def usual_clearance(self) -> float:
-        """Clearance that is asked for, or that of the process, or that of the fit at the size of a ring pin [m]."""
+        """Required clearance, or that of the process, or that of the fit at the size of a ring pin [m]."""
         return self.clearance_at(PIN_SIZE * self.diameter)
 
     def clearance_at(self, size: float) -> float:

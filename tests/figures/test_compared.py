@@ -14,8 +14,8 @@ def test_designs_stand_side_by_side_under_the_catalogue_s_keys() -> None:
     table = catalogue_table(found)
     assert table.header == ("figure", "pin", "nonpin", "ratio", "unit")
     assert tuple(row[0] for row in table.rows) == HEADLINE
-    for place, design in enumerate(designs, 1):
-        values = {row[0]: row[place] for row in table.rows}
+    for column, design in enumerate(designs, 1):
+        values = {row[0]: row[column] for row in table.rows}
         for key in ("te_loaded_arcsec", "mass_kg"):
             assert values[key] == pytest.approx(figure(key).value(Reducer(design)))
     assert "pin_gear_pressure_mpa" in found["pin"]
