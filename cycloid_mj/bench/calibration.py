@@ -227,7 +227,30 @@ class Calibration(Presented):
         return _next_loops(self.fitted, self.unidentified, self.alike)
 
     def tables(self) -> tuple[Table, ...]:
-        """Tabulate parameters, figures, loops and variants."""
+        """Return tables of parameters, figures, loops, deviations, and compared models."""
+        compared = (
+            ("candidate models of the loops", self.candidates),
+            ("which losses explain the loops", self.variants),
+        )
+        return (
+            self._parameter_table(),
+            self._figure_table(),
+            self._loop_table(),
+            self._deviation_table(),
+            *(_comparison_table(title, self.fitted.loops, fits) for title, fits in compared if fits),
+        )
+
+    def _parameter_table(self) -> Table:
+        """Tabulate the fitted values with their intervals."""
+        header = (
+            "value",
+            "fitted",
+            f"95 %, with a model error of {MODEL_ERROR:.0%}",
+            "95 %, noise alone",
+            "unit",
+            "determined by the loop",
+            "prior (one sigma)",
+        )
         rows = tuple(
             (
                 key,
@@ -240,18 +263,35 @@ class Calibration(Presented):
             )
             for key, estimate in self.estimates.items()
         )
-        read, modelled = self.measured.in_units(), self.modelled.in_units()
-        figures = tuple(
+        return Table(f"{self.design.name}: fitted values", header, rows)
+
+    def _figure_table(self) -> Table:
+        """Tabulate the figures of the measured and the fitted loop with their definitions."""
+        modelled = self.modelled.in_units()
+        rows = tuple(
             (
                 key,
-                _formatted(item.value),
+                _format_number(item.value),
                 f"{item.low:.4g} to {item.high:.4g}" if np.isfinite(item.value) else "",
-                _formatted(modelled[key].value),
+                _format_number(modelled[key].value),
                 DEFINITIONS[key],
             )
-            for key, item in read.items()
+            for key, item in self.measured.in_units().items()
         )
-        loops = tuple(
+        return Table("figures of the loop", ("figure", "measured", "95 %", "fitted model", "definition"), rows)
+
+    def _loop_table(self) -> Table:
+        """Tabulate the loops with their residuals."""
+        header = (
+            "loop",
+            "points",
+            "height [deg]",
+            "residual rms [deg]",
+            "relative to the height",
+            "without an offset of torque",
+            "torque range [N m]",
+        )
+        rows = tuple(
             (
                 loop.name,
                 float(len(loop.torque)),
@@ -263,66 +303,30 @@ class Calibration(Presented):
             )
             for number, loop in enumerate(self.fitted.loops)
         )
-        tables = [
-            Table(
-                f"{self.design.name}: fitted values",
-                (
-                    "value",
-                    "fitted",
-                    f"95 %, with a model error of {MODEL_ERROR:.0%}",
-                    "95 %, noise alone",
-                    "unit",
-                    "determined by the loop",
-                    "prior (one sigma)",
-                ),
-                rows,
-            ),
-            Table("figures of the loop", ("figure", "measured", "95 %", "fitted model", "definition"), figures),
-            Table(
-                "loops",
-                (
-                    "loop",
-                    "points",
-                    "height [deg]",
-                    "residual rms [deg]",
-                    "relative to the height",
-                    "without an offset of torque",
-                    "torque range [N m]",
-                ),
-                loops,
-            ),
-        ]
-        tables.append(
-            Table(
-                "where the fitted model misses the loops",
-                (
-                    "loop",
-                    "stretch",
-                    "torque [N m]",
-                    "measured less model, mean [deg]",
-                    "rms [deg]",
-                    "rms of the height",
-                ),
-                tuple(
-                    (
-                        item.loop,
-                        item.stretch,
-                        f"{item.first:+.3g} to {item.last:+.3g}",
-                        item.mean / DEGREE,
-                        item.rms / DEGREE,
-                        f"{item.share:.1%}",
-                    )
-                    for item in self.stretches
-                ),
-            )
+        return Table("loops", header, rows)
+
+    def _deviation_table(self) -> Table:
+        """Tabulate the deviation of the fitted model from each stretch of each loop."""
+        header = (
+            "loop",
+            "stretch",
+            "torque [N m]",
+            "measured less model, mean [deg]",
+            "rms [deg]",
+            "rms of the height",
         )
-        for title, compared in (
-            ("candidate models of the loops", self.candidates),
-            ("which losses explain the loops", self.variants),
-        ):
-            if compared:
-                tables.append(_comparison_table(title, self.fitted.loops, compared))
-        return tuple(tables)
+        rows = tuple(
+            (
+                item.loop,
+                item.stretch,
+                f"{item.first:+.3g} to {item.last:+.3g}",
+                item.mean / DEGREE,
+                item.rms / DEGREE,
+                f"{item.share:.1%}",
+            )
+            for item in self.stretches
+        )
+        return Table("where the fitted model misses the loops", header, rows)
 
     def as_json(self) -> dict[str, Any]:
         """Convert all of it to JSON values."""
@@ -539,6 +543,7 @@ def correlations(fitted: Fitted) -> Array:
 
 
 def _calibration(fitted: Fitted) -> Calibration:
+    """Return the calibration of a fit: its design, estimates, figures and notes."""
     count = len(fitted.parameters)
     estimates = {parameter.key: _estimate(fitted, number) for number, parameter in enumerate(fitted.parameters)}
     related = correlations(fitted)
@@ -609,6 +614,7 @@ def _comparison_table(title: str, loops: Sequence[MeasuredLoop], compared: Seque
 
 
 def _variant_json(item: ModelFit) -> dict[str, Any]:
+    """Convert the fit of a model to JSON values."""
     return {
         "key": item.key,
         "meaning": item.meaning,
@@ -619,7 +625,7 @@ def _variant_json(item: ModelFit) -> dict[str, Any]:
     }
 
 
-def _formatted(value: float) -> str:
+def _format_number(value: float) -> str:
     return f"{value:.4g}" if np.isfinite(value) else "-"
 
 
@@ -652,6 +658,7 @@ def _next_loops(fitted: Fitted, unknown: Sequence[str], alike: Sequence[tuple[st
 
 
 def _notes(fitted: Fitted) -> tuple[str, ...]:
+    """Return remarks on loops, intervals and offsets, a sentence each."""
     notes = [
         f"{loop.name} counts deflection against the torque: its sign was changed"
         for loop in fitted.loops

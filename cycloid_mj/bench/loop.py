@@ -50,7 +50,7 @@ SETTINGS = LoopSettings()
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MeasuredLoop(Presented):
-    """One measured hysteresis loop of n points.
+    """Measured hysteresis loop of n points.
 
     Attributes
     ----------
@@ -183,6 +183,7 @@ def read_columns(path: Path, names: tuple[str, ...], content: str) -> dict[str, 
 
 
 def _number(word: str, where: str) -> float:
+    """Parse a finite number; raise UsageError otherwise."""
     try:
         value = float(word)
     except ValueError:
@@ -265,7 +266,7 @@ def require_torque(loop: MeasuredLoop, rated: float) -> None:
 
 def _require_no_outlier(values: Array, column: str, where: str) -> None:
     """Raise UsageError for a value that differs from its neighbours by more than the range of the loop."""
-    smooth = _smoothed(values)
+    smooth = _median_filter(values)
     away = np.abs(values - smooth)
     worst = int(np.argmax(away))
     if away[worst] > np.ptp(smooth):
@@ -284,7 +285,7 @@ def _opening(loop: MeasuredLoop) -> float:
     return float(np.mean(falling - rising))
 
 
-def _smoothed(values: Array) -> Array:
+def _median_filter(values: Array) -> Array:
     """Compute the median of each value and its neighbours, shape (n,)."""
     padded = np.pad(values, SETTINGS.median_window // 2, mode="edge")
     return np.asarray(np.median(np.lib.stride_tricks.sliding_window_view(padded, SETTINGS.median_window), axis=1))
@@ -318,7 +319,7 @@ def _turns(torque: Array) -> tuple[tuple[float, ...], Integers]:
     A first branch that starts half-way is taken to come from the extreme before it, as in a closed loop, and the last
     to go to the next one.
     """
-    smooth = _smoothed(torque)
+    smooth = _median_filter(torque)
     least = SETTINGS.reversal * float(np.ptp(smooth))
     reversals: list[int] = []
     best = low = high = 0

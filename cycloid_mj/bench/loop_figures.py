@@ -209,6 +209,7 @@ def _of_both(positive: LoopFigure, negative: LoopFigure) -> LoopFigure:
 
 
 def _play(rising: _Line | None, falling: _Line | None, coulomb: LoopFigure) -> LoopFigure:
+    """Compute the rotation between the loading lines at the Coulomb torque, with its interval."""
     if rising is None or falling is None or math.isnan(coulomb.value):
         return NO_FIGURE
     (upper, of_upper), (lower, of_lower) = rising.at(coulomb.value), falling.at(-coulomb.value)

@@ -55,7 +55,7 @@ class ModelFit:
 
 @dataclass(frozen=True)
 class LoopStretch:
-    """How a fitted model misses one stretch of a measured loop.
+    """Deviation of a fitted model from a stretch of a measured loop.
 
     Attributes
     ----------

@@ -78,7 +78,7 @@ class Model:
 
 @dataclass(frozen=True)
 class Parameter:
-    """One fitted value, in the unit in which it is printed.
+    """Fitted value, in the unit in which it is printed.
 
     Attributes
     ----------
@@ -167,17 +167,17 @@ def parameters(reducer: Reducer, keys: Sequence[str], loops: Sequence[MeasuredLo
         raise UsageError(f"--fit needs at least one value, such as {','.join(DEFAULT)}")
     if repeated := next((key for index, key in enumerate(keys) if key in keys[:index]), None):
         raise UsageError(f"--fit: {repeated} is listed twice; list each value once")
-    known = _named(reducer, loops)
+    known = _named_parameters(reducer, loops)
     return tuple(known[key] if key in known else _of_file(reducer, key) for key in keys)
 
 
-def _named(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mapping[str, Parameter]:
+def _named_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mapping[str, Parameter]:
     """Return all parameters of `NAMED` by their keys."""
     named = (*_plays(reducer), *_stiffnesses(reducer, loops), *_frictions(reducer, loops), *_hystereses(loops))
     return {parameter.key: parameter for parameter in named}
 
 
-def _mated(reducer: Reducer) -> tuple[str, ...]:
+def _tooth_pairs(reducer: Reducer) -> tuple[str, ...]:
     """Return the kinds of pairs between disc and ring: teeth, and seats of pins where they have play."""
     design = reducer.design
     return (design.tooth_pair, *([design.seat_pair] if design.seat_pair else []))
@@ -186,7 +186,7 @@ def _mated(reducer: Reducer) -> tuple[str, ...]:
 def _plays(reducer: Reducer) -> tuple[Parameter, ...]:
     """Return the parameters of clearances."""
     design = reducer.design
-    tooth, clearance, mated = design.tooth_pair, design.clearance, _mated(reducer)
+    tooth, clearance, mated = design.tooth_pair, design.clearance, _tooth_pairs(reducer)
     mesh = getattr(clearance, tooth) + design.pin_play
     um, zones = MICROMETRE.from_si, tolerance_zones(reducer)
 
@@ -223,7 +223,7 @@ def _stiffnesses(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tuple[Param
             0.1,
             1e-3,
             20.0,
-            _stiffness_setter(_mated(reducer)),
+            _stiffness_setter(_tooth_pairs(reducer)),
             logarithmic=True,
         ),
         Parameter(

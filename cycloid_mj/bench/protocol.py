@@ -44,7 +44,7 @@ CRANK, CRANK_TORQUE, OUTPUT_TORQUE = "crank_deg", "torque_crank_Nm", "torque_out
 
 
 class StatedLine(NamedTuple):
-    """One line of the protocol: name, unit, definition, and the source of that."""
+    """Line of the protocol: name, unit, definition, and the source of that."""
 
     name: str
     unit: str

@@ -40,7 +40,7 @@ def attach_reducer(spec: Any, joint: str, reduced: ReducedJoint) -> None:
     UsageError
         The hinge does not exist, it has a reducer, or the model does not compile.
     """
-    model = _compiled(spec)
+    model = _compile(spec)
     hinge = spec.joint(joint)
     if hinge is None:
         names = ", ".join(each.name for each in spec.joints if each.name) or "none has a name"
@@ -73,7 +73,7 @@ def constant_polynomial(coefficient: float) -> list[float]:
     return [coefficient, *[0.0] * mujoco.mjNPOLY]
 
 
-def _compiled(spec: Any) -> Any:
+def _compile(spec: Any) -> Any:
     try:
         return spec.copy().compile()
     except ValueError as problem:
@@ -111,6 +111,7 @@ def _add_rotor(joint: Any, model: Any, reduced: ReducedJoint) -> None:
 
 
 def _add_spring(spec: Any, reduced: ReducedJoint, joint: str, number: int) -> str:
+    """Add the tendon of a spring between crank and joint; return its name."""
     spring, name = reduced.springs[number], reducer_name(joint, number)
     tendon = spec.add_tendon(name=name, limited=mujoco.mjtLimited.mjLIMITED_FALSE)
     tendon.wrap_joint(rotor_name(joint), reduced.coefficient)
@@ -176,7 +177,7 @@ def _write_keys(
 
     An empty list is the default of a keyframe.
     """
-    after = _compiled(spec)
+    after = _compile(spec)
     crank, output = after.joint(rotor_name(joint)), model.joint(joint)
     at, along = int(crank.qposadr[0]), int(crank.dofadr[0])
     for key, (positions, speeds) in zip(spec.keys, before, strict=True):

@@ -143,6 +143,7 @@ class Population(Tabular):
         }
 
     def _summary(self, key: str) -> dict[str, float]:
+        """Return mean, standard deviation and percentiles of a parameter."""
         values = self.values[key]
         quantiles = np.percentile(values, QUANTILES).tolist()
         return {

@@ -197,7 +197,7 @@ class ReducedJoint(Presented):
         inverted. Where the error falls faster with the load than the springs wind up, several torques have the same L,
         and the largest is used.
         """
-        shares, _ = self._wound
+        shares, _ = self._bend_points
         (low, lower), (high, upper) = self._bends(angle)
 
         def stops(length: float) -> tuple[float, float]:
@@ -220,13 +220,13 @@ class ReducedJoint(Presented):
         )
 
     def _bends(self, angle: float) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-        """Compute errors and L beyond zero at the shares of `_wound` [rad], of the lower and the upper stop."""
-        shares, wound = self._wound
+        """Compute errors and L beyond zero at the shares of `_bend_points` [rad], of the lower and the upper stop."""
+        shares, wound = self._bend_points
         low, high = (np.interp(shares, self.ripple.loads, error) for error in self.ripple.errors_at(angle))
         return (low, _rising(wound - low - self.stops[0])), (high, _rising(wound + high + self.stops[1]))
 
     @cached_property
-    def _wound(self) -> tuple[Array, Array]:
+    def _bend_points(self) -> tuple[Array, Array]:
         """Shares of the rated torque between which errors and springs are linear, and the wind-up there [rad]."""
         starts = [
             sum(spring.stiffness * max(item.start - spring.start, 0.0) for spring in self.springs)

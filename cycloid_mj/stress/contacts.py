@@ -77,7 +77,7 @@ class Action:
 
     def seen_from(self, origin: Array, angle: Array) -> "Action":
         """Compute the action in a frame at `origin` [m] (k, 2) of the present one, turned by `angle` [rad] (k,)."""
-        return Action(turned(self.force, -angle), self.moment - cross(origin, self.force))
+        return Action(rotate_vectors(self.force, -angle), self.moment - cross(origin, self.force))
 
     def without_rounding(self) -> "Action":
         """Compute the action with negligible forces set to zero."""
@@ -126,7 +126,7 @@ class HertzStrip:
 
 @dataclass(frozen=True)
 class PartContact:
-    """One contact of a part along a turn of k samples.
+    """Contact of a part along a turn of k samples.
 
     Attributes
     ----------
@@ -158,7 +158,7 @@ class PartFrame:
 
     def sees(self, points: Array) -> Array:
         """Compute points of the reducer's frame (k, 2) or (2,) [m] in this one."""
-        return turned(points - self.origin, -self.angle)
+        return rotate_vectors(points - self.origin, -self.angle)
 
 
 def part_frame(turn: Turn, part: str) -> PartFrame:
@@ -230,11 +230,11 @@ def _pin_curvature(gear: CycloidGear, pin: int, gear_angle: Array, offset: float
 
 def _on_gear(turn: Turn, name: str, disc: int) -> Action:
     """Compute the logged force of a pair on a disc, about the reducer's axis."""
-    return _logged(turn, _called(turn, name, disc), _disc(turn, disc).origin)
+    return _read_action(turn, _pair_name(turn, name, disc), _disc(turn, disc).origin)
 
 
-def _called(turn: Turn, name: str, disc: int) -> str:
-    """Name a pair of a disc."""
+def _pair_name(turn: Turn, name: str, disc: int) -> str:
+    """Return the name of a pair of a disc."""
     return of_disc(name, disc, turn.reducer.design.gear.discs)
 
 
@@ -253,7 +253,7 @@ def _tooth_frame(turn: Turn, disc: int) -> PartFrame:
     return PartFrame(seat.origin, seat.angle - turn.reducer.phases[disc] / turn.reducer.design.lobes)
 
 
-def _logged(turn: Turn, name: str, origin: Array) -> Action:
+def _read_action(turn: Turn, name: str, origin: Array) -> Action:
     force, moment = turn.vectors(column(name, FORCE_X), column(name, FORCE_Y)), turn[column(name, MOMENT)]
     return Action(force, moment).seen_from(-origin, np.zeros_like(moment)).without_rounding()
 
@@ -299,12 +299,12 @@ def _teeth(turn: Turn, part: str, disc: int) -> list[PartContact]:
         place, curvature = lobe_place(
             flank, seen.foot, seen.direction, lines[:, lobe], curvatures[:, lobe], ahead, offset
         )
-        place = turned(place, on_teeth.angle - seat.angle)
+        place = rotate_vectors(place, on_teeth.angle - seat.angle)
         if part == "ring":
             place, action = place + on_teeth.origin, action.reaction()
         width = half_width(turn.reducer, "tooth", action.size, curvature, gear.pin_radius)
         pressed = line_contact(turn.reducer, "tooth", action.size, curvature)
-        contacts.append(PartContact(_called(turn, name, disc), _in(seat, action), place, width, pressed))
+        contacts.append(PartContact(_pair_name(turn, name, disc), _in(seat, action), place, width, pressed))
     return contacts
 
 
@@ -316,7 +316,7 @@ def _pin_on_gear(turn: Turn, pin: int, disc: int) -> PartContact:
     curvature = _pin_curvature(gear, pin, _tooth_frame(turn, disc).angle, turn.reducer.profile_offset)
     width = half_width(turn.reducer, "pin_gear", action.size, curvature, gear.pin_radius)
     pressed = line_contact(turn.reducer, "pin_gear", action.size, curvature)
-    return PartContact(_called(turn, name, disc), action, place, width, pressed)
+    return PartContact(_pair_name(turn, name, disc), action, place, width, pressed)
 
 
 def _cam_in_bore(turn: Turn, disc: int) -> PartContact:
@@ -324,7 +324,9 @@ def _cam_in_bore(turn: Turn, disc: int) -> PartContact:
     radius = turn.reducer.design.gear.bore_radius + turn.reducer.design.clearance.cam
     width = _cam_width(turn, action)
     place = action.on_hole(np.zeros(2), radius, width)
-    return PartContact(_called(turn, CAM, disc), action, place, width, line_contact(turn.reducer, "cam", action.size))
+    return PartContact(
+        _pair_name(turn, CAM, disc), action, place, width, line_contact(turn.reducer, "cam", action.size)
+    )
 
 
 def _holes(turn: Turn, disc: int) -> list[PartContact]:
@@ -338,7 +340,7 @@ def _holes(turn: Turn, disc: int) -> list[PartContact]:
         action = _in(seat, _on_gear(turn, name, disc))
         width = _hole_width(turn, action)
         place, pressed = action.on_hole(centre, radius, width), line_contact(turn.reducer, "output", action.size)
-        contacts.append(PartContact(_called(turn, name, disc), action, place, width, pressed))
+        contacts.append(PartContact(_pair_name(turn, name, disc), action, place, width, pressed))
     return contacts
 
 
@@ -352,7 +354,7 @@ def _of_output(turn: Turn) -> list[PartContact]:
         action = _in(seat, _on_gear(turn, name, disc).reaction())
         width = np.full_like(action.size, MAX_HALF_ANGLE * radius) if output.rollers else _hole_width(turn, action)
         place, pressed = action.on_disc(centre, radius, width), line_contact(turn.reducer, "output", action.size)
-        contacts.append(PartContact(_called(turn, name, disc), action, place, width, pressed))
+        contacts.append(PartContact(_pair_name(turn, name, disc), action, place, width, pressed))
     return contacts
 
 
@@ -365,7 +367,7 @@ def _of_shaft(turn: Turn) -> list[PartContact]:
         width = _cam_width(turn, action)
         centre = (gear.eccentricity + errors.eccentricity) * unit(-phase) + errors.cam_place[disc]
         place, pressed = action.on_disc(centre, gear.bore_radius, width), line_contact(turn.reducer, "cam", action.size)
-        contacts.append(PartContact(_called(turn, CAM, disc), action, place, width, pressed))
+        contacts.append(PartContact(_pair_name(turn, CAM, disc), action, place, width, pressed))
     return contacts
 
 
@@ -383,7 +385,7 @@ def _of_pin(turn: Turn) -> list[PartContact]:
     free = turn.reducer.design.ring.has_sockets and turn.reducer.design.ring.has_pin_bodies
     for disc, held in enumerate(sockets[:1] if free else sockets):
         wide, pressed = _socket_width(turn, held), line_contact(turn.reducer, "pin_socket", held.size)
-        name = SOCKET if free else _called(turn, SOCKET, disc)
+        name = SOCKET if free else _pair_name(turn, SOCKET, disc)
         contacts.append(PartContact(name, held, held.on_disc(centre, radius, wide), wide, pressed))
     return contacts
 
@@ -403,14 +405,14 @@ def _socket(turn: Turn, pin: int, disc: int) -> PartContact:
     width = _socket_width(turn, action)
     place = action.on_hole(centre, wall, width)
     full = ring.has_sockets and ring.has_pin_bodies
-    name = numbered(SOCKET, pin + 1) if full else _called(turn, numbered(SOCKET, pin + 1), disc)
+    name = numbered(SOCKET, pin + 1) if full else _pair_name(turn, numbered(SOCKET, pin + 1), disc)
     return PartContact(name, action, place, width, line_contact(turn.reducer, "pin_socket", action.size))
 
 
 def _socket_force(turn: Turn, pin: int, disc: int) -> Action:
     """Compute the force of a socket on its pin, about the reducer's axis; of a fixed pin, that of a disc."""
     if turn.reducer.design.ring.has_sockets and turn.reducer.design.ring.has_pin_bodies:
-        return _logged(turn, numbered(SOCKET, pin + 1), pin_centre(turn, pin))
+        return _read_action(turn, numbered(SOCKET, pin + 1), pin_centre(turn, pin))
     return _on_gear(turn, numbered(PIN, pin + 1), disc)
 
 
@@ -454,12 +456,12 @@ def dot(a: Array, b: Array) -> Array:
 
 
 def turned_right(vectors: Array) -> Array:
-    """Turn vectors (..., 2) by a quarter turn clockwise."""
+    """Rotate vectors (..., 2) by a quarter turn clockwise."""
     return np.stack([vectors[..., 1], -vectors[..., 0]], axis=-1)
 
 
-def turned(vectors: Array, angle: Array) -> Array:
-    """Turn vectors (..., 2) counter-clockwise by angles (...) [rad]."""
+def rotate_vectors(vectors: Array, angle: Array) -> Array:
+    """Rotate vectors (..., 2) counter-clockwise by angles (...) [rad]."""
     cos, sin = np.cos(angle), np.sin(angle)
     x, y = vectors[..., 0], vectors[..., 1]
     return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)

@@ -86,7 +86,7 @@ def body(grid: Grid, material: Material, springs: Any = None, loose: tuple[int, 
     motions = rigid_motions(grid.points)
     if loose is None:
         loose = () if len(grid.held) or springs is not None else tuple(range(motions.shape[1]))
-    fixed = np.union1d(unknowns(grid.held, grid.dimension), _pinned(motions, loose))
+    fixed = np.union1d(unknowns(grid.held, grid.dimension), _auxiliary_supports(motions, loose))
     _require_supports(grid, motions, fixed, springs)
     free = np.setdiff1d(np.arange(grid.unknowns), fixed)
     assembler = _Assembler(grid)
@@ -100,7 +100,7 @@ def body(grid: Grid, material: Material, springs: Any = None, loose: tuple[int, 
         motions=motions,
         mass=mass,
         loose=loose,
-        carried=weighed(mass, motions[:, list(loose)]),
+        carried=mass_product(mass, motions[:, list(loose)]),
         factor=_factor(lower, grid.part, grid.dimension),
         springs=springs,
     )
@@ -129,7 +129,7 @@ def balancing(part: ElasticBody, loads: Any) -> tuple[Array, Array]:
     return np.linalg.solve(motions.T @ part.carried, resultant.T), imbalance
 
 
-def weighed(mass: Any, fields: Array) -> Array:
+def mass_product(mass: Any, fields: Array) -> Array:
     """Compute the mass matrix times fields (n, c) of all unknowns."""
     return np.asarray(mass @ fields.reshape(mass.shape[0], -1)).reshape(fields.shape)
 
@@ -163,7 +163,7 @@ def mass_loads(part: ElasticBody, points: Array) -> Array:
     fields[:, 1, 1] = 1.0
     fields[:, 0, 2], fields[:, 1, 2] = x, y
     fields[:, 0, 3], fields[:, 1, 3] = y, -x
-    return weighed(part.mass, fields.reshape(-1, 4))
+    return mass_product(part.mass, fields.reshape(-1, 4))
 
 
 def rigid_motions(points: Array) -> Array:
@@ -217,9 +217,9 @@ def stiffness(grid: Grid, material: Material, assembler: "_Assembler | None" = N
     for i, j in zip(*np.triu_indices(dimension), strict=True):
         product = weighed[i] @ along[j]
         element = lame * product + shear * product.transpose(0, 2, 1) + (laplacian if i == j else 0.0)
-        blocks[:, i, j] = assembler.summed(element)
+        blocks[:, i, j] = assembler.sum_pairs(element)
         if i != j:
-            blocks[:, j, i] = assembler.summed(element.transpose(0, 2, 1))
+            blocks[:, j, i] = assembler.sum_pairs(element.transpose(0, 2, 1))
     return assembler.matrix(blocks)
 
 
@@ -234,7 +234,7 @@ def _mass(grid: Grid, density: float, assembler: "_Assembler") -> Any:
     basis = basis_of(grid, vector=False, order=MASS_ORDER)
     shape = np.stack([np.broadcast_to(each[0], basis.dx.shape)[0] for each in basis.basis])
     mass = density * grid.thickness * np.tensordot(basis.dx, np.einsum("aq,bq->qab", shape, shape), 1)
-    return assembler.matrix(assembler.summed(mass)[:, np.newaxis, np.newaxis])
+    return assembler.matrix(assembler.sum_pairs(mass)[:, np.newaxis, np.newaxis])
 
 
 class _Assembler:
@@ -248,7 +248,7 @@ class _Assembler:
         self._starts = np.searchsorted(pairs, np.arange(self._nodes + 1) * self._nodes)
         self.pairs = len(pairs)
 
-    def summed(self, element: Array) -> Array:
+    def sum_pairs(self, element: Array) -> Array:
         """Compute the sums (pairs,)."""
         return np.asarray(np.bincount(self._slot.ravel(), element.ravel(), self.pairs), np.float64)
 
@@ -258,7 +258,7 @@ class _Assembler:
         return sparse.bsr_matrix((blocks, self._columns, self._starts), shape=(size, size)).tocsr()
 
 
-def _pinned(motions: Array, loose: tuple[int, ...]) -> Integers:
+def _auxiliary_supports(motions: Array, loose: tuple[int, ...]) -> Integers:
     """Choose one unknown for each loose motion, far from each other: the largest left after those already chosen."""
     left = motions[:, list(loose)]
     left = left / np.abs(left).max(axis=0, initial=np.finfo(float).tiny)

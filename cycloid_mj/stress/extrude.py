@@ -62,7 +62,7 @@ def solid_grid(reducer: Reducer, part: str, settings: GridSettings) -> Grid:
     # neighbours are joined by a layer across their gap
     stack = np.concatenate(discs)
     if part != "output":
-        return extruded(section, stack, np.ones((len(stack) - 1, len(section.cells)), bool), _layers_of(discs))
+        return extrude_section(section, stack, np.ones((len(stack) - 1, len(section.cells)), bool), _layers_of(discs))
     face, thick = gear.stack_width / 2 + AXIAL_GAP, design.output.disc_thickness
     disc = _levels(face, face + thick, settings.layer_edge * length / settings.refinement)
     second = -disc[::-1] if design.output.support == "both_ends" else np.zeros(0)
@@ -70,7 +70,7 @@ def solid_grid(reducer: Reducer, part: str, settings: GridSettings) -> Grid:
     filled = np.ones((len(levels) - 1, len(section.cells)), bool)
     between = slice(max(len(second) - 1, 0), len(second) + len(stack))
     filled[between] = _within_pins(reducer, section)
-    grid = extruded(section, levels, filled, _layers_of(discs, len(second)))
+    grid = extrude_section(section, levels, filled, _layers_of(discs, len(second)))
     distance = CORNER_DISTANCE * design.output.root_radius
     corners = [_output_corners(reducer, face, disc[-1], distance / 4)]
     corners += [_output_corners(reducer, -face, -disc[-1], distance / 4)] if len(second) else []
@@ -83,7 +83,7 @@ def _layers_of(discs: list[Array], first: int = 0) -> list[slice]:
     return [slice(int(start), int(end)) for start, end in pairwise(ends)]
 
 
-def extruded(section: Grid, levels: Array, filled: Mask, loaded: Sequence[slice]) -> Grid:
+def extrude_section(section: Grid, levels: Array, filled: Mask, loaded: Sequence[slice]) -> Grid:
     """Draw a planar grid out along z.
 
     Parameters

@@ -174,7 +174,7 @@ def planar_grid(
         The region does not mesh, or a package of the extra ``fem`` is missing.
     """
     folds = np.zeros((0, 3)) if focus is None else np.asarray(focus, float).reshape(-1, 3)
-    folds = np.concatenate([folds, _clamped(region)])
+    folds = np.concatenate([folds, _clamped_circles(region)])
     for _ in range(MAX_REMESHES):
         try:
             return _planar_grid(region, settings, length, folds, section)
@@ -212,7 +212,7 @@ def _planar_grid(region: Region, settings: GridSettings, length: float, folds: A
     )
 
 
-def _clamped(region: Region) -> Array:
+def _clamped_circles(region: Region) -> Array:
     """Compute the middles of clamped circles within a region and the edge length there, rows (x, y, edge) [m]."""
     circles = [each.polygon for each in region.boundaries if each.held and each.role == "inset"]
     rows = [(*circle.mean(axis=0), MAX_CLAMPED_EDGE * float(np.ptp(circle[:, 0])) / 2.0) for circle in circles]

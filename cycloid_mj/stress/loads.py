@@ -13,7 +13,7 @@ from cycloid_mj.base.names import GEAR, family, gears
 from cycloid_mj.base.record import Run
 from cycloid_mj.parts import MassProperties, body_solids, mass_properties
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.stress.contacts import Action, contacts, part_frame, total, turned
+from cycloid_mj.stress.contacts import Action, contacts, part_frame, rotate_vectors, total
 from cycloid_mj.stress.turn import DEGREES, Turn, turn
 
 PARTS = ("shaft", "gear", "ring", "output", "pin_1")
@@ -126,9 +126,9 @@ def _motion(turn: Turn, part: str, pushed: Action) -> dict[str, Array]:
     environment = turn.reducer.design.environment
     world = np.broadcast_to([environment.gravity_x, environment.gravity_y], (turn.angle.size, 2))
     # all is seen from the ring, where the world turns back
-    world, about = turned(world, -turn.ring_angle), -turn.ring_speed
+    world, about = rotate_vectors(world, -turn.ring_angle), -turn.ring_speed
     moved = {
-        "body_force": turned(world, -part_frame(turn, part).angle),
+        "body_force": rotate_vectors(world, -part_frame(turn, part).angle),
         "spin": still,
         "spin_rate": still,
         "torque": still,

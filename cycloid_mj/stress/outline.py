@@ -38,7 +38,7 @@ class Sizing:
 class QuadraticOutline:
     """A closed outline as quadratic edges: edge i runs from `nodes[i]` over `middles[i]` to `nodes[i + 1]` [m].
 
-    `sizes` (n,) [m] is the edge length wanted at each node.
+    `sizes` (n,) [m] is the target edge length at each node.
     """
 
     nodes: Array
@@ -50,7 +50,7 @@ def divide(polygon: Array, sizing: Sizing) -> QuadraticOutline:
     """Divide a closed polygon (n, 2) [m] into edges of the wanted lengths; each of its corners becomes a node."""
     points, corner, radius = _subdivide(polygon, sizing)
     arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1))])
-    size = _limit_growth(_wanted(points, radius, sizing), arc)
+    size = _limit_growth(_target_edges(points, radius, sizing), arc)
     closed = np.append(size, size[0])
     share = np.concatenate([[0.0], np.cumsum((1 / closed[1:] + 1 / closed[:-1]) / 2 * np.diff(arc))])
     ends = np.flatnonzero(corner) if corner.any() else np.array([0])
@@ -66,8 +66,8 @@ def divide(polygon: Array, sizing: Sizing) -> QuadraticOutline:
     )
 
 
-def _wanted(points: Array, radius: Array, sizing: Sizing) -> Array:
-    """Compute the edge length wanted at each point, before grading."""
+def _target_edges(points: Array, radius: Array, sizing: Sizing) -> Array:
+    """Compute the target edge length at each point, before grading."""
     size = np.minimum(sizing.edge, np.maximum(sizing.turn * radius, sizing.finest))
     for x, y, edge in sizing.focus:
         size = np.minimum(size, edge + GROWTH * np.hypot(points[:, 0] - x, points[:, 1] - y))
@@ -87,7 +87,7 @@ def _subdivide(polygon: Array, sizing: Sizing) -> tuple[Array, Mask, Array]:
         following = np.roll(points, -1, axis=0)
         beyond = np.minimum(radius, np.roll(radius, -1))
         middle = (points + following) / 2
-        coarse = np.linalg.norm(following - points, axis=1) > _wanted(middle, beyond, sizing) / 2
+        coarse = np.linalg.norm(following - points, axis=1) > _target_edges(middle, beyond, sizing) / 2
         if not coarse.any():
             return points, corner, radius
         position = np.flatnonzero(coarse) + 1

@@ -77,7 +77,7 @@ def patches(grid: Grid, loads: PartLoads) -> Patches:
     """
     _require_match(grid, loads)
     edges = _edges(grid)
-    tree, tree_edge, tree_xi = _sampled(edges)
+    tree, tree_edge, tree_xi = _sample_edges(edges)
     size = np.linalg.norm(loads.force, axis=2)
     active = np.isfinite(loads.place).all(axis=2) & (size > NO_FORCE * np.nanmax(size, initial=0.0))
     rows, columns, values, angle, points = [], [], [], [], []
@@ -167,7 +167,7 @@ def _edges(grid: Grid) -> _Edges:
     return _Edges(nodes, positions, start, length, np.repeat(start[heads], counts), np.repeat(totals, counts))
 
 
-def _sampled(edges: _Edges) -> tuple[cKDTree, Integers, Array]:
+def _sample_edges(edges: _Edges) -> tuple[cKDTree, Integers, Array]:
     """Return a tree of points along all edges, with the edge and the parameter of each."""
     xi = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
     points = np.einsum("si,eix->esx", _shape(xi), edges.positions).reshape(-1, 2)

@@ -134,7 +134,7 @@ def _nodal_fit(grid: Grid, points: Array) -> Any:
         some = slice(first, first + CHUNK_ELEMENTS)
         rows, size[some] = _polynomials(points, grid.points[: len(table)][some], table[some], used[some])
         polynomials.append(rows)
-    return (_evaluated(grid, size) @ sparse.vstack(polynomials, "csr")).tocsr().astype(np.float32)
+    return (_evaluation_operator(grid, size) @ sparse.vstack(polynomials, "csr")).tocsr().astype(np.float32)
 
 
 def _polynomials(points: Array, vertices: Array, table: Integers, used: Mask) -> tuple[Any, Array]:
@@ -153,7 +153,7 @@ def _polynomials(points: Array, vertices: Array, table: Integers, used: Mask) ->
     return sparse.csr_matrix((fit[kept], columns, starts), shape=(len(starts) - 1, len(points))), size
 
 
-def _evaluated(grid: Grid, size: Array) -> Any:
+def _evaluation_operator(grid: Grid, size: Array) -> Any:
     """Return the operator, sparse (n, v t), from the t coefficients of each vertex's polynomial to nodes."""
     vertices = np.arange(grid.mesh.nvertices)
     ends = np.asarray(grid.mesh.facets if grid.dimension == 2 else grid.mesh.edges)

@@ -163,7 +163,7 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     moved = elastic.displacements(part, units)
     on_cams = [share for cam in range(len(cams)) for share in _cam_shares(shaft, loads, cam)]
     shares = np.vstack([*on_cams, loads.torque, mass_coefficients(loads)])
-    relief, compliance = _relieved(part, pads)
+    relief, compliance = _pad_compliance(part, pads)
     turns = section_turns(grid.points, shaft.stations)
 
     def response(block: Integers) -> Response:
@@ -222,7 +222,7 @@ def _on_cam_units(grid: Grid, shaft: ShaftDimensions, number: int) -> tuple[Arra
     loads = loads / (np.pi * shaft.cam_radius * (z1 - z0))
     loads = loads + first @ _resultant(loads)
     loads[:, 1:3] = first
-    couple = traction_loads(cam, _turned(cam.normals))[:, np.newaxis]
+    couple = traction_loads(cam, _rotate_quarter(cam.normals))[:, np.newaxis]
     return loads, _of_unit_moment(grid, couple + first @ _resultant(couple))  # a couple has no resultant
 
 
@@ -230,7 +230,7 @@ def _torsion(grid: Grid, shaft: ShaftDimensions) -> Array:
     """Compute the load (n, 1) of 1 N m about z as the shear of torsion on the input end."""
     end = surface(grid, lambda x: _at_end(x, shaft))
     first = _on_cam_units(grid, shaft, 0)[0][:, 1:3]
-    load = traction_loads(end, _turned(end.points))[:, np.newaxis]
+    load = traction_loads(end, _rotate_quarter(end.points))[:, np.newaxis]
     return _of_unit_moment(grid, load + first @ _resultant(load))
 
 
@@ -240,7 +240,7 @@ def _of_unit_moment(grid: Grid, load: Array) -> Array:
     return np.asarray(load / (x @ load[1::3] - y @ load[0::3]))
 
 
-def _relieved(part: elastic.ElasticBody, pads: Pads) -> tuple[Array, Array]:
+def _pad_compliance(part: elastic.ElasticBody, pads: Pads) -> tuple[Array, Array]:
     """Compute displacements (n, p) under 1 N out on each pad, and the compliance (p, p) [m/N] between the pads."""
     loads, _ = elastic.balance_loads(part, pads.press.toarray())
     moved = elastic.displacements(part, loads)
@@ -277,7 +277,7 @@ def _radial(normals: Array) -> Array:
     return normals * np.array([1.0, 1.0, 0.0])
 
 
-def _turned(vectors: Array) -> Array:
+def _rotate_quarter(vectors: Array) -> Array:
     """Turn vectors (..., 3) by a quarter about z: z x v."""
     return np.stack([-vectors[..., 1], vectors[..., 0], np.zeros(vectors.shape[:-1])], axis=-1)
 

@@ -44,7 +44,7 @@ class StressRange:
         }
 
 
-def sampled(angles: int) -> Integers:
+def sample_angles(angles: int) -> Integers:
     """Choose the indices of the crank angles that are evaluated, of all in a turn."""
     return np.arange(0, angles, max(1, min(ANGLE_STRIDE, angles // MIN_ANGLES)))
 
@@ -52,8 +52,8 @@ def sampled(angles: int) -> Integers:
 def critical_stress_range(part: LoadedPart, states: Mapping[int, Array], distance: float) -> StressRange:
     """Compute the stress range at a part's critical node, beyond a distance [m] from narrow patches.
 
-    `states` are the stress components (components, n) [Pa] at the `sampled` angles, by index. The critical node has the
-    largest 2 amplitude + mean: Goodman's criterion with an endurance limit of half the tensile strength.
+    `states` are the stress components (components, n) [Pa] at the `sample_angles` angles, by index. The critical node
+    has the largest 2 amplitude + mean: Goodman's criterion with an endurance limit of half the tensile strength.
     """
     every = np.arange(len(part.grid.points))
     beyond = [np.where(part.apart.at(angle, every) < distance, np.nan, state) for angle, state in states.items()]

@@ -28,7 +28,7 @@ from cycloid_mj.stress.loads import PartLoads, part_loads, part_names, require_p
 from cycloid_mj.stress.notch import Notch, output_roots, shaft_shoulders
 from cycloid_mj.stress.part import part_grid
 from cycloid_mj.stress.region import material_of
-from cycloid_mj.stress.stress_range import RANGE_PARTS, StressRange, critical_stress_range, sampled
+from cycloid_mj.stress.stress_range import RANGE_PARTS, StressRange, critical_stress_range, sample_angles
 
 OnProgress = Callable[[str, int, int], None]
 
@@ -278,7 +278,7 @@ def _solve_part(
     """
     part = assemble_part(reducer, grid, loads)
     swinging = names.family(grid.part) in RANGE_PARTS
-    states = dict.fromkeys(sampled(len(loads.angle)).tolist() if swinging else (), np.zeros(0))
+    states = dict.fromkeys(sample_angles(len(loads.angle)).tolist() if swinging else (), np.zeros(0))
 
     def keep(index: int, state: Array) -> None:
         if index in states:

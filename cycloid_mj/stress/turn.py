@@ -96,9 +96,9 @@ def turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike = DEGRE
     rows = _last_turn(run, in_hold(Reducer(ran), run.time) & np.isfinite(run[cam_force(Reducer(ran))]))
     crank = run["crank_angle"][rows]
     _require_fine(crank, wanted, run, rows)
-    nearest = np.array([np.argmin(np.abs(_wrapped(crank - angle))) for angle in wanted])
+    nearest = np.array([np.argmin(np.abs(_wrap_angles(crank - angle))) for angle in wanted])
     chosen = rows[nearest]
-    return Turn(Reducer(ran), wanted + _wrapped(crank[nearest] - wanted), run, chosen, angle[chosen], speed[chosen])
+    return Turn(Reducer(ran), wanted + _wrap_angles(crank[nearest] - wanted), run, chosen, angle[chosen], speed[chosen])
 
 
 def require_same(reducer: Reducer, ran: Reducer) -> None:
@@ -157,6 +157,6 @@ def _require_fine(crank: Array, wanted: Array, run: Run, rows: npt.NDArray[np.in
         )
 
 
-def _wrapped(angle: Array) -> Array:
+def _wrap_angles(angle: Array) -> Array:
     """Compute angles in [-pi, pi) [rad]."""
     return np.mod(angle + np.pi, 2 * np.pi) - np.pi

@@ -34,7 +34,7 @@ from cycloid_mj.parts import mass_properties, output_centres, parts
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress.closed import largest_von_mises, line_stress, von_mises_below
-from cycloid_mj.stress.contacts import Action, contacts, turned
+from cycloid_mj.stress.contacts import Action, contacts, rotate_vectors
 from cycloid_mj.stress.figures import for_one_turn
 from cycloid_mj.stress.findings import PartFindings, Peak, Refinement, StressFindings
 from cycloid_mj.stress.loads import PARTS, part_loads, part_names
@@ -225,7 +225,7 @@ def test_the_gear_accelerates_as_the_closed_form_says_but_for_vibration(request,
     sampled, loads = turn(run, Reducer(design)), part_loads(run, Reducer(design), "gear")
     accelerated = gear_centre_acceleration(tooth_profile(design), sampled["crank_angle"], sampled["crank_speed"])
     gravity = [design.environment.gravity_x, design.environment.gravity_y]
-    free = turned(gravity - accelerated, -sampled["gear_angle"])
+    free = rotate_vectors(gravity - accelerated, -sampled["gear_angle"])
     mass = mass_properties(parts(Reducer(design))["gear"]).mass
     largest = np.linalg.norm(loads.force, axis=-1).max()
     vibration = mass * np.linalg.norm(free - loads.body_force, axis=-1)

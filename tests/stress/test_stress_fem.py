@@ -96,7 +96,7 @@ def pressure(grid: Grid, loop: int, size: float) -> Array:
 
 
 def without_rigid_motion(part: elastic.ElasticBody, found: Array) -> Array:
-    motions, weighed = part.motions, elastic.weighed(part.mass, part.motions)
+    motions, weighed = part.motions, elastic.mass_product(part.mass, part.motions)
     return found - motions @ np.linalg.solve(motions.T @ weighed, weighed.T @ found)
 
 
