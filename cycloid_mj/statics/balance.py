@@ -11,7 +11,7 @@ from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.powers import Powers
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.jam import JAM_FRICTION, friction_limit
-from cycloid_mj.statics.kernel import BALANCED, KernelSprings, Residual, balance
+from cycloid_mj.statics.kernel import RESIDUAL_RTOL, KernelSprings, Residual, balance
 from cycloid_mj.statics.springs import Springs, springs_of
 from cycloid_mj.statics.structure import wind_up
 
@@ -164,7 +164,7 @@ def _solve_carrier_output(reducer: Reducer, springs: Springs, torque: float | Ar
 
 def require_balance(residual: Residual, contacts: KernelSprings, load: Array) -> None:
     """Raise RunError if the residual under loads (k, u) [N] exceeds its tolerance; name friction if it is the cause."""
-    if residual.force <= BALANCED:
+    if residual.force <= RESIDUAL_RTOL:
         return
     failed = f"no static equilibrium found: the residual is {residual.force:.1%} of the load"
     remedy = "try a slightly different torque (--load-nm) or another clearance (--set clearance....)"

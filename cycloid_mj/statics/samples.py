@@ -22,9 +22,9 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import cam_places
 from cycloid_mj.statics import kernel
 from cycloid_mj.statics.kernel import (
-    BALANCED,
     FIGURES,
     PATHS,
+    RESIDUAL_RTOL,
     Effects,
     SampleDeviations,
     balance_few_samples,
@@ -208,7 +208,7 @@ def solve_samples(
         room = room_for(springs.contacts)
         balance = balance_few_samples if len(samples) <= MAX_UNCOMPILED else balance_samples
         balance(*given, first, last, out, None, room)
-        for lost in first + np.flatnonzero(~(out[:, first:last, -1] <= BALANCED).all(axis=0)):
+        for lost in first + np.flatnonzero(~(out[:, first:last, -1] <= RESIDUAL_RTOL).all(axis=0)):
             balance_samples_by_all(*given, lost, lost + 1, out, PATHS, room)
 
     if threads == 1:
@@ -219,7 +219,7 @@ def solve_samples(
     else:
         with announce_compilation(), ThreadPoolExecutor(threads) as pool:
             list(pool.map(balanced, bounds[:-1], bounds[1:]))
-    out[~(out[..., -1] <= BALANCED)] = np.nan
+    out[~(out[..., -1] <= RESIDUAL_RTOL)] = np.nan
     solved, twist = [], wind_up(reducer)
     for torque, found in zip(torques, out, strict=True):
         seen = SampleFigures(*found[:, :-1].T.copy())

@@ -21,7 +21,7 @@ from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics.balance import Loads, loads, powers
 from cycloid_mj.statics.bearings import reaction_quantities, reactions
 from cycloid_mj.statics.ideal import ideal_peak
-from cycloid_mj.statics.kernel import CARRIES
+from cycloid_mj.statics.kernel import CARRYING_SHARE
 from cycloid_mj.statics.load_tracking import INERTIA_SHARE, inertia_share, tracking_warnings
 from cycloid_mj.statics.peaks import forces, is_narrow, peak_force, peak_pressure, torque_at_pressure
 from cycloid_mj.statics.springs import POSES, Springs, springs_of, turn_evenly
@@ -386,7 +386,7 @@ def _of_kind(springs: Springs, contact_loads: Loads, kind: str, reducer: Reducer
     `spare` is the strength over the pressure; NaN if Hertz theory does not apply.
     """
     peak, force = peak_force(contact_loads, kind), forces(contact_loads, kind).reshape(springs.crank.size, -1)
-    carries, note = force > CARRIES * peak, CONFORMAL if math.isnan(spare) else ""
+    carries, note = force > CARRYING_SHARE * peak, CONFORMAL if math.isnan(spare) else ""
     carrying = float(carries.sum(axis=1).mean())
     pressure = 1e-6 * reducer.contacts[kind].strength / spare
     ideal = ideal_peak(reducer, kind, np.linspace(0.0, 2.0 * np.pi, PER_MESH_PERIOD * reducer.design.ring.teeth + 1))

@@ -43,7 +43,7 @@ def curved(design: Design, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     springs = springs_of(Reducer(design), CRANK, friction=False).contacts
     play = arc_gaps(Reducer(design), CRANK).play
     found = [gap(springs, 0, i, z) for i in range(springs.disc.size)]
-    return np.array([one.width for one in found]) - play, np.array([one.ahead for one in found])
+    return np.array([one.width for one in found]) - play, np.array([one.normal for one in found])
 
 
 def worst(design: Design, z: np.ndarray) -> np.ndarray:

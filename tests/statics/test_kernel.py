@@ -16,11 +16,11 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import loads, springs_of
 from cycloid_mj.statics.friction_path import Held, Losses, rubbing_of
 from cycloid_mj.statics.kernel import (
-    BALANCED,
-    CARRIES,
-    FLOATING,
-    FOLLOWED,
+    CARRYING_SHARE,
+    PATH_RESIDUAL_RTOL,
     PATHS,
+    RESIDUAL_RTOL,
+    RIGID_BODY_STIFFNESS,
     KernelSprings,
     Residual,
     Rubbing,
@@ -34,7 +34,7 @@ from cycloid_mj.statics.kernel import (
     state,
     state_after,
 )
-from cycloid_mj.statics.kernel.continuation import along, by_continuation, new_path
+from cycloid_mj.statics.kernel.continuation import augmented_residual, new_path, solve_by_arclength
 from cycloid_mj.statics.kernel.system import system_of
 from cycloid_mj.statics.samples import alike, solve_samples
 from cycloid_mj.validate.displaced import exact_gaps, slip_force
@@ -78,7 +78,7 @@ def pose(contacts: KernelSprings, size: float) -> np.ndarray:
 @pytest.mark.parametrize("phase", [1.0, -1.0])
 def test_a_foot_point_nearby_is_found_in_one_round(monkeypatch: pytest.MonkeyPatch, phase: float) -> None:
     """Its search starts right to the second order: to the first it would take another round."""
-    monkeypatch.setattr(contacts, "_ROUNDS", 1)
+    monkeypatch.setattr(contacts, "_FOOT_POINT", contacts._FOOT_POINT._replace(max_iterations=1))
     foot = getattr(contacts._foot, "py_func", contacts._foot)
     E, c, N = trochoid = 1.0, 0.1, 6.0
     rate = np.hypot(c * N * np.sin(phase), E - c * N * np.cos(phase))
@@ -184,12 +184,12 @@ def test_a_path_leads_in_few_steps_to_the_balance_of_the_other_search(name: str,
     u = contacts.slope.shape[2]
     load, other, force = np.zeros((1, u)), np.zeros((1, u)), np.zeros(contacts.distance.shape)
     load[:, -1] = design_of(name).rated_torque / contacts.radius
-    assert balance(contacts, load, other, force, False).force <= BALANCED
+    assert balance(contacts, load, other, force, False).force <= RESIDUAL_RTOL
     here, system = np.zeros(u), system_of(contacts)
     for disc, place in enumerate(contacts.cam_place[0]):
         here[3 * disc : 3 * disc + 2] = place
-    allowed = BALANCED * load.max()
-    assert by_continuation(contacts, 0, load[0], here, lag, allowed, system) <= allowed
+    allowed = RESIDUAL_RTOL * load.max()
+    assert solve_by_arclength(contacts, 0, load[0], here, lag, allowed, system) <= allowed
     np.testing.assert_allclose(here, other[0], rtol=0.0, atol=1e-6 * np.abs(other).max())
     assert system.assembled[0] <= most
 
@@ -202,14 +202,14 @@ def test_the_equations_of_a_path_fall_with_its_point(name: str, lag: float, way:
     path, system, load = new_path(contacts, u, lag), system_of(contacts), np.zeros(u)
 
     def left(point: np.ndarray) -> np.ndarray:
-        along(contacts, 0, load, point, path, system)
-        return path.left[:u].copy()
+        augmented_residual(contacts, 0, load, point, path, system)
+        return path.residual[:u].copy()
 
     # pressed well beyond the play, so that what is closed stays so within a step of the differences
     point = np.append(4.0 * pose(contacts, 1.0), way)
     left(point)
     falls = path.matrix[:u].copy()
-    falls[np.diag_indices(u)] -= FLOATING * contacts.cam_stiffness * path.unit
+    falls[np.diag_indices(u)] -= RIGID_BODY_STIFFNESS * contacts.cam_stiffness * path.unit
     ways = 1e-6 * np.eye(u + 1)
     exact = np.transpose([left(point - step) - left(point + step) for step in ways]) / 2e-6
     assert np.abs(exact[:, u]).max() > 1.0
@@ -245,7 +245,7 @@ def test_figures_of_a_sample_are_those_of_its_balances() -> None:
         ("tooth", alone.teeth.max()),
         ("output_pin", alone.output.max()),
         ("cam", np.linalg.norm(alone.cam, axis=-1).max()),
-        ("carrying", np.sum(alone.teeth > CARRIES * alone.teeth.max()) / cranks.size),
+        ("carrying", np.sum(alone.teeth > CARRYING_SHARE * alone.teeth.max()) / cranks.size),
     ):
         assert getattr(found, name)[0] == pytest.approx(exact, rel=1e-6), name
 
@@ -271,12 +271,12 @@ def test_the_forces_of_a_balance_turn_no_part() -> None:
     contacts, load, z = springs("2"), np.zeros((1, 7)), np.zeros((1, 7))
     load[:, -1] = design_of("2").rated_torque / contacts.radius
     force = np.zeros(contacts.distance.shape)
-    assert balance_along(contacts, load, z, force).force <= BALANCED
-    push = force[0] @ np.array([gap(contacts, 0, i, z[0]).ahead for i in range(contacts.disc.size)])
+    assert balance_along(contacts, load, z, force).force <= RESIDUAL_RTOL
+    push = force[0] @ np.array([gap(contacts, 0, i, z[0]).normal for i in range(contacts.disc.size)])
     assert push[3] == pytest.approx(-load[0, -1], rel=1e-6)
     for disc in range(2):
         of_disc = contacts.disc == disc
-        turn = force[0, of_disc] @ np.array([gap(contacts, 0, i, z[0]).ahead[2] for i in np.flatnonzero(of_disc)])
+        turn = force[0, of_disc] @ np.array([gap(contacts, 0, i, z[0]).normal[2] for i in np.flatnonzero(of_disc)])
         assert abs(turn) < 1e-6 * load.max()
 
 
@@ -286,10 +286,10 @@ def test_the_friction_of_a_cam_turns_its_own_disc() -> None:
     load[:, -1] = design_of("2").rated_torque / contacts.radius
     force = np.zeros(contacts.distance.shape)
     left = balance(contacts, load, z, force, False)
-    assert left.force <= BALANCED
+    assert left.force <= RESIDUAL_RTOL
     for disc, place in enumerate(contacts.cam_place[0]):
         of_disc = np.flatnonzero(contacts.disc == disc)
-        turn = force[0, of_disc] @ np.array([gap(contacts, 0, i, z[0]).ahead[2] for i in of_disc])
+        turn = force[0, of_disc] @ np.array([gap(contacts, 0, i, z[0]).normal[2] for i in of_disc])
         depth = np.linalg.norm(z[0, 3 * disc : 3 * disc + 2] - place) - contacts.cam_clearance
         assert -turn == pytest.approx(0.01 * contacts.cam_stiffness * depth, rel=1e-6)
 
@@ -314,7 +314,7 @@ def balanced(name: str, follow: bool, friction: bool) -> Residual:
 @pytest.mark.parametrize("name", STEPS)
 def test_a_balance_takes_few_steps(name: str) -> None:
     found = [balanced(name, follow, friction) for follow, friction in ((False, False), (True, False), (True, True))]
-    assert all(left.force <= BALANCED for left in found)
+    assert all(left.force <= RESIDUAL_RTOL for left in found)
     for left, most in zip(found, STEPS[name], strict=True):
         assert 0.8 * most < left.work <= 1.02 * most + 1
 
@@ -343,7 +343,7 @@ def test_along_paths_a_search_ends_where_it_does_without(follow: bool) -> None:
     ends = [np.zeros_like(load), np.zeros_like(load)]
     for z, paths, kernel in zip(ends, (None, PATHS), (search.balance_briefly, search.balance_by_all), strict=True):
         force, system = np.zeros(contacts.distance.shape), system_of(contacts)
-        assert kernel(contacts, load, z, force, follow, paths, system).force <= BALANCED
+        assert kernel(contacts, load, z, force, follow, paths, system).force <= RESIDUAL_RTOL
     np.testing.assert_array_equal(*ends)
 
 
@@ -362,7 +362,7 @@ def test_balances_lead_to_those_a_degree_on(share: float, most: int) -> None:
     """
     contacts = springs("pin", crank=tuple(1.0 + 0.0175 * np.arange(10)))
     left = followed(contacts, share * design_of("pin").rated_torque)
-    assert left.force <= BALANCED
+    assert left.force <= RESIDUAL_RTOL
     assert 0.8 * most < left.work <= most
 
 
@@ -378,7 +378,7 @@ def test_a_cam_far_harder_than_teeth_takes_hardly_more_steps(name: str) -> None:
         for disc, place in enumerate(contacts.cam_place[0]):
             z[0, 3 * disc : 3 * disc + 2] = place
         left = balance(hard, load, z, np.zeros(contacts.distance.shape), False)
-        assert left.force <= BALANCED
+        assert left.force <= RESIDUAL_RTOL
         steps.append(left.work)
     assert steps[1] < 1.5 * steps[0]
 
@@ -408,7 +408,7 @@ def test_a_tight_cam_takes_no_more_steps_than_one_with_play() -> None:
     for width in (1e-7, -5e-7):
         ways = [springs("pin", crank=angles)._replace(cam_clearance=width) for angles in (turn[:1], turn)]
         first, whole = (followed(contacts, torque) for contacts in ways)
-        assert max(first.force, whole.force) <= BALANCED
+        assert max(first.force, whole.force) <= RESIDUAL_RTOL
         work.append(whole.work - first.work)
     loose, tight = work
     assert tight <= 1.2 * loose
@@ -484,7 +484,7 @@ def test_a_tooth_that_rests_where_its_foot_point_begins_to_be_looked_for_is_sear
     z, force = np.zeros_like(load), np.zeros(found.contacts.distance.shape)
     z[:, :2] = found.contacts.cam_place[:, 0]
     left = balance(found.contacts, load, z, force, False)
-    assert left.force <= BALANCED
+    assert left.force <= RESIDUAL_RTOL
     assert left.work > 200, "the first searches must have failed"
 
 
@@ -518,7 +518,7 @@ def test_a_long_way_is_gone_in_parts_while_there_are_rows_for_them() -> None:
         assert set(when) >= set(range(len(path)))
         for at, pose in zip(when, z, strict=True):
             load = np.array([np.interp(at, range(len(path)), course) for course in path.T])
-            assert np.abs(state(contacts, 0, load, pose).residual).max() < 2.0 * FOLLOWED * most
+            assert np.abs(state(contacts, 0, load, pose).residual).max() < 2.0 * PATH_RESIDUAL_RTOL * most
         steps.append((rows, np.abs(np.diff(z[:, -1])).max()))
     (parted, longest), (spent, _) = steps
     assert 7 < parted < 24
@@ -531,7 +531,7 @@ def test_what_nothing_holds_floats() -> None:
     path = np.outer([0.0, 1.0, 0.5], pose(contacts, 1e-6))
     z = np.zeros_like(path)
     follow_path(contacts, rubbing(contacts), path, np.inf, np.zeros(len(path)), z)
-    np.testing.assert_allclose(z, np.cumsum(path, axis=0) / (FLOATING * contacts.cam_stiffness), rtol=1e-6)
+    np.testing.assert_allclose(z, np.cumsum(path, axis=0) / (RIGID_BODY_STIFFNESS * contacts.cam_stiffness), rtol=1e-6)
 
 
 def test_a_disc_rubs_its_cam_across_its_way() -> None:
@@ -574,9 +574,9 @@ def test_gaps_fall_with_their_gradient_and_normals_turn_at_their_rate(name: str,
         for i in np.flatnonzero(contacts.turning):
             here, ways = gap(moved, 0, i, rest), step * np.eye(rest.size)[:2]
             sides = [[gap(moved, 0, i, s * way) for way in ways] for s in (1, -1)]
-            widths, normals = ([[getattr(one, what) for one in side] for side in sides] for what in ("width", "ahead"))
-            aside = np.array(here.aside[:2])
-            gradient.append([here.ahead[:2], np.subtract(*widths) / (2.0 * step)])
+            widths, normals = ([[getattr(one, what) for one in side] for side in sides] for what in ("width", "normal"))
+            aside = np.array(here.tangential[:2])
+            gradient.append([here.normal[:2], np.subtract(*widths) / (2.0 * step)])
             rate.append([here.rate * np.outer(aside, aside), np.subtract(*normals)[:, :2] / (2.0 * step)])
         np.testing.assert_allclose(*np.swapaxes(gradient, 0, 1), rtol=0.0, atol=1e-7)
         if abs(across) < 1e-5:

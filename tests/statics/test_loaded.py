@@ -117,7 +117,7 @@ def test_output_pins_bear_the_whole_load(name):
     design = override(DESIGNS[name], [*STILL, *SMOOTH])
     springs, found = carried(design)
     pins = range(springs.teeth, springs.contacts.disc.size)
-    slope = [[gap(springs.contacts, k, i, z).ahead[3] for i in pins] for k, z in enumerate(found.departures)]
+    slope = [[gap(springs.contacts, k, i, z).normal[3] for i in pins] for k, z in enumerate(found.departures)]
     moment = -np.sum(found.output * np.array(slope), axis=1) * design.output.pin_circle_radius
     assert moment == pytest.approx(np.full(moment.size, design.rated_torque), rel=1e-6)
 

@@ -5,13 +5,13 @@ import pytest
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import njit
-from cycloid_mj.statics.kernel.newton import roll_off
+from cycloid_mj.statics.kernel.newton import modified_newton_step
 
 
 @njit()
 def rolled_off(matrix: Array, right: Array, floating: float) -> Array:
     out, vectors = np.empty_like(right), np.empty_like(matrix)
-    roll_off(matrix.copy(), right, out, floating, vectors)
+    modified_newton_step(matrix.copy(), right, out, floating, vectors)
     return out
 
 

@@ -1,17 +1,17 @@
-"""The static balance of springs that only push, compiled: one small Newton iteration for each crank angle.
+"""Static equilibrium of unilateral springs, compiled: a small Newton iteration for each crank angle.
 
-Every spring is a gap from ``reducer.gaps``, round by its `bend`; the cams are circles in circles. `contacts` has the
-springs and how wide each gap is, `system` their energy, stiffness and what is left over of the load, `newton` Newton's
-method on these. `search` tries one way to a balance after the other, of which `continuation` is the last; `samples`
-balances many reducers alike, and `hysteresis` follows loads along a path with friction that remembers. Why the search
-ends at a balance, or at a jam, is in docs/physics.md.
+Every spring is a gap from ``reducer.gaps`` with its curvature; the cams are circles in circles. `contacts` computes the
+gaps, `system` assembles residual and tangent, and `newton` is the semismooth Newton method. `search` adds
+natural-parameter continuation, and `continuation` pseudo-arclength continuation as the last resort. `samples` solves
+many similar reducers, and `hysteresis` follows load paths with elastoplastic friction. docs/physics.md explains why a
+solution is an equilibrium or a jam.
 """
 
-from cycloid_mj.statics.kernel.contacts import Curved, KernelSprings, gap, is_open
-from cycloid_mj.statics.kernel.hysteresis import FINEST, Rubbing, follow_path, state_after
-from cycloid_mj.statics.kernel.newton import BALANCED, FLOATING, FOLLOWED, Residual
+from cycloid_mj.statics.kernel.contacts import Gap, KernelSprings, gap, is_open
+from cycloid_mj.statics.kernel.hysteresis import MAX_SUBSTEPS, Rubbing, follow_path, state_after
+from cycloid_mj.statics.kernel.newton import PATH_RESIDUAL_RTOL, RESIDUAL_RTOL, RIGID_BODY_STIFFNESS, Residual
 from cycloid_mj.statics.kernel.samples import (
-    CARRIES,
+    CARRYING_SHARE,
     FIGURES,
     Effects,
     SampleDeviations,
@@ -24,15 +24,15 @@ from cycloid_mj.statics.kernel.search import PATHS, balance
 from cycloid_mj.statics.kernel.system import State, state
 
 __all__ = [
-    "BALANCED",
-    "CARRIES",
+    "CARRYING_SHARE",
     "FIGURES",
-    "FINEST",
-    "FLOATING",
-    "FOLLOWED",
+    "MAX_SUBSTEPS",
     "PATHS",
-    "Curved",
+    "PATH_RESIDUAL_RTOL",
+    "RESIDUAL_RTOL",
+    "RIGID_BODY_STIFFNESS",
     "Effects",
+    "Gap",
     "KernelSprings",
     "Residual",
     "Rubbing",

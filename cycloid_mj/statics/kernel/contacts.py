@@ -1,7 +1,7 @@
-"""Springs of all contacts at some crank angles, and the gap of each: how wide it is and how it changes.
+"""Contact springs at some crank angles, and the gap of each: its width and gradients.
 
-The curve of a tooth is taken to the third order about its ideal contact; where that may not be relied on, or for every
-tooth where a search asks for it, the foot point on the trochoid is found.
+The profile of a tooth is expanded to the third order about its ideal contact. Where this is not accurate enough, or if
+the solver requests it, the foot point on the trochoid is computed.
 """
 
 import math
@@ -12,53 +12,81 @@ import numpy as np
 from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.base.compiling import cacheable, njit
 
-YES: bool = np.bool_(True)  # type: ignore[assignment]
-NO: bool = np.bool_(False)  # type: ignore[assignment]
+TRUE: bool = np.bool_(True)  # type: ignore[assignment]
+FALSE: bool = np.bool_(False)  # type: ignore[assignment]
 FIRST: int = np.int64(0)  # type: ignore[assignment]
-"""Arguments: for a literal, Python's own, numba would compile what is called once more."""
+"""Arguments of a single type: numba would compile a function once more for a literal of Python."""
 
 
-_VALLEY, _BOTTOM = 1e-3, 0.5
-"""Twist of a curve, over the square of its largest curvature, from which it counts as a valley, which is no circle; and
-curvature, over the largest, from which it is a valley's bottom, where there is no twist."""
+class ExpansionSettings(NamedTuple):
+    """Validity of the third-order expansion of a tooth's profile about its ideal contact (`_is_gentle`).
+
+    Attributes
+    ----------
+    valley_twist
+        Rate of the curvature, over the square of the largest curvature, from which on a profile counts as a valley.
+    bottom_curvature
+        Curvature, over the largest, from which on it is the bottom of a valley, where its rate vanishes.
+    max_arc
+        Largest arc along the profile, over the smallest radius of curvature.
+    max_shift
+        Largest arc along the profile, over the pin-circle radius.
+    third_order
+        Bound of the third-order term of the gap, over the arc along the profile.
+    """
+
+    valley_twist: float = 1e-3
+    bottom_curvature: float = 0.5
+    max_arc: float = 0.7
+    max_shift: float = 4e-4
+    third_order: float = 1e-4
 
 
-_FAR, _SMALL = 0.7, 4e-4
-"""Way along a curve, over its least radius and over E, beyond which its foot point is looked for."""
+class FootPointSettings(NamedTuple):
+    """Settings of Newton's method with bisection for the foot point on a trochoid (`_foot`); angles N t [rad].
+
+    Attributes
+    ----------
+    max_start
+        Largest distance of the start from the ideal contact: within the half lobe, 1.57, beyond which another flank
+        begins.
+    max_step
+        Largest step.
+    max_iterations
+        As bisections of a lobe down to rounding need.
+    newton_tolerance
+        Largest last step of Newton's method: with quadratic convergence, the foot is then known to rounding.
+    bisection_tolerance
+        Largest last step of a bisection.
+    """
+
+    max_start: float = 1.5
+    max_step: float = 0.5
+    max_iterations: int = 60
+    newton_tolerance: float = 1e-7
+    bisection_tolerance: float = 1e-12
 
 
-_FARTHEST_FOOT, _LONGEST = 1.5, 0.5
-"""How far from its contact the search for a foot point begins, at most, and its longest step, in the generating
-circle's turn N t [rad]: within the half lobe, 1.57, next to which another flank begins, and a third of that."""
-
-
-_ROUNDS, _LAST, _SETTLED = 60, 1e-7, 1e-12
-"""Most steps to a foot point, as halvings of a lobe down to rounding need them; the step of Newton's method that is the
-last, as convergence is quadratic, so that the foot is then known to rounding; and the last of the others [rad]."""
-
-
-_SURELY = 1e-4
-"""Most that a gap's third order narrows it, as a share of the way along the curve."""
+_EXPANSION, _FOOT_POINT = ExpansionSettings(), FootPointSettings()
 
 
 class KernelSprings(NamedTuple):
     """Springs at k crank angles, n at each, on the unknowns of D discs and an output, u = 3 D + 1.
 
-    For the meaning of most of them see ``gaps.Gaps``; `room` [m] has the play of the pins in it. Shapes: `room` (n,)
+    For most attributes see ``gaps.Gaps``; `room` [m] includes the clearance of the pins. Shapes: `room` (n,)
     [m]; `distance`, `shift`, `bend`, `twist`, `phase`, `stiffness` (k, n) [m, m, 1/m, 1/m2, rad, N/m]; `slope`,
     `shift_slope` (k, n, u) [1].
 
-    `radius` [m] is that of the circle of output pins: an unknown of turning is the angle times that. `trochoid`, on
-    which ideal pins have their centres, is E u(t) - c u(N t): E and c [m], and N. `disc` (n,) is that of a contact, and
-    `turning` (n,) tells whether its curve turns with the disc: the teeth do, round holes need not. `cam_place`
-    (k, D, 2) [m], `cam_clearance` [m] and `cam_stiffness` [N/m] are those of the cams; a cam of negative clearance
-    presses on both sides. `rubbing` (k, n, u) and `cam_rubbing` [1] are the generalised friction per normal force, of
-    the cam on its disc's turn; k is 0 in `rubbing` without friction.
+    `radius` [m] is that of the circle of output pins: unknowns of rotation are angles times this radius. `trochoid`,
+    the path of ideal pin centres, is E u(t) - c u(N t): E and c [m], and N. `disc` (n,) is the disc of a contact;
+    `turning` (n,) marks contacts whose profile rotates with the disc: teeth, but not round holes. `cam_place` (k, D, 2)
+    [m], `cam_clearance` [m] and `cam_stiffness` [N/m] are those of the cams; a cam with negative clearance is in
+    contact on both sides. `rubbing` (k, n, u) and `cam_rubbing` [1] are the generalised friction per normal force, that
+    of the cam on the rotation of its disc; k is 0 in `rubbing` without friction.
 
-    `bending` (D, D) [m/N] is by how much an output pin that carries several discs gives way to each along its own push,
-    for the force of each: off the diagonal alone, which is in `stiffness`; the last D `pins` contacts are those of the
-    output pins, disc after disc. Where no disc's force moves another's contact it is None, of which numba leaves out
-    what hangs on it, a fifth of what there is to compile, and `pins` 0.
+    `bending` (D, D) [m/N] is the deflection of an output pin at each disc, along its own force, per force of each other
+    disc; the diagonal is part of `stiffness`. The last D `pins` contacts are those of the output pins, disc by disc. If
+    no disc's force moves another's contact, `bending` is None, and numba leaves out a fifth of the code; `pins` is 0.
     """
 
     radius: float
@@ -83,21 +111,21 @@ class KernelSprings(NamedTuple):
     pins: int
 
 
-class Curved(NamedTuple):
-    """A gap at some departures: its `width` [m] and derivatives by x, y and turn of its disc and turn of the output.
+class Gap(NamedTuple):
+    """A gap at some displacements: `width` [m] and derivatives by x, y and rotation of its disc and by the output's.
 
-    `ahead` is the gradient [1], `aside` the rate at which the contact moves along the surface, `rate` [1/m] how fast
-    the normal turns with that.
+    `normal` is the gradient of the width [1], `tangential` the rate at which the contact moves along the surface [1],
+    and `rate` the rotation of the normal per distance along the surface [1/m].
     """
 
     width: float
-    ahead: tuple[float, float, float, float]
-    aside: tuple[float, float, float, float]
+    normal: tuple[float, float, float, float]
+    tangential: tuple[float, float, float, float]
     rate: float
 
 
 class _Pose(NamedTuple):
-    """Departures of a disc in x and y, by its turn and by the output's [m], and both turns, phi and psi [rad]."""
+    """Displacements of a disc in x and y, by its rotation and by the output's [m]; both angles phi and psi [rad]."""
 
     x: float
     y: float
@@ -108,10 +136,10 @@ class _Pose(NamedTuple):
 
 
 class _Apart(NamedTuple):
-    """How far two curves are apart at their ideal contact [m]: across it, q, and along it, p.
+    """Distance of two curves at their ideal contact [m]: q along its normal, and p along its tangent.
 
-    `arm_q` and `arm_p` [m] are that of what turns with the disc: of a curve that turns, less its turn's second order;
-    of a round hole's middle, as it is made.
+    `arm_q` and `arm_p` [m] are those of the part that rotates with the disc: of a profile, without the second order of
+    the rotation; of the centre of a round hole, its nominal position.
     """
 
     q: float
@@ -122,7 +150,7 @@ class _Apart(NamedTuple):
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def largest_play(springs: KernelSprings) -> float:
-    """Compute the largest play of all contacts and cams [m]."""
+    """Return the largest clearance of all contacts and cams [m]."""
     play = max(abs(springs.cam_clearance), 1e-6)
     for i in range(springs.disc.size):
         play = max(play, springs.room[i])
@@ -131,7 +159,7 @@ def largest_play(springs: KernelSprings) -> float:
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def opened_by(springs: KernelSprings, share: float, room: Array) -> KernelSprings:
-    """Return springs with a share of their play; its contacts' is written into `room` (n,) [m]."""
+    """Return springs with a share of their clearance; that of the contacts is written to `room` (n,) [m]."""
     for i in range(room.size):
         room[i] = share * springs.room[i]
     return KernelSprings(
@@ -159,25 +187,25 @@ def opened_by(springs: KernelSprings, share: float, room: Array) -> KernelSpring
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def gap(springs: KernelSprings, k: int, i: int, z: Array) -> Curved:
-    """Compute a gap at departures z [m], shape (u,)."""
+def gap(springs: KernelSprings, k: int, i: int, z: Array) -> Gap:
+    """Compute a gap at displacements z [m], shape (u,)."""
     pose = pose_of(springs, springs.disc[i], z)
-    return curved(springs, k, i, pose, apart_of(springs, k, i, pose), NO)
+    return gap_at(springs, k, i, pose, apart_of(springs, k, i, pose), FALSE)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def is_open(springs: KernelSprings, k: int, i: int, z: Array) -> bool:
-    """Tell whether a gap is surely open at departures z [m], shape (u,), without its width."""
-    return least_width(springs, k, i, apart_of(springs, k, i, pose_of(springs, springs.disc[i], z)), NO) > 0.0
+    """Return whether a gap is certainly open at displacements z [m], shape (u,), without computing its width."""
+    return least_width(springs, k, i, apart_of(springs, k, i, pose_of(springs, springs.disc[i], z)), FALSE) > 0.0
 
 
-# Arrays are read before any branch: numba counts references to those that are read in one. It counts those to all of
-# them where a loop calls what is not inlined: what `assemble` calls at every contact is.
+# Arrays are read before any branch, and functions that `assemble` calls at every contact are inlined: otherwise numba
+# counts references to the arrays.
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def pose_of(springs: KernelSprings, disc: int, z: Array) -> _Pose:
-    """Compute where a disc and the output are at departures z [m], shape (u,)."""
+    """Return the pose of a disc and of the output at displacements z [m], shape (u,)."""
     x, radius = 3 * disc, springs.radius
     turned, output = z[x + 2], z[z.size - 1]
     return _Pose(z[x], z[x + 1], turned, output, turned / radius, output / radius)
@@ -185,10 +213,10 @@ def pose_of(springs: KernelSprings, disc: int, z: Array) -> _Pose:
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def apart_of(springs: KernelSprings, k: int, i: int, pose: _Pose) -> _Apart:
-    """Compute how far two curves are apart.
+    """Compute the distance of two curves at their ideal contact, with finite rotations to the second order.
 
-    Finite turns count to the second order: a curve that turns with its disc by phi sees its mate's place turn the other
-    way, q + i p as e^(i phi); a round hole only moves, its middle about the disc's and the pin's about the output's.
+    In the frame of a profile that rotates with its disc by phi, its mate rotates the other way, q + i p as e^(i phi);
+    the centre of a round hole rotates about that of the disc, and the output pin about that of the output.
     """
     x, o = 3 * springs.disc[i], springs.slope.shape[2] - 1
     y, t, turning, phi, psi = x + 1, x + 2, springs.turning[i], pose.phi, pose.psi
@@ -206,8 +234,8 @@ def apart_of(springs: KernelSprings, k: int, i: int, pose: _Pose) -> _Apart:
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
-def curved(springs: KernelSprings, k: int, i: int, pose: _Pose, apart: _Apart, exact: bool) -> Curved:
-    """Compute a gap and its derivatives from what `apart_of` gives."""
+def gap_at(springs: KernelSprings, k: int, i: int, pose: _Pose, apart: _Apart, exact: bool) -> Gap:
+    """Compute a gap and its gradients from the result of `apart_of`."""
     x, o = 3 * springs.disc[i], springs.slope.shape[2] - 1
     y, t, turning, phi, psi = x + 1, x + 2, springs.turning[i], pose.phi, pose.psi
     qx, px = springs.slope[k, i, x], springs.shift_slope[k, i, x]
@@ -226,9 +254,9 @@ def curved(springs: KernelSprings, k: int, i: int, pose: _Pose, apart: _Apart, e
         qo, po = qo + psi * po, po - psi * qo
     q, p = apart.q, apart.p
     width, c, s, rate = _rounded(trochoid, phase, bend, twist, q, p, turning, exact)
-    ahead = (c * qx + s * px, c * qy + s * py, c * qt + s * pt, c * qo + s * po)
-    aside = (c * px - s * qx, c * py - s * qy, c * pt - s * qt, c * po - s * qo)
-    return Curved(room + width, ahead, aside, rate)
+    normal = (c * qx + s * px, c * qy + s * py, c * qt + s * pt, c * qo + s * po)
+    tangential = (c * px - s * qx, c * py - s * qy, c * pt - s * qt, c * po - s * qo)
+    return Gap(room + width, normal, tangential, rate)
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
@@ -242,10 +270,10 @@ def _rounded(
     turning: bool,
     exact: bool,
 ) -> tuple[float, float, float, float]:
-    """Compute the distance of two round curves [m], cosine and sine of their normal's turn, and the rate of that [1/m].
+    """Compute the distance of two curves [m], cosine and sine of the rotation of the normal, and its rate [1/m].
 
-    Where the third order may not be relied on, the foot point on the trochoid is looked for; where there is none near,
-    as of parts that are far apart, the curve counts as its circle.
+    Where the third-order expansion is not valid, the foot point on the trochoid is used; if there is none nearby, as
+    for parts that are far apart, the profile is approximated by its circle of curvature.
     """
     along, across, gentle = 1.0 + bend * q, bend * p, _is_gentle(trochoid, bend, twist, p)
     if turning and (exact or not gentle):
@@ -254,10 +282,10 @@ def _rounded(
             return distance, nq, np_, rate
         twist = 0.0
     reach = math.sqrt(along * along + across * across)
-    if not reach > 0.0 or (turning and along <= 0.0):  # a hole is a whole circle, a valley is open beyond its middle
+    if not reach > 0.0 or (turning and along <= 0.0):  # a hole is a full circle, a valley is open beyond its centre
         return q, 1.0, 0.0, 0.0
     share = 1.0 / reach
-    # (reach - 1) / bend without its cancellation, and what makes the circle a curve of third order
+    # (reach - 1) / bend without cancellation, and the third-order term
     beyond = q + across * p / (reach + along) if along > 0.0 else (reach - 1.0) / bend
     width = beyond + twist * p * p * p / 6.0
     return width, along * share, across * share + 0.5 * twist * p * p, bend * share + twist * p
@@ -265,16 +293,18 @@ def _rounded(
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _is_gentle(trochoid: tuple[float, float, float], bend: float, twist: float, p: float) -> bool:
-    """Tell whether the trochoid is known well enough by its curvature and the rate of that, so far along [m]."""
+    """Return whether curvature and its rate describe the trochoid accurately up to the arc p [m]."""
     sharpest = _sharpest(trochoid)
-    if abs(sharpest * p) >= _FAR or abs(p) >= _SMALL * trochoid[0]:
+    if abs(sharpest * p) >= _EXPANSION.max_arc or abs(p) >= _EXPANSION.max_shift * trochoid[0]:
         return False
-    return abs(twist) <= _VALLEY * sharpest * sharpest and bend >= min(_BOTTOM * sharpest, 0.0)
+    return abs(twist) <= _EXPANSION.valley_twist * sharpest * sharpest and bend >= min(
+        _EXPANSION.bottom_curvature * sharpest, 0.0
+    )
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _sharpest(trochoid: tuple[float, float, float]) -> float:
-    """Compute the curvature in the middle of a valley [1/m]: nowhere is the trochoid more concave."""
+    """Return the curvature at the bottom of a valley [1/m], where the trochoid is most concave."""
     E, c, N = trochoid
     return (E - c * N * N) / (E - c * N) ** 2
 
@@ -283,11 +313,11 @@ def _sharpest(trochoid: tuple[float, float, float]) -> float:
 def _foot(
     trochoid: tuple[float, float, float], phase: float, q: float, p: float, along: float
 ) -> tuple[bool, float, float, float, float]:
-    """Tell whether a point has a foot on the trochoid nearby, and give what `_rounded` does of it, exactly.
+    """Return whether a point has a foot on the trochoid nearby, and the exact values of `_rounded` for it.
 
-    The point is q across and p along from the curve's point at the `phase` (N - 1) t, where the normal is at the angle
-    t - alpha: tan(alpha) = c N sin(phase)/(E - c N cos(phase)). Its foot is found by Newton's method, from that on the
-    circle of curvature, where the curve is p over `along` away.
+    The point is at q along the normal and p along the tangent from the curve's point at the `phase` (N - 1) t, where
+    the normal has the angle t - alpha: tan(alpha) = c N sin(phase)/(E - c N cos(phase)). Newton's method, safeguarded
+    by bisection, starts from the foot point on the circle of curvature, at the arc p over `along`.
     """
     E, c, N = trochoid
     sine, cosine = math.sin(phase), math.cos(phase)
@@ -295,17 +325,17 @@ def _foot(
     rate = math.sqrt(sa * sa + ca * ca)
     sa, ca = sa / rate, ca / rate
     sb, cb = sine * ca + cosine * sa, cosine * ca - sine * sa
-    # the curve goes on at that rate by t, and at another one farther on
+    # first and second order of the arc by t
     t = p / (rate * max(along, 0.5))
     t -= 0.5 * E * c * N * (N - 1.0) * sine / (rate * rate) * t * t
-    t = min(max(t, -_FARTHEST_FOOT / N), _FARTHEST_FOOT / N)
-    before, beyond, settled = -math.inf, math.inf, NO
-    for _ in range(_ROUNDS):
+    t = min(max(t, -_FOOT_POINT.max_start / N), _FOOT_POINT.max_start / N)
+    before, beyond, settled = -math.inf, math.inf, FALSE
+    for _ in range(_FOOT_POINT.max_iterations):
         # sine, and cosine less 1, of t and N t, whose halves are less than a right angle
         half, wide = math.sin(0.5 * t), math.sin(0.5 * N * t)
         st, ct = 2.0 * half * math.sqrt(1.0 - half * half), -2.0 * half * half
         sw, cw = 2.0 * wide * math.sqrt(1.0 - wide * wide), -2.0 * wide * wide
-        # how far the curve has come from its point, then its rate and the rate of that, by t; each across and along
+        # position relative to the start, first and second derivative by t; each along normal (q) and tangent (p)
         uq, up = E * (ca * ct - sa * st), E * (sa * ct + ca * st)
         wq, wp = c * (cb * cw - sb * sw), c * (sb * cw + cb * sw)
         xq, xp = uq - wq, up - wp
@@ -319,15 +349,15 @@ def _foot(
             beyond = t
         bowl = square - (q - xq) * aq - (p - xp) * ap
         step = nearer / max(bowl, 0.1 * square)
-        step = min(max(step, -_LONGEST / N), _LONGEST / N)
+        step = min(max(step, -_FOOT_POINT.max_step / N), _FOOT_POINT.max_step / N)
         by_newton = bowl > 0.1 * square and before <= t + step <= beyond
         if not before <= t + step <= beyond:
             step = 0.5 * (before + beyond) - t
-        settled = abs(step) < (_LAST if by_newton else _SETTLED)
+        settled = abs(step) < (_FOOT_POINT.newton_tolerance if by_newton else _FOOT_POINT.bisection_tolerance)
         if settled:
             break
         t += step
-    # the last step is so short that place and rate follow it by what is known where it begins
+    # the last step is so short that its Taylor expansion is exact to rounding
     xq, xp = xq + step * (vq + 0.5 * step * aq), xp + step * (vp + 0.5 * step * ap)
     vq, vp = vq + step * aq, vp + step * ap
     square = vq * vq + vp * vp
@@ -340,17 +370,17 @@ def _foot(
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def least_width(springs: KernelSprings, k: int, i: int, apart: _Apart, exact: bool) -> float:
-    """Compute how wide a gap is at least [m], by what `apart_of` gives; 0 where it may be closed.
+    """Compute a lower bound of the width of a gap [m] from the result of `apart_of`; 0 if it may be closed.
 
-    Most are open, and their roots need not be taken.
+    It needs no square root for most gaps, which are open.
     """
     q, p = apart.q, apart.p
     bend, twist, trochoid = springs.bend[k, i], springs.twist[k, i], springs.trochoid
-    room, turning = springs.room[i] - _SURELY * abs(p), springs.turning[i]
+    room, turning = springs.room[i] - _EXPANSION.third_order * abs(p), springs.turning[i]
     if room + q <= 0.0:
         return 0.0
     if turning and (exact or not _is_gentle(trochoid, bend, twist, p)):
-        bend = _sharpest(trochoid)  # a circle as sharp as the curve is anywhere lies within it
+        bend = _sharpest(trochoid)  # a circle of the largest curvature lies inside the profile
     if bend > 0.0:
         return room + q
     along, across, rim = 1.0 + bend * q, bend * p, 1.0 - bend * room

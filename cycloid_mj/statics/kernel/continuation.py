@@ -1,4 +1,4 @@
-"""Paths from parts without play and friction to a balance with both, followed by their length."""
+"""Pseudo-arclength continuation from parts without clearance and friction to an equilibrium with both."""
 
 import math
 from typing import NamedTuple
@@ -7,109 +7,148 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import cacheable, njit
-from cycloid_mj.statics.kernel.contacts import NO, YES, KernelSprings, largest_play, opened_by
-from cycloid_mj.statics.kernel.newton import BALANCED, FLOATING, FOLLOWED, clear, copy, largest, newton, solve
-from cycloid_mj.statics.kernel.system import RATE, Linearised, assemble, cam_at
+from cycloid_mj.statics.kernel.contacts import FALSE, TRUE, KernelSprings, largest_play, opened_by
+from cycloid_mj.statics.kernel.newton import (
+    PATH_RESIDUAL_RTOL,
+    RESIDUAL_RTOL,
+    RIGID_BODY_STIFFNESS,
+    clear,
+    copy,
+    largest,
+    newton,
+    solve,
+)
+from cycloid_mj.statics.kernel.system import RATE, System, assemble, cam_at
 
-_MOST_POINTS, _CORRECTIONS, _WIDEST, _CORNER, _REMOTE = 5000, 8, 0.3, 1e-8, 10.0
-"""Of a path that is followed by its length: most points that are tried; most Newton steps to each, and how far they may
-lead from where it goes straight on, over the length of the step; the length, in plays, below which there is a corner;
-and how often the play and the first give, and an eccentricity, it may lead to: farther on friction jams."""
+
+class ContinuationSettings(NamedTuple):
+    """Settings of the pseudo-arclength continuation (`solve_by_arclength`); lengths in clearances.
+
+    Keller, in: Applications of Bifurcation Theory, 1977, 359-384; Allgower & Georg, Numerical Continuation Methods,
+    1990, chapters 2 and 12. The nearly jammed drives of ``tests/statics/test_random.py`` need it.
+
+    Attributes
+    ----------
+    max_points
+        Largest number of points of a path.
+    max_corrections
+        Newton steps of the corrector.
+    max_deviation
+        Largest distance of the corrected point from the predictor, over the length of the step.
+    min_step
+        Length of a step below which the path has a corner: a contact opens or closes.
+    max_distance
+        Largest distance of a path from its beginning, over clearances, first deflections and an eccentricity: beyond
+        it, friction jams.
+    corner_step
+        Length of a step up to which a path may go around a corner. A path that is this close to its beginning again is
+        lost in wedged parts.
+    corner_deviation
+        `max_deviation` of such a step.
+    """
+
+    max_points: int = 5000
+    max_corrections: int = 8
+    max_deviation: float = 0.3
+    min_step: float = 1e-8
+    max_distance: float = 10.0
+    corner_step: float = 1e-3
+    corner_deviation: float = 3.0
 
 
-_BENT, _AROUND = 1e-3, 3.0
-"""Length of a step, in plays, at which a path may go round a corner, and how far Newton steps may lead there. A path
-that is as near its beginning again is lost in wedged parts, far from where it began."""
+_CONTINUATION = ContinuationSettings()
 
 
 class _Path(NamedTuple):
-    """A path with a `lag`, and arrays: its points are the u departures over a `unit` [m], and the way [1].
+    """A path with an `order` of its parameters, and arrays.
 
-    `point`, `beyond` the next one, `ahead` the direction, of length 1, and `before`; `step`, what is `left` over and
-    `end`, all (u + 1,); `room` (n,) [m] and `rate` (u,) [N] at a point; the `matrix` (u + 1, u + 1) of its equations.
+    Its points are the u displacements over a `unit` [m], and the parameter [1]. `point`, the `next_point`, the unit
+    `tangent` and the `previous_tangent`, the Newton `step`, the `residual` and the unit vector `last_axis` have shape
+    (u + 1,). `room` (n,) [m] are the clearances at a point, `rate` (u,) [N] is the derivative of the residual by the
+    parameter, and `matrix` (u + 1, u + 1) that of the augmented system.
     """
 
-    lag: float
+    order: float
     unit: float
     room: Array
     point: Array
-    beyond: Array
-    ahead: Array
-    before: Array
+    next_point: Array
+    tangent: Array
+    previous_tangent: Array
     step: Array
-    left: Array
-    end: Array
+    residual: Array
+    last_axis: Array
     rate: Array
     matrix: Array
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def by_continuation(
-    springs: KernelSprings, k: int, load: Array, here: Array, lag: float, most: float, system: Linearised
+def solve_by_arclength(
+    springs: KernelSprings, k: int, load: Array, here: Array, order: float, allowed: float, system: System
 ) -> float:
-    """Solve for the departures `here` (u,) [m] along a path on which friction grows and, with a `lag`, play.
+    """Solve for the displacements `here` (u,) [m] along a path on which friction and clearance grow, in an `order`.
 
-    Without play and friction parts are held by springs that only push, whose energy has one least value, and Newton's
-    method finds it downhill. From this only beginning the path cannot come back there: it leads to the whole friction
-    and play, or its forces grow until they wedge the parts, where friction jams them. It is followed by its length, by
-    Newton's method across it, since it turns back where parts snap over; where a contact opens or closes it has a
-    corner, beyond which it goes on in the direction that leaves the sign of its determinant (Allgower and Georg,
-    Numerical Continuation Methods, 1990, chapters 2 and 12).
+    Without clearance and friction, unilateral springs have a convex energy, whose minimum Newton's method finds. The
+    path begins at this unique solution and cannot return to it: it leads to the full friction and clearance, or its
+    forces grow until friction wedges the parts. It is followed by its arc length, since it turns back where parts snap
+    over. Where a contact opens or closes it has a corner, beyond which it continues in the direction that preserves the
+    sign of its determinant (Allgower & Georg, Numerical Continuation Methods, 1990, chapters 2 and 12).
 
     Returns
     -------
-    What is left over of the load [N]; infinity where the path was lost, or wedges the parts.
+    float
+        Residual norm [N]; infinity if the path is lost, or wedges the parts.
     """
-    number, last, path = here.size, 1.0 + abs(lag), new_path(springs, here.size, lag)
-    point, beyond, allowed = path.point, path.beyond, FOLLOWED / BALANCED * most
-    newton(opened_by(springs, 0.0, path.room), k, load, here, 1.0, 0.0, YES, most, 0.0, NO, YES, system)
+    number, last, path = here.size, 1.0 + abs(order), new_path(springs, here.size, order)
+    point, next_point, tolerance = path.point, path.next_point, PATH_RESIDUAL_RTOL / RESIDUAL_RTOL * allowed
+    newton(opened_by(springs, 0.0, path.room), k, load, here, 1.0, 0.0, TRUE, allowed, 0.0, FALSE, TRUE, system)
     for j in range(number):
         point[j] = here[j] / path.unit
-    path.ahead[number] = path.end[number] = 1.0
-    left, length = along(springs, k, load, point, path, system), 0.5
-    sign = _direct(springs, k, load, point, 1.0, path, system)
+    path.tangent[number] = path.last_axis[number] = 1.0
+    norm, length = augmented_residual(springs, k, load, point, path, system), 0.5
+    sign = _update_tangent(springs, k, load, point, 1.0, path, system)
     for j in range(number + 1):
-        path.ahead[j] *= sign
-    farthest = _REMOTE * (1.0 + largest(point)) + springs.trochoid[1] / path.unit
-    for _ in range(_MOST_POINTS if left <= allowed else 0):
-        if not _step_on(springs, k, load, length, sign, allowed, path, system):
+        path.tangent[j] *= sign
+    farthest = _CONTINUATION.max_distance * (1.0 + largest(point)) + springs.trochoid[1] / path.unit
+    for _ in range(_CONTINUATION.max_points if norm <= tolerance else 0):
+        if not _predict_and_correct(springs, k, load, length, sign, tolerance, path, system):
             length *= 0.5
-            if length > _CORNER:
+            if length > _CONTINUATION.min_step:
                 continue
-            length = _corner(springs, k, load, sign, allowed, path, system)
+            length = _pass_corner(springs, k, load, sign, tolerance, path, system)
             if length == 0.0:
                 break
-        if beyond[number] >= last:
-            share = (last - point[number]) / (beyond[number] - point[number])
+        if next_point[number] >= last:
+            share = (last - point[number]) / (next_point[number] - point[number])
             for j in range(number):
-                here[j] = (point[j] + share * (beyond[j] - point[j])) * path.unit
-            left = newton(springs, k, load, here, 1.0, 1.0, YES, most, 0.0, NO, NO, system)
-            if left <= most:
-                return left
-            copy(path.before, path.ahead)
+                here[j] = (point[j] + share * (next_point[j] - point[j])) * path.unit
+            norm = newton(springs, k, load, here, 1.0, 1.0, TRUE, allowed, 0.0, FALSE, FALSE, system)
+            if norm <= allowed:
+                return norm
+            copy(path.previous_tangent, path.tangent)
             length *= 0.5
             continue
-        copy(beyond, point)
-        if largest(point) > farthest or (point[number] < _BENT and path.ahead[number] < 0.0):
+        copy(next_point, point)
+        if largest(point) > farthest or (point[number] < _CONTINUATION.corner_step and path.tangent[number] < 0.0):
             break
         length *= 2.0
     return math.inf
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _shares(lag: float, way: float) -> tuple[float, float]:
-    """Compute the shares of friction and of play at a `way` along a path; beyond its end they go on growing."""
-    if lag == 0.0:
-        return way, way
-    first, second = min(way, 1.0), max(way - 1.0, 0.0)
-    return (first, second) if lag > 0.0 else (second, first)
+def _shares(order: float, parameter: float) -> tuple[float, float]:
+    """Return the shares of friction and clearance at a parameter of the path; they also grow beyond its end."""
+    if order == 0.0:
+        return parameter, parameter
+    first, second = min(parameter, 1.0), max(parameter - 1.0, 0.0)
+    return (first, second) if order > 0.0 else (second, first)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def new_path(springs: KernelSprings, number: int, lag: float) -> _Path:
-    """Make room for a path of so many departures."""
+def new_path(springs: KernelSprings, number: int, order: float) -> _Path:
+    """Allocate a path of a number of displacements."""
     return _Path(
-        lag,
+        order,
         largest_play(springs),
         np.zeros(springs.disc.size),
         np.zeros(number + 1),
@@ -125,39 +164,39 @@ def new_path(springs: KernelSprings, number: int, lag: float) -> _Path:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def along(springs: KernelSprings, k: int, load: Array, point: Array, path: _Path, system: Linearised) -> float:
-    """Put together what is left of the load at a point of the path, and how it falls with the point; [N]."""
+def augmented_residual(springs: KernelSprings, k: int, load: Array, point: Array, path: _Path, system: System) -> float:
+    """Assemble the residual at a point of the path and its derivatives, `path.matrix`; return the residual norm [N]."""
     number, matrix, residual, here = load.size, path.matrix, system.residual, system.back
     for j in range(number):
         here[j] = point[j] * path.unit
-    way, rate, lag = point[number], path.rate, path.lag
-    friction, play = _shares(lag, way)
-    opened, rubs = opened_by(springs, play, path.room), (way < 1.0) == (lag > 0.0)
-    if lag == 0.0 or rubs:
-        assemble(opened, k, load, here, 1.0, friction + 1.0, YES, YES, system)
+    parameter, rate, order = point[number], path.rate, path.order
+    friction, clearance = _shares(order, parameter)
+    opened, rubs = opened_by(springs, clearance, path.room), (parameter < 1.0) == (order > 0.0)
+    if order == 0.0 or rubs:
+        assemble(opened, k, load, here, 1.0, friction + 1.0, TRUE, TRUE, system)
         for j in range(number):
-            path.left[j] = residual[j]
-    assemble(opened, k, load, here, 1.0, friction, YES, YES, system)
+            path.residual[j] = residual[j]
+    assemble(opened, k, load, here, 1.0, friction, TRUE, TRUE, system)
     clear(rate)
-    if lag == 0.0 or rubs:
+    if order == 0.0 or rubs:
         for j in range(number):
-            rate[j] = path.left[j] - residual[j]
-    if lag == 0.0 or not rubs:
-        _give(springs, opened, k, here, friction, rate, system)
+            rate[j] = path.residual[j] - residual[j]
+    if order == 0.0 or not rubs:
+        _add_clearance_rate(springs, opened, k, here, friction, rate, system)
     for j in range(number):
-        path.left[j] = residual[j]
+        path.residual[j] = residual[j]
         for m in range(number):
             matrix[j, m] = system.tangent[j, m] * path.unit
-        matrix[j, j] += FLOATING * springs.cam_stiffness * path.unit
+        matrix[j, j] += RIGID_BODY_STIFFNESS * springs.cam_stiffness * path.unit
         matrix[j, number] = -path.rate[j]
     return largest(residual)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _give(
-    springs: KernelSprings, opened: KernelSprings, k: int, here: Array, friction: float, rate: Array, system: Linearised
+def _add_clearance_rate(
+    springs: KernelSprings, opened: KernelSprings, k: int, here: Array, friction: float, rate: Array, system: System
 ) -> None:
-    """Add how the springs' forces change as their play opens to a `rate` [N], shape (u,), at departures (u,) [m]."""
+    """Add the derivative of the springs' forces by the share of clearance to a `rate` [N], shape (u,)."""
     number, rubbed = here.size, springs.rubbing.shape[0] > 0
     for i in range(springs.disc.size):
         if system.pressed[i] == 0.0:
@@ -176,26 +215,26 @@ def _give(
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _direct(
-    springs: KernelSprings, k: int, load: Array, point: Array, sign: float, path: _Path, system: Linearised
+def _update_tangent(
+    springs: KernelSprings, k: int, load: Array, point: Array, sign: float, path: _Path, system: System
 ) -> float:
-    """Turn the path's direction to that at a `point`, whose determinant has a `sign`; give the sign it had before."""
+    """Set the path's tangent to that at a `point`, with a `sign` of the determinant; return the determinant's sign."""
     last = load.size
-    along(springs, k, load, point, path, system)
-    copy(path.ahead, path.matrix[last])
-    found = solve(path.matrix, path.end, path.step, 0.0)
+    augmented_residual(springs, k, load, point, path, system)
+    copy(path.tangent, path.matrix[last])
+    determinant = solve(path.matrix, path.last_axis, path.step, 0.0)
     size = 0.0
     for j in range(last + 1):
         size += path.step[j] * path.step[j]
     size = math.sqrt(size)
-    if found != 0.0 and size < math.inf:
+    if determinant != 0.0 and size < math.inf:
         for j in range(last + 1):
-            path.ahead[j] = path.step[j] * (found * sign / size)
-    return found
+            path.tangent[j] = path.step[j] * (determinant * sign / size)
+    return determinant
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _step_on(
+def _predict_and_correct(
     springs: KernelSprings,
     k: int,
     load: Array,
@@ -203,62 +242,62 @@ def _step_on(
     sign: float,
     allowed: float,
     path: _Path,
-    system: Linearised,
+    system: System,
 ) -> bool:
-    """Find the path's point a `length` ahead and its direction there; tell whether it goes on that way, as it must."""
-    copy(path.ahead, path.before)
-    if not _across(springs, k, load, length, allowed, path, system):
+    """Compute the next point at a `length` and its tangent; return whether the path continues forwards, as it must."""
+    copy(path.tangent, path.previous_tangent)
+    if not _correct(springs, k, load, length, allowed, path, system):
         return False
-    found, onward = _direct(springs, k, load, path.beyond, sign, path, system), 0.0
+    determinant, onward = _update_tangent(springs, k, load, path.next_point, sign, path, system), 0.0
     for j in range(load.size + 1):
-        onward += path.ahead[j] * (path.beyond[j] - path.point[j])
-    if found == 0.0 or not onward > 0.0:
-        copy(path.before, path.ahead)
+        onward += path.tangent[j] * (path.next_point[j] - path.point[j])
+    if determinant == 0.0 or not onward > 0.0:
+        copy(path.previous_tangent, path.tangent)
         return False
     return True
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _across(
-    springs: KernelSprings, k: int, load: Array, length: float, allowed: float, path: _Path, system: Linearised
+def _correct(
+    springs: KernelSprings, k: int, load: Array, length: float, allowed: float, path: _Path, system: System
 ) -> bool:
-    """Look for the path's point a `length` ahead by Newton's method across its direction; tell whether it is found."""
-    last, point, beyond, ahead, left = load.size, path.point, path.beyond, path.ahead, path.left
-    widest = _WIDEST if length > _BENT else _AROUND
+    """Compute the next point at a `length` by Newton's method across the tangent; return whether it converges."""
+    last, point, next_point, tangent, residual = load.size, path.point, path.next_point, path.tangent, path.residual
+    is_corner = length <= _CONTINUATION.corner_step
+    widest = _CONTINUATION.corner_deviation if is_corner else _CONTINUATION.max_deviation
     for j in range(last + 1):
-        beyond[j] = point[j] + length * ahead[j]
-    for _ in range(_CORRECTIONS):
-        found = along(springs, k, load, beyond, path, system)
-        if found <= allowed:
+        next_point[j] = point[j] + length * tangent[j]
+    for _ in range(_CONTINUATION.max_corrections):
+        if augmented_residual(springs, k, load, next_point, path, system) <= allowed:
             return True
-        copy(ahead, path.matrix[last])
-        left[last] = length
+        copy(tangent, path.matrix[last])
+        residual[last] = length
         for j in range(last + 1):
-            left[last] -= ahead[j] * (beyond[j] - point[j])
-        if solve(path.matrix, left, path.step, 0.0) == 0.0:
+            residual[last] -= tangent[j] * (next_point[j] - point[j])
+        if solve(path.matrix, residual, path.step, 0.0) == 0.0:
             return False
-        gone = 0.0
+        deviation = 0.0
         for j in range(last + 1):
-            beyond[j] += path.step[j]
-            gone += (beyond[j] - point[j] - length * ahead[j]) ** 2
-        if not gone < (widest * length) ** 2:
+            next_point[j] += path.step[j]
+            deviation += (next_point[j] - point[j] - length * tangent[j]) ** 2
+        if not deviation < (widest * length) ** 2:
             return False
     return False
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _corner(
-    springs: KernelSprings, k: int, load: Array, sign: float, allowed: float, path: _Path, system: Linearised
+def _pass_corner(
+    springs: KernelSprings, k: int, load: Array, sign: float, allowed: float, path: _Path, system: System
 ) -> float:
-    """Find a point of the path beyond a corner, where it may turn back; give how far it is [1], 0 if there is none."""
+    """Compute a point of the path beyond a corner, where it may turn back; return the length [1], or 0 without one."""
     last = load.size
-    until = path.ahead.copy()
+    tangent = path.tangent.copy()
     for power in range(-7, -2):
         for j in range(last + 1):
-            path.beyond[j] = path.point[j] + 10.0**power * until[j]
-        if _direct(springs, k, load, path.beyond, sign, path, system) != 0.0:
+            path.next_point[j] = path.point[j] + 10.0**power * tangent[j]
+        if _update_tangent(springs, k, load, path.next_point, sign, path, system) != 0.0:
             for shorter in range(2, 7):
-                if _step_on(springs, k, load, 10.0**-shorter, sign, allowed, path, system):
+                if _predict_and_correct(springs, k, load, 10.0**-shorter, sign, allowed, path, system):
                     return 10.0**-shorter
-        copy(until, path.ahead)
+        copy(tangent, path.tangent)
     return 0.0

@@ -1,8 +1,4 @@
-"""Loads along a path, with friction that remembers which way it slid.
-
-Each step is a balance by Newton's method on springs and friction at once, or else with friction's limits held and
-renewed.
-"""
+"""Equilibria along a load path with elastoplastic friction: backward Euler with return mapping."""
 
 from typing import NamedTuple
 
@@ -10,53 +6,83 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.compiling import cacheable, njit
-from cycloid_mj.statics.kernel.contacts import FIRST, NO, YES, KernelSprings, apart_of, curved, least_width, pose_of
+from cycloid_mj.statics.kernel.contacts import FALSE, FIRST, TRUE, KernelSprings, apart_of, gap_at, least_width, pose_of
 from cycloid_mj.statics.kernel.newton import (
-    FLOATING,
-    FOLLOWED,
+    PATH_RESIDUAL_RTOL,
+    RIGID_BODY_STIFFNESS,
     ROUNDING,
     Residual,
     clear,
     copy,
     largest,
-    roll_off,
+    modified_newton_step,
     solve_stable,
 )
 from cycloid_mj.statics.kernel.system import State, cam_at
 
-FINEST = 1024
-"""Most parts of a step along a path in which the output leaps."""
+MAX_SUBSTEPS = 1024
+"""Largest number of parts of a step along a path in which the output jumps."""
 
 
-_LEAPS, _RENEWALS, _SHORTEST = 12, 40, 1.0 / 16.0
-"""Newton steps that a step along a path is given before the slower search, rounds of that, and its least share."""
+class HysteresisSettings(NamedTuple):
+    """Settings of the steps along a path with elastoplastic friction (`follow_path`).
+
+    A step is solved by Newton's method with the consistent tangent (Simo & Hughes, Computational Inelasticity, 1998),
+    then by a fixed-point iteration of Tresca friction problems (Haslinger 1983), then by pseudo-transient continuation
+    (Kelley & Keyes, SIAM J. Numer. Anal. 35 (1998), 508-523).
+
+    Attributes
+    ----------
+    newton_steps
+        Newton steps before the Tresca iteration.
+    tresca_iterations
+        Tresca iterations, and Newton steps in each.
+    tresca_work
+        Largest number of assemblies in a Tresca iteration.
+    undamped_iterations
+        Tresca iterations before the update of the limits is damped, and largest number of halvings of a Newton step.
+    damped_update
+        Share by which the limits are updated then.
+    work_per_step
+        Largest number of assemblies per step of the path, on average; beyond it, pseudo-transient continuation follows.
+    min_step
+        Smallest share of a step before pseudo-transient continuation.
+    max_step
+        Largest component of a Newton step, relative to the smallest radius of curvature of the contacts.
+    pseudo_steps
+        Largest number of pseudo time steps.
+    decrease, increase
+        Factors on the inverse pseudo time step after a step that converged, and after one that did not.
+    max_stiffness
+        Inverse pseudo time step beyond which the continuation fails, relative to the cam's stiffness, its first value.
+    """
+
+    newton_steps: int = 12
+    tresca_iterations: int = 40
+    tresca_work: int = 2000
+    undamped_iterations: int = 20
+    damped_update: float = 0.3
+    work_per_step: int = 150
+    min_step: float = 1.0 / 16.0
+    max_step: float = 0.5
+    pseudo_steps: int = 2000
+    decrease: float = 0.5
+    increase: float = 8.0
+    max_stiffness: float = 1e8
 
 
-_MOST_WORK, _MOST_SETTLING = 150, 2000
-"""How often a system may be put together, for each step of a path on average, and in one slow search."""
-
-
-_NEAR = 0.5
-"""Longest step along a path, as a share of the least radius of a contact's curve."""
-
-
-_HALVINGS = 20
-
-
-_CREEPS, _EASED, _BRAKED, _STIFFEST = 2000, 0.5, 8.0, 1e8
-"""Most steps of a creep to a balance; factors on the drag after a step that has gone through, and after one that has
-not; and the drag beyond which nothing is looked for, as a share of the cam's stiffness, from which it begins."""
+_HYSTERESIS = HysteresisSettings()
 
 
 class Rubbing(NamedTuple):
-    """Friction that remembers, of n contacts, D cams and e seals, in this order: s = n + D + e of them.
+    """Friction elements (Prandtl-Jenkin) of n contacts, D cams and e seals, in this order: s = n + D + e of them.
 
-    Each is a tangential spring that slips at its limit, with a force that it keeps between steps. `slip` (s, u) [1] is
-    how far surfaces slide with the unknowns; the way of a disc across its cam comes on top. `coefficient` (s,) [1] is
-    the limit per normal force, and `drag` (e,) [N] that of the seals. `stick` (s,) [N/m] is the stiffness till then.
+    Each is a tangential spring that slips at its limit and keeps its force between steps. `slip` (s, u) [1] is the
+    sliding per unknown; that of a disc across its cam is added. `coefficient` (s,) [1] is the limit per normal force,
+    and `drag` (e,) [N] that of the seals. `stick` (s,) [N/m] is the stiffness below the limit.
 
-    `loss` (s,) [1] is the share of a contact's normal force that its material holds back while it is let go, as
-    another such spring, of the stiffness `backing` (s,) [N/m], along the normal.
+    `loss` (s,) [1] is the share of a contact's normal force that its material retains during unloading, as another such
+    spring of the stiffness `backing` (s,) [N/m] along the normal.
     """
 
     slip: Array
@@ -67,11 +93,11 @@ class Rubbing(NamedTuple):
     backing: Array
 
 
-class _Memory(NamedTuple):
-    """What a path has left behind: departures z (u,) [m], and of s contacts what they hold.
+class _ElastoplasticState(NamedTuple):
+    """State at the end of a step: displacements z (u,) [m], and forces of s elements.
 
-    That is the force along the surface and that of the material [N], the `pressed` force of the spring [N] and its
-    `depth` [m], and how far surfaces slide with the unknowns from there on, `slip` (s, u) [1].
+    These are the friction force `side` and the force of the material `normal` [N], the force of the spring `pressed`
+    [N] and its `depth` [m], and the sliding per unknown in the next step, `slip` (s, u) [1].
     """
 
     z: Array
@@ -83,11 +109,12 @@ class _Memory(NamedTuple):
 
 
 class _Step(NamedTuple):
-    """One step of a path: its load [N], `residual`, `tangent` and Newton step, and friction's limits [N], if given.
+    """A step of a path: `load` [N], `residual`, `tangent` and Newton step, and workspace.
 
-    `side` and `normal` (s,) are the limits along the surface and in the material that a search holds; without `given`
-    they follow from the normal forces at once, and the tangent is not symmetric. `drag` (1,) [N/m] holds the unknowns
-    where the step begins. `work` (1,) counts what is assembled; `vectors` (u, u) are for `roll_off`.
+    `side` and `normal` (s,) are the fixed limits of friction and material in a Tresca iteration; otherwise the limits
+    follow from the normal forces, and the tangent is not symmetric. `drag` (1,) [N/m] is the inverse pseudo time step,
+    or the regularization of rigid-body modes. `gradient` (u,) [1] is that of the current contact's depth. `work` (1,)
+    counts the assemblies; `vectors` (u, u) are for `modified_newton_step`.
     """
 
     load: Array
@@ -95,7 +122,7 @@ class _Step(NamedTuple):
     tangent: Array
     step: Array
     start: Array
-    ahead: Array
+    gradient: Array
     side: Array
     normal: Array
     drag: Array
@@ -107,28 +134,27 @@ class _Step(NamedTuple):
 def follow_path(
     springs: KernelSprings, rubbing: Rubbing, path: Array, reach: float, when: Array, z: Array
 ) -> tuple[Residual, int]:
-    """Follow loads along a path (m, u) [N] at the first crank angle, with friction that remembers.
+    """Solve for equilibrium along a load path (m, u) [N] at the first crank angle, with elastoplastic friction.
 
-    The departures z (rows, u) [m] are filled in, and `when` (rows,) each was, in steps of the path from its first load,
-    which is at 0; the first of z is where the path begins, at rest. Each step is the balance with the forces of
-    friction that the step itself leaves (backward Euler); one that finds none is halved, and crept through where that
-    does not help. One in which the output moves by more than `reach` [m] is halved too, down to ``FINEST`` parts, while
-    there are rows for them: under a load that only grows a reducer leaps across its play, and the leap is no wider than
-    that.
+    The displacements z (rows, u) [m] are filled in, with their positions `when` (rows,) on the path, counted in loads
+    from 0; the first of z is the initial state, at rest. Each step is an equilibrium with the friction forces at its
+    end (backward Euler). A step without solution is halved, and then solved by pseudo-transient continuation. A step in
+    which the output moves by more than `reach` [m] is halved, too, up to ``MAX_SUBSTEPS`` parts, while there are rows
+    for them: under a load that only grows, a reducer jumps across its backlash.
 
     Returns
     -------
-    Of force 0, or where no balance was found, what was left over there as a share of the largest load; and how many
-    rows there are.
+    tuple of Residual and int
+        Residual of force 0, or that of a step without equilibrium relative to the largest load; and the number of rows.
     """
     count, number = path.shape
     elements = rubbing.stick.size
-    old, new = _memory(elements, number), _memory(elements, number)
-    one = _step(elements, number)
-    one.drag[0] = FLOATING * springs.cam_stiffness
+    old, new = _new_state(elements, number), _new_state(elements, number)
+    one = _new_step(elements, number)
+    one.drag[0] = RIGID_BODY_STIFFNESS * springs.cam_stiffness
     copy(z[0], old.z)
     scale, rows, spare = 0.0, 0, when.size - count
-    finest = 1.0 / FINEST if spare > 0 else 1.0
+    finest = 1.0 / MAX_SUBSTEPS if spare > 0 else 1.0
     for m in range(count):
         scale = max(scale, largest(path[m]))
     for m in range(count):
@@ -138,25 +164,25 @@ def follow_path(
             for j in range(number):
                 before = path[m - 1, j] if m else 0.0
                 one.load[j] = before + (path[m, j] - before) * (done + share)
-            _slips(springs, rubbing, old)
-            left = _leap(springs, rubbing, FOLLOWED * scale, one, old, new) / scale
-            far = not left <= FOLLOWED or abs(new.z[number - 1] - old.z[number - 1]) > reach
+            _update_slip(springs, rubbing, old)
+            norm = _solve_newton(springs, rubbing, PATH_RESIDUAL_RTOL * scale, one, old, new) / scale
+            far = not norm <= PATH_RESIDUAL_RTOL or abs(new.z[number - 1] - old.z[number - 1]) > reach
             if far and m > 0 and share > shortest and spare > 0:
                 share *= 0.5
                 continue
-            if not left <= FOLLOWED and one.work[0] <= _MOST_WORK * count:
-                left = _settle(springs, rubbing, FOLLOWED * scale, one, old, new) / scale
-            if not left <= FOLLOWED:
-                if share < _SHORTEST and shortest < _SHORTEST:
-                    # so close to a leap there is nothing to find: it is taken in a longer step
-                    share, shortest = _SHORTEST, _SHORTEST
+            if not norm <= PATH_RESIDUAL_RTOL and one.work[0] <= _HYSTERESIS.work_per_step * count:
+                norm = _solve_tresca(springs, rubbing, PATH_RESIDUAL_RTOL * scale, one, old, new) / scale
+            if not norm <= PATH_RESIDUAL_RTOL:
+                if share < _HYSTERESIS.min_step and shortest < _HYSTERESIS.min_step:
+                    # close to a jump there is no equilibrium: it is taken in a longer step
+                    share, shortest = _HYSTERESIS.min_step, _HYSTERESIS.min_step
                     continue
-                if share > _SHORTEST and one.work[0] <= _MOST_WORK * count:
+                if share > _HYSTERESIS.min_step and one.work[0] <= _HYSTERESIS.work_per_step * count:
                     share *= 0.5
                     continue
-                left = _creep(springs, rubbing, FOLLOWED * scale, one, old, new) / scale
-                if not left <= FOLLOWED:
-                    return Residual(left, 0, one.work[0]), rows
+                norm = _solve_pseudo_transient(springs, rubbing, PATH_RESIDUAL_RTOL * scale, one, old, new) / scale
+                if not norm <= PATH_RESIDUAL_RTOL:
+                    return Residual(norm, 0, one.work[0]), rows
             done += share
             share *= 2.0
             old, new = new, old
@@ -174,28 +200,28 @@ def follow_path(
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def state_after(springs: KernelSprings, rubbing: Rubbing, before: Array, load: Array, z: Array, given: bool) -> State:
-    """Compute a step of a path from rest by way of departures `before` to z (u,) [m] under a load (u,) [N].
+    """Assemble a step of a path from rest via displacements `before` to z (u,) [m] under a load (u,) [N].
 
-    Neither need be a balance. Friction's limits follow from the normal forces at z, as `follow_path` has them; or they
-    are `given`, as they follow from those before: then the forces left over are the descent of the energy.
+    Neither needs to be an equilibrium. The friction limits follow from the normal forces at z, as in `follow_path`, or
+    are `given` by those at `before`: then the residual is the descent of the energy.
     """
     number, elements = z.size, rubbing.stick.size
-    rest, old, new = _memory(elements, number), _memory(elements, number), _memory(elements, number)
-    one = _step(elements, number)
-    one.drag[0] = FLOATING * springs.cam_stiffness
-    _slips(springs, rubbing, rest)
+    rest, old, new = _new_state(elements, number), _new_state(elements, number), _new_state(elements, number)
+    one = _new_step(elements, number)
+    one.drag[0] = RIGID_BODY_STIFFNESS * springs.cam_stiffness
+    _update_slip(springs, rubbing, rest)
     copy(before, old.z)
     copy(z, new.z)
     copy(load, one.load)
-    _weigh(springs, rubbing, NO, one, rest, old)
-    _slips(springs, rubbing, old)
-    _renew(rubbing, one, old, 1.0)
-    _, energy = _weigh(springs, rubbing, given, one, old, new)
+    _assemble_step(springs, rubbing, FALSE, one, rest, old)
+    _update_slip(springs, rubbing, old)
+    _update_limits(rubbing, one, old, 1.0)
+    _, energy = _assemble_step(springs, rubbing, given, one, old, new)
     return State(energy, one.residual, one.tangent)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _step(elements: int, number: int) -> _Step:
+def _new_step(elements: int, number: int) -> _Step:
     return _Step(
         np.zeros(number),
         np.zeros(number),
@@ -212,8 +238,8 @@ def _step(elements: int, number: int) -> _Step:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _memory(elements: int, number: int) -> _Memory:
-    return _Memory(
+def _new_state(elements: int, number: int) -> _ElastoplasticState:
+    return _ElastoplasticState(
         np.zeros(number),
         np.zeros(elements),
         np.zeros(elements),
@@ -224,8 +250,8 @@ def _memory(elements: int, number: int) -> _Memory:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _slips(springs: KernelSprings, rubbing: Rubbing, at: _Memory) -> None:
-    """Put how far each surface slides with the unknowns into `at`: on a cam that turns with the way of its disc."""
+def _update_slip(springs: KernelSprings, rubbing: Rubbing, at: _ElastoplasticState) -> None:
+    """Set the sliding per unknown at a state; that of a cam depends on the direction of its disc's displacement."""
     for i in range(len(at.slip)):
         copy(rubbing.slip[i], at.slip[i])
     for disc in range(springs.cam_place.shape[1]):
@@ -235,89 +261,114 @@ def _slips(springs: KernelSprings, rubbing: Rubbing, at: _Memory) -> None:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _leap(springs: KernelSprings, rubbing: Rubbing, allowed: float, one: _Step, old: _Memory, new: _Memory) -> float:
-    """Look for the balance by Newton's method on springs and friction at once: quick, where it gets there; [N]."""
+def _solve_newton(
+    springs: KernelSprings,
+    rubbing: Rubbing,
+    allowed: float,
+    one: _Step,
+    old: _ElastoplasticState,
+    new: _ElastoplasticState,
+) -> float:
+    """Solve a step by Newton's method with the consistent tangent of springs and friction; return the residual [N]."""
     copy(old.z, new.z)
-    longest = _NEAR / largest(springs.bend[0])
-    left = _weigh(springs, rubbing, NO, one, old, new)[0]
-    for _ in range(_LEAPS):
-        if left <= allowed or not abs(np.linalg.det(one.tangent)) > 0.0:
+    longest = _HYSTERESIS.max_step / largest(springs.bend[0])
+    norm = _assemble_step(springs, rubbing, FALSE, one, old, new)[0]
+    for _ in range(_HYSTERESIS.newton_steps):
+        if norm <= allowed or not abs(np.linalg.det(one.tangent)) > 0.0:
             break
         copy(np.linalg.solve(one.tangent, one.residual), one.step)
         share = min(1.0, longest / max(largest(one.step), 1e-300))
         for j in range(one.step.size):
             new.z[j] += share * one.step[j]
-        left = _weigh(springs, rubbing, NO, one, old, new)[0]
-    return left
+        norm = _assemble_step(springs, rubbing, FALSE, one, old, new)[0]
+    return norm
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _settle(springs: KernelSprings, rubbing: Rubbing, allowed: float, one: _Step, old: _Memory, new: _Memory) -> float:
-    """Look for the balance with friction's limits held, whose energy falls with every step, and renew them; [N]."""
+def _solve_tresca(
+    springs: KernelSprings,
+    rubbing: Rubbing,
+    allowed: float,
+    one: _Step,
+    old: _ElastoplasticState,
+    new: _ElastoplasticState,
+) -> float:
+    """Solve a step by a fixed-point iteration of the friction limits (Tresca); return the residual norm [N].
+
+    With fixed limits the solution minimizes an energy.
+    """
     copy(old.z, new.z)
-    longest = _NEAR / largest(springs.bend[0])
-    floating = FLOATING * springs.cam_stiffness
-    left = np.inf
+    longest = _HYSTERESIS.max_step / largest(springs.bend[0])
+    floating = RIGID_BODY_STIFFNESS * springs.cam_stiffness
+    norm = np.inf
     begun = one.work[0]
-    for renewed in range(_RENEWALS):
-        if one.work[0] - begun > _MOST_SETTLING:
+    for iteration in range(_HYSTERESIS.tresca_iterations):
+        if one.work[0] - begun > _HYSTERESIS.tresca_work:
             break
-        _renew(rubbing, one, new if renewed else old, 1.0 if renewed < _HALVINGS else 0.3)
-        inner, energy = _weigh(springs, rubbing, YES, one, old, new)
-        for _ in range(_RENEWALS):
+        share = 1.0 if iteration < _HYSTERESIS.undamped_iterations else _HYSTERESIS.damped_update
+        _update_limits(rubbing, one, new if iteration else old, share)
+        inner, energy = _assemble_step(springs, rubbing, TRUE, one, old, new)
+        for _ in range(_HYSTERESIS.tresca_iterations):
             if inner <= 0.1 * allowed:
                 break
             if not solve_stable(one.tangent, one.residual, one.step, floating):
-                _weigh(springs, rubbing, YES, one, old, new)
-                roll_off(one.tangent, one.residual, one.step, floating, one.vectors)
+                _assemble_step(springs, rubbing, TRUE, one, old, new)
+                modified_newton_step(one.tangent, one.residual, one.step, floating, one.vectors)
             copy(new.z, one.start)
             share = min(1.0, longest / max(largest(one.step), 1e-300))
-            for _ in range(_HALVINGS):
+            for _ in range(_HYSTERESIS.undamped_iterations):
                 for j in range(one.step.size):
                     new.z[j] = one.start[j] + share * one.step[j]
-                inner, found = _weigh(springs, rubbing, YES, one, old, new)
-                if found <= energy + ROUNDING * abs(energy):
+                inner, trial = _assemble_step(springs, rubbing, TRUE, one, old, new)
+                if trial <= energy + ROUNDING * abs(energy):
                     break
                 share *= 0.5
-            energy = found
-        left = _weigh(springs, rubbing, NO, one, old, new)[0]
-        if left <= allowed:
+            energy = trial
+        norm = _assemble_step(springs, rubbing, FALSE, one, old, new)[0]
+        if norm <= allowed:
             break
-    return left
+    return norm
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _creep(springs: KernelSprings, rubbing: Rubbing, allowed: float, one: _Step, old: _Memory, new: _Memory) -> float:
-    """Let the parts creep to the balance against a drag, friction following on their way, and ease it; [N] is left.
+def _solve_pseudo_transient(
+    springs: KernelSprings,
+    rubbing: Rubbing,
+    allowed: float,
+    one: _Step,
+    old: _ElastoplasticState,
+    new: _ElastoplasticState,
+) -> float:
+    """Solve a step by pseudo-transient continuation with friction along the path; return the residual norm [N].
 
-    Where friction leaves no balance near, parts leap to one that is not, and what they rub on the way decides which. A
-    drag that is large enough leaves one balance for each step. The parts begin at `old`, and both end where they are.
+    Without an equilibrium nearby, parts jump to a distant one, which depends on the friction along the way. A viscous
+    drag that is large enough (a short pseudo time step) has a unique solution. `old` and `new` end at the solution.
     """
-    floating = FLOATING * springs.cam_stiffness
-    drag, left = springs.cam_stiffness, np.inf
-    for _ in range(_CREEPS):
+    floating = RIGID_BODY_STIFFNESS * springs.cam_stiffness
+    drag, norm = springs.cam_stiffness, np.inf
+    for _ in range(_HYSTERESIS.pseudo_steps):
         one.drag[0] = drag
-        _slips(springs, rubbing, old)
-        if _leap(springs, rubbing, 0.5 * allowed, one, old, new) <= 0.5 * allowed:
-            left = 0.0
+        _update_slip(springs, rubbing, old)
+        if _solve_newton(springs, rubbing, 0.5 * allowed, one, old, new) <= 0.5 * allowed:
+            norm = 0.0
             for j in range(one.load.size):
-                left = max(left, abs(drag * (new.z[j] - old.z[j])))
-            _keep(new, old)
-            if left <= 0.5 * allowed:
+                norm = max(norm, abs(drag * (new.z[j] - old.z[j])))
+            _copy_state(new, old)
+            if norm <= 0.5 * allowed:
                 break
-            drag = max(_EASED * drag, floating)
+            drag = max(_HYSTERESIS.decrease * drag, floating)
         else:
-            left = np.inf
-            drag *= _BRAKED
-            if drag > _STIFFEST * springs.cam_stiffness:
+            norm = np.inf
+            drag *= _HYSTERESIS.increase
+            if drag > _HYSTERESIS.max_stiffness * springs.cam_stiffness:
                 break
     one.drag[0] = floating
-    return left
+    return norm
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _keep(of: _Memory, to: _Memory) -> None:
-    """Copy what a path has left behind, but not how far surfaces slide from there."""
+def _copy_state(of: _ElastoplasticState, to: _ElastoplasticState) -> None:
+    """Copy a state except its sliding per unknown."""
     copy(of.z, to.z)
     copy(of.side, to.side)
     copy(of.normal, to.normal)
@@ -326,8 +377,8 @@ def _keep(of: _Memory, to: _Memory) -> None:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _renew(rubbing: Rubbing, one: _Step, at: _Memory, share: float) -> None:
-    """Bring friction's limits by a share to those of the normal forces."""
+def _update_limits(rubbing: Rubbing, one: _Step, at: _ElastoplasticState, share: float) -> None:
+    """Move the friction limits by a share towards those of the normal forces."""
     for i in range(one.side.size):
         spring = at.pressed[i]
         one.normal[i] += share * (rubbing.loss[i] * spring - one.normal[i])
@@ -335,16 +386,21 @@ def _renew(rubbing: Rubbing, one: _Step, at: _Memory, share: float) -> None:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _weigh(
-    springs: KernelSprings, rubbing: Rubbing, given: bool, one: _Step, old: _Memory, new: _Memory
+def _assemble_step(
+    springs: KernelSprings,
+    rubbing: Rubbing,
+    given: bool,
+    one: _Step,
+    old: _ElastoplasticState,
+    new: _ElastoplasticState,
 ) -> tuple[float, float]:
-    """Put together what is left of the load at the departures of `new`; give the largest of it [N] and the energy [J].
+    """Assemble residual and tangent at the displacements of `new`; return the residual norm [N] and the energy [J].
 
-    With friction's limits `given` there is an energy, and the tangent is symmetric.
+    With `given` friction limits there is an energy, and the tangent is symmetric.
     """
     one.work[0] += 1
     number, contacts, z = one.load.size, springs.disc.size, new.z
-    drag, energy, ahead = one.drag[0], 0.0, one.ahead
+    drag, energy, gradient = one.drag[0], 0.0, one.gradient
     for j in range(number):
         moved = z[j] - old.z[j]
         one.residual[j] = one.load[j] - drag * moved
@@ -355,19 +411,19 @@ def _weigh(
         x, t, o = 3 * springs.disc[i], 3 * springs.disc[i] + 2, number - 1
         pose = pose_of(springs, springs.disc[i], z)
         apart = apart_of(springs, FIRST, i, pose)
-        clear(ahead)
+        clear(gradient)
         depth = 0.0
-        if least_width(springs, FIRST, i, apart, NO) == 0.0:
-            found = curved(springs, FIRST, i, pose, apart, NO)
+        if least_width(springs, FIRST, i, apart, FALSE) == 0.0:
+            found = gap_at(springs, FIRST, i, pose, apart, FALSE)
             depth = max(-found.width, 0.0)
             if depth > 0.0:
-                ahead[x], ahead[x + 1], ahead[t], ahead[o] = found.ahead
-        energy += _bear(rubbing, given, i, springs.stiffness[0, i], depth, one, old, new)
+                gradient[x], gradient[x + 1], gradient[t], gradient[o] = found.normal
+        energy += _add_contact(rubbing, given, i, springs.stiffness[0, i], depth, one, old, new)
         if depth == 0.0:
             continue
         force = new.pressed[i] + new.normal[i]
-        # The normal's turning, and the turns of the parts, as in `assemble`.
-        (bx, by, bt, bo), turning = found.aside, -force * found.rate
+        # geometric stiffness of the rotation of the normal and of the parts, as in `assemble`
+        (bx, by, bt, bo), turning = found.tangential, -force * found.rate
         with_disc = force / springs.radius if springs.turning[i] else 0.0
         alone = with_disc if springs.turning[i] else -force / springs.radius
         tangent = one.tangent
@@ -389,11 +445,11 @@ def _weigh(
         x, y = 3 * disc, 3 * disc + 1
         cam = cam_at(springs, FIRST, disc, z)
         u, v, depth, around = cam.u, cam.v, cam.depth, cam.around
-        clear(ahead)
+        clear(gradient)
         if depth > 0.0:
-            ahead[x], ahead[y] = -u, -v
+            gradient[x], gradient[y] = -u, -v
         i = contacts + disc
-        energy += _bear(rubbing, given, i, springs.cam_stiffness, max(depth, 0.0), one, old, new)
+        energy += _add_contact(rubbing, given, i, springs.cam_stiffness, max(depth, 0.0), one, old, new)
         if depth > 0.0:
             across = (new.pressed[i] + new.normal[i]) / depth * around
             one.tangent[x, x] += across * v * v
@@ -402,15 +458,22 @@ def _weigh(
             one.tangent[y, x] -= across * u * v
     for e in range(rubbing.drag.size):
         i = contacts + springs.cam_place.shape[1] + e
-        energy += _rub_along(rubbing, i, rubbing.drag[e], 0.0, one, old, new)
+        energy += _add_friction(rubbing, i, rubbing.drag[e], 0.0, one, old, new)
     return largest(one.residual), energy
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _bear(
-    rubbing: Rubbing, given: bool, i: int, stiffness: float, depth: float, one: _Step, old: _Memory, new: _Memory
+def _add_contact(
+    rubbing: Rubbing,
+    given: bool,
+    i: int,
+    stiffness: float,
+    depth: float,
+    one: _Step,
+    old: _ElastoplasticState,
+    new: _ElastoplasticState,
 ) -> float:
-    """Add a contact that is pressed to a `depth` [m], its material and its friction; give their energy [J]."""
+    """Add a contact with a deflection `depth` [m], its material and its friction; return their energy [J]."""
     spring, backing, loss = stiffness * depth, rubbing.backing[i], rubbing.loss[i]
     new.depth[i], new.pressed[i], new.normal[i] = depth, spring, 0.0
     energy, force, rate = 0.5 * spring * depth, spring, stiffness
@@ -423,20 +486,28 @@ def _bear(
             held, more = sign * most, 0.0 if given else sign * loss * stiffness
         new.normal[i] = held
         force, rate = force + held, rate + more
-    ahead = one.ahead
-    for j in range(ahead.size):
-        one.residual[j] += force * ahead[j]
-        for m in range(ahead.size):
-            one.tangent[j, m] += rate * ahead[j] * ahead[m]
+    gradient = one.gradient
+    for j in range(gradient.size):
+        one.residual[j] += force * gradient[j]
+        for m in range(gradient.size):
+            one.tangent[j, m] += rate * gradient[j] * gradient[m]
     most, rising = one.side[i], 0.0
     if not given:
         most, rising = rubbing.coefficient[i] * force, rubbing.coefficient[i] * rate
-    return energy + _rub_along(rubbing, i, most, rising, one, old, new)
+    return energy + _add_friction(rubbing, i, most, rising, one, old, new)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _rub_along(rubbing: Rubbing, i: int, most: float, rate: float, one: _Step, old: _Memory, new: _Memory) -> float:
-    """Add the friction of a surface that slips at `most` [N], rising by `rate` [N/m] with depth; its energy [J]."""
+def _add_friction(
+    rubbing: Rubbing,
+    i: int,
+    most: float,
+    rate: float,
+    one: _Step,
+    old: _ElastoplasticState,
+    new: _ElastoplasticState,
+) -> float:
+    """Add the friction of a surface with the limit `most` [N] and its rate by depth [N/m]; return its energy [J]."""
     slip, stick, number = old.slip[i], rubbing.stick[i], one.load.size
     new.side[i] = 0.0
     if not most > 0.0:
@@ -450,7 +521,7 @@ def _rub_along(rubbing: Rubbing, i: int, most: float, rate: float, one: _Step, o
         held = sign * most
         for j in range(number):
             for m in range(number):
-                one.tangent[j, m] -= sign * rate * slip[j] * one.ahead[m]
+                one.tangent[j, m] -= sign * rate * slip[j] * one.gradient[m]
     else:
         for j in range(number):
             for m in range(number):
@@ -463,6 +534,6 @@ def _rub_along(rubbing: Rubbing, i: int, most: float, rate: float, one: _Step, o
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _stored(force: float, most: float, stiffness: float) -> float:
-    """Find the energy of a spring that would hold a `force` [N] but slips at `most`, with what its slip takes [J]."""
+    """Return the energy of a spring with an elastic `force` [N] that slips at `most` [N], including dissipation [J]."""
     size = abs(force)
     return 0.5 * size * size / stiffness if size <= most else most * (size - 0.5 * most) / stiffness

@@ -1,47 +1,62 @@
-"""Newton's method on the system of a balance, and the linear systems of its steps."""
+"""Semismooth Newton method for the static equilibrium, and the linear solvers of its steps."""
 
 import math
 from typing import NamedTuple
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import njit
-from cycloid_mj.statics.kernel.contacts import NO, KernelSprings
-from cycloid_mj.statics.kernel.system import Linearised, assemble
+from cycloid_mj.statics.kernel.contacts import FALSE, KernelSprings
+from cycloid_mj.statics.kernel.system import System, assemble
 
-BALANCED = 1e-8
-"""Largest residual of a balance, as a share of the largest load."""
+RESIDUAL_RTOL = 1e-8
+"""Largest residual of an equilibrium, relative to the largest load."""
 
+PATH_RESIDUAL_RTOL = 1e-6
+"""Largest residual of a step along a path, relative to the largest load of the path."""
 
-FOLLOWED = 1e-6
-"""Largest residual of a step along a path, as a share of the path's largest load."""
-
-
-FLOATING = 1e-9
-"""Stiffness that keeps floating parts where they are, as a share of the cam's."""
-
+RIGID_BODY_STIFFNESS = 1e-9
+"""Stiffness that regularizes rigid-body modes of floating parts, relative to that of the cam."""
 
 ROUNDING = 1e-12
-"""By how much energy [1] may seem to grow: next to the balance it is flat, and its differences are rounding."""
+"""Relative increase of the energy that counts as rounding: near an equilibrium it is flat."""
 
 
-_STEPS, _STEPS_DOWN, _FARTHEST = 15, 200, 0.3
-"""Most Newton steps for each disc, and downhill in all; the longest as a share of the eccentricity."""
+class NewtonSettings(NamedTuple):
+    """Settings of the semismooth Newton method with warm-started active set and Armijo backtracking (`newton`).
+
+    Hintermueller, Ito & Kunisch, SIAM J. Optim. 13 (2002), 865-888; Nocedal & Wright, Numerical Optimization, 2006,
+    3.1 and 3.4.
+
+    Attributes
+    ----------
+    steps_per_disc, descent_steps
+        Largest number of steps for each disc, and of a descent of the energy.
+    max_step
+        Largest component of a step, relative to the eccentricity.
+    overshoot
+        Rise of the energy after a warm-started step, relative to its fall before, from which on the step is shortened
+        to the minimum of the quadratic model: contacts that close on the way push back.
+    armijo_slope
+        Share of the fall predicted by the slope that a descent step must reach.
+    min_stiffness
+        Smallest eigenvalue of the modified Hessian of a descent step, relative to the stiffness of the cam.
+    """
+
+    steps_per_disc: int = 15
+    descent_steps: int = 200
+    max_step: float = 0.3
+    overshoot: float = 10.0
+    armijo_slope: float = 0.01
+    min_stiffness: float = 1e-6
 
 
-_OVERSHOT = 10.0
-"""How often the energy's fall before a step, without friction, it may rise after it: contacts that close on the way
-push back, and the step is ended where the stiffness there puts the least energy of its line. Else steps would leap."""
-
-
-_ARMIJO, _SOFT = 0.01, 1e-6
-"""Share of the fall that the slope promises which a step downhill must bring, and least stiffness that it reckons with,
-as a share of the cam's."""
+_NEWTON = NewtonSettings()
 
 
 class Residual(NamedTuple):
-    """How far a search got: the least `force` left over, as a share of the largest load, at an `angle`, by its number.
+    """Result of a solution: the residual `force`, relative to the largest load, at the `angle` of a number.
 
-    `work` counts how often the system was put together on the way.
+    `work` is the number of assemblies.
     """
 
     force: float
@@ -60,52 +75,54 @@ def newton(
     exact: bool,
     allowed: float,
     damping: float,
-    keep: bool,
-    downhill: bool,
-    system: Linearised,
+    warm_start: bool,
+    descend: bool,
+    system: System,
 ) -> float:
-    """Solve for the departures `here` (u,) [m] by Newton's method, from where they are; give what is left over [N].
+    """Solve for the displacements `here` (u,) [m] by Newton's method from their values; return the residual norm [N].
 
-    Of springs that are `soft` and a share of the friction, see `assemble`. With `keep`, contacts that pressed before
-    count as closed in the first step. `downhill`, without friction, steps are shortened until the energy falls.
+    For `soft` springs and a share of the friction see `assemble`. With `warm_start`, contacts that carried a force
+    count as closed in the first step (warm-started active set). With `descend`, without friction, steps are shortened
+    until the energy falls (Armijo backtracking).
     """
-    hard, longest = soft * springs.cam_stiffness, _FARTHEST * springs.trochoid[1]
+    hard, longest = soft * springs.cam_stiffness, _NEWTON.max_step * springs.trochoid[1]
     residual, step, start, number = system.residual, system.step, system.start, here.size
-    left, energy, share, falls = math.inf, math.inf, 1.0, math.inf
-    led = keep and springs.rubbing.shape[0] == 0
-    for i in range(system.kept.size):
-        system.kept[i] = keep and system.pressed[i] > 0.0
-    for step_number in range(_STEPS_DOWN if downhill else springs.cam_place.shape[1] * _STEPS):
-        found = assemble(springs, k, load, here, soft, friction, exact, step_number == 0, system)
-        left = largest(residual)
-        if not left < math.inf:
+    norm, energy, share, fall = math.inf, math.inf, 1.0, math.inf
+    use_line_search = warm_start and springs.rubbing.shape[0] == 0
+    for i in range(system.warm.size):
+        system.warm[i] = warm_start and system.pressed[i] > 0.0
+    for step_number in range(_NEWTON.descent_steps if descend else springs.cam_place.shape[1] * _NEWTON.steps_per_disc):
+        trial = assemble(springs, k, load, here, soft, friction, exact, step_number == 0, system)
+        norm = largest(residual)
+        if not norm < math.inf:
             break
         slope = _product(step, residual)
-        if downhill and found > energy - _ARMIJO * share * falls + ROUNDING * abs(energy) and share > ROUNDING:
+        bound = energy - _NEWTON.armijo_slope * share * fall + ROUNDING * abs(energy)
+        if descend and trial > bound and share > ROUNDING:
             share *= 0.5
-        elif led and left > allowed and -slope > _OVERSHOT * abs(falls):
+        elif use_line_search and norm > allowed and -slope > _NEWTON.overshoot * abs(fall):
             share = max(share + slope / max(_curvature(system.tangent, step), 1e-300), 0.0)
         else:
-            if left <= allowed and not keep:
-                return left
-            energy = found
-            if downhill:
-                roll_off(system.tangent, residual, step, _SOFT * hard, system.vectors)
-            elif solve(system.tangent, residual, step, FLOATING * hard + damping * left * hard) == 0.0:
+            if norm <= allowed and not warm_start:
+                return norm
+            energy = trial
+            if descend:
+                modified_newton_step(system.tangent, residual, step, _NEWTON.min_stiffness * hard, system.vectors)
+            elif solve(system.tangent, residual, step, RIGID_BODY_STIFFNESS * hard + damping * norm * hard) == 0.0:
                 break
-            share, falls = min(1.0, longest / max(largest(step), 1e-300)), _product(step, residual)
+            share, fall = min(1.0, longest / max(largest(step), 1e-300)), _product(step, residual)
             copy(here, start)
         for j in range(number):
             here[j] = start[j] + share * step[j]
-        for i in range(system.kept.size if keep else 0):
-            system.kept[i] = False
-        keep = NO
-    return left
+        for i in range(system.warm.size if warm_start else 0):
+            system.warm[i] = False
+        warm_start = FALSE
+    return norm
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _product(step: Array, values: Array) -> float:
-    """Compute the product of two vectors (u,)."""
+    """Compute the scalar product of two vectors (u,)."""
     total = 0.0
     for j in range(step.size):
         total += step[j] * values[j]
@@ -114,7 +131,7 @@ def _product(step: Array, values: Array) -> float:
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _curvature(stiffness: Array, step: Array) -> float:
-    """Compute by how much the energy of a stiffness (u, u) curves along a step (u,) [m], [J]."""
+    """Compute the quadratic form of a stiffness (u, u) [N/m] and a step (u,) [m], [J]."""
     total = 0.0
     for j in range(step.size):
         total += step[j] * _product(step, stiffness[j])
@@ -123,9 +140,9 @@ def _curvature(stiffness: Array, step: Array) -> float:
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def solve(matrix: Array, right: Array, out: Array, floating: float) -> float:
-    """Solve a system by Gauss's elimination with pivots, in place; give the sign of its determinant, 0 if unsolvable.
+    """Solve a linear system by Gaussian elimination with pivoting, in place; return the sign of its determinant, or 0.
 
-    What only floats is held by a stiffness beside. `out` may be `right`.
+    The stiffness `floating` is added to the diagonal (regularization of rigid-body modes). `out` may be `right`.
     """
     number, sign = right.size, 1.0
     for j in range(number):
@@ -162,7 +179,7 @@ def solve(matrix: Array, right: Array, out: Array, floating: float) -> float:
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def solve_stable(matrix: Array, right: Array, out: Array, floating: float) -> bool:
-    """Solve a symmetric system by Cholesky's method, from its lower half, in place; tell whether it is positive."""
+    """Solve a symmetric system by Cholesky factorization of its lower half, in place; return whether it is definite."""
     number = right.size
     for j in range(number):
         pivot = matrix[j, j] + floating
@@ -191,10 +208,11 @@ def solve_stable(matrix: Array, right: Array, out: Array, floating: float) -> bo
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
-def roll_off(matrix: Array, right: Array, out: Array, floating: float, vectors: Array) -> None:
-    """Solve a symmetric system as if all of its eigenvalues were positive: that leads down from a ridge.
+def modified_newton_step(matrix: Array, right: Array, out: Array, floating: float, vectors: Array) -> None:
+    """Solve a symmetric system with the absolute values of its eigenvalues, at least `floating`: a descent direction.
 
-    In place, with room for a matrix of `vectors`. Where the eigenvalues are above what floats, they need not be known.
+    In place, with workspace `vectors` (u, u). A Cholesky factorization replaces the eigenvalues if all exceed
+    `floating`.
     """
     number = right.size
     for i in range(number):
@@ -215,9 +233,9 @@ def roll_off(matrix: Array, right: Array, out: Array, floating: float, vectors: 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _find_eigenvectors(matrix: Array, vectors: Array) -> None:
-    """Compute the eigenvectors of a symmetric matrix, as columns, by Jacobi's turns; its diagonal becomes the values.
+    """Compute the eigenvectors of a symmetric matrix as columns, by Jacobi rotations; its diagonal becomes the values.
 
-    Golub and Van Loan, Matrix Computations, 8.5. NumPy's would load SciPy, a quarter of a second of each command.
+    Golub & Van Loan, Matrix Computations, 8.5. NumPy's function would import SciPy, a quarter of a second per command.
     """
     number, least = len(matrix), 0.0
     for i in range(number):
@@ -225,15 +243,15 @@ def _find_eigenvectors(matrix: Array, vectors: Array) -> None:
     for i in range(number):
         clear(vectors[i])
         vectors[i, i] = 1.0
-    turned = True
-    while turned:
-        turned = False
+    rotated = True
+    while rotated:
+        rotated = False
         for p in range(number - 1):
             for q in range(p + 1, number):
                 beside = matrix[p, q]
                 if not abs(beside) > least:
                     continue
-                turned = True
+                rotated = True
                 slant = (matrix[q, q] - matrix[p, p]) / (2.0 * beside)
                 tangent = math.copysign(1.0, slant) / (abs(slant) + math.hypot(1.0, slant))
                 cos = 1.0 / math.hypot(1.0, tangent)
@@ -250,7 +268,7 @@ def _find_eigenvectors(matrix: Array, vectors: Array) -> None:
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def largest(values: Array) -> float:
-    """Compute the largest size among values."""
+    """Return the largest absolute value."""
     largest = 0.0
     for j in range(values.size):
         largest = max(largest, abs(values[j]))
@@ -259,13 +277,13 @@ def largest(values: Array) -> float:
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def copy(values: Array, to: Array) -> None:
-    """Put values (m,) into an array: numba takes a second to compile this as an assignment, for its message alone."""
+    """Copy values (m,) to an array; numba takes a second to compile an assignment, for its error message."""
     for j in range(to.size):
         to[j] = values[j]
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def clear(values: Array) -> None:
-    """Put 0 into an array (m,)."""
+    """Set an array (m,) to 0."""
     for j in range(values.size):
         values[j] = 0.0

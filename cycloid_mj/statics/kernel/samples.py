@@ -1,4 +1,4 @@
-"""Balances of samples within tolerances, many in one call."""
+"""Equilibria of many samples of a tolerance study in a call."""
 
 import math
 from typing import NamedTuple
@@ -7,26 +7,26 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.compiling import cacheable, njit
-from cycloid_mj.statics.kernel.contacts import YES, KernelSprings
+from cycloid_mj.statics.kernel.contacts import TRUE, KernelSprings
 from cycloid_mj.statics.kernel.search import balance_briefly, balance_by_all
-from cycloid_mj.statics.kernel.system import Linearised, pressing, system_of
+from cycloid_mj.statics.kernel.system import System, cam_contact, system_of
 
-CARRIES = 0.01
-"""A tooth carries where its force is at least this share of the largest over the turn."""
+CARRYING_SHARE = 0.01
+"""Smallest force of a loaded tooth, relative to the largest over the turn."""
 
 
 FIGURES = 9
-"""Numbers of a sample: of gear and output the mean turn and its range; peaks of a tooth, an output pin, the cam; teeth
-that carry on average; what no balance was found for."""
+"""Figures of a sample: mean and range of the rotations of disc and output; largest force of a tooth, an output pin and
+the cam; mean number of loaded teeth; residual."""
 
 
 class Effects(NamedTuple):
-    """How far the curves of a contact are moved by errors of the parts, per error [1], [1], [1], [m/rad].
+    """Displacements of the curves of a contact per error of the parts, [1] and [m/rad].
 
-    `distance` and `shift`, shape (k, n, 4), as in ``kernel.KernelSprings``: by the place of its pin or hole in x and y,
-    the gear's pin circle, and the turn of its flanks. `cam_place` (k, D, 2) [1] is that of the cams by the
-    eccentricity, `turned` (k, 2) cosine and sine of the crank angle. `waves` (k, n, w) [1] is that of `distance` by the
-    waves of the gear's profile.
+    `distance` and `shift`, shape (k, n, 4), as in ``kernel.KernelSprings``: by the position of its pin or hole in x and
+    y, the disc's pin circle, and the rotation of its flanks. `cam_place` (k, D, 2) [1] is the displacement of the cams
+    by the eccentricity, `turned` (k, 2) are cosine and sine of the crank angle, and `waves` (k, n, w) [1] is the effect
+    of the profile's waves on `distance`.
     """
 
     distance: Array
@@ -37,10 +37,10 @@ class Effects(NamedTuple):
 
 
 class SampleDeviations(NamedTuple):
-    """How s samples were made: `room` (s, n) and `place` (s, n, 2) of each contact [m], and that of cams (s, D, 2).
+    """Deviations of s samples: `room` (s, n) and `place` (s, n, 2) of each contact, and `cam_place` (s, D, 2) [m].
 
-    `waves` (s, w) [m] are those of the profile. The rest has the shape (s,): `pin_circle` [m], `rotation` [rad],
-    `eccentricity` [m], and the `cam`'s clearance [m].
+    `waves` (s, w) [m] are those of the profile. The others have shape (s,): `pin_circle` [m], `rotation` [rad],
+    `eccentricity` [m], and the clearance of the `cam` [m].
     """
 
     room: Array
@@ -54,9 +54,9 @@ class SampleDeviations(NamedTuple):
 
 
 class SampleRoom(NamedTuple):
-    """Room for one sample after the other: as in `KernelSprings`, its departures `z`, forces, and a system.
+    """Workspace of a sample: arrays of `KernelSprings`, displacements `z`, forces, and a system.
 
-    Every search has `begun` with the discs where their cams are, in departures (k, u) [m].
+    The initial values `begun` (k, u) [m] have the discs on their cams.
     """
 
     distance: Array
@@ -65,11 +65,11 @@ class SampleRoom(NamedTuple):
     begun: Array
     z: Array
     force: Array
-    system: Linearised
+    system: System
 
 
 def room_for(ideal: KernelSprings) -> SampleRoom:
-    """Make room for samples of ideal parts."""
+    """Allocate the workspace of samples of ideal parts."""
     shape, number = ideal.distance.shape, ideal.slope.shape[2]
     places = np.empty(ideal.cam_place.shape)
     begun, z = np.zeros((shape[0], number)), np.empty((shape[0], number))
@@ -87,11 +87,10 @@ def balance_few_samples(
     paths: bool | None,
     room: SampleRoom,
 ) -> None:
-    """Balance samples `first` to `last` under each of t loads (t, k, u) [N] at crank angles that follow each other.
+    """Solve for the equilibria of samples `first` to `last` under t loads (t, k, u) [N] at crank angles in order.
 
-    `ideal` are the springs of ideal parts; the rows of each sample in `out` (t, s, ``FIGURES``) are filled in. By all
-    `paths`, or for None without those of `by_continuation`: what is lost then is to be balanced by all. What stands in
-    the `room` is written over.
+    `ideal` are the springs of ideal parts; the rows of each sample in `out` (t, s, ``FIGURES``) are filled in. For
+    `paths` see `search.balance`: samples that fail without them are to be solved with them. `room` is overwritten.
     """
     z, force, system = room.z, room.force, room.system
     for s in range(first, last):
@@ -123,18 +122,18 @@ def balance_few_samples(
                 for j in range(z.shape[1]):
                     z[k, j] = room.begun[k, j]
             if paths is None:
-                left = balance_briefly(springs, load[t], z, force, YES, None, system)
+                residual = balance_briefly(springs, load[t], z, force, TRUE, None, system)
             else:
-                left = balance_by_all(springs, load[t], z, force, YES, paths, system)
+                residual = balance_by_all(springs, load[t], z, force, TRUE, paths, system)
             _sum_up(ideal.radius, ideal.turning, room.cam_place, made.cam[s], ideal.cam_stiffness, z, force, out[t, s])
-            out[t, s, FIGURES - 1] = left.force
+            out[t, s, FIGURES - 1] = residual.force
 
 
 balance_samples = njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")(balance_few_samples)
-"""`balance_few_samples` for many, without the paths of `by_continuation`, which make arrays: with no `paths`."""
+"""`balance_few_samples` compiled for many samples, with `paths` None."""
 
 balance_samples_by_all = njit(cache=cacheable(), nogil=True, error_model="numpy")(balance_few_samples)
-"""`balance_few_samples` by all `paths`."""
+"""`balance_few_samples` compiled with all `paths`."""
 
 
 @njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
@@ -147,7 +146,7 @@ def _make(
     cam_place: Array,
     begun: Array,
 ) -> None:
-    """Write the gaps of a sample (k, n) [m], the places of its cams (k, D, 2) [m] and where searches have `begun`."""
+    """Write the gaps of a sample (k, n) [m], the positions of its cams (k, D, 2) [m] and the initial values `begun`."""
     circle, rotation = made.pin_circle[s], made.rotation[s]
     for k in range(distance.shape[0]):
         for i in range(distance.shape[1]):
@@ -178,9 +177,9 @@ def _sum_up(
     force: Array,
     out: Array,
 ) -> None:
-    """Write the figures of one sample, but the last.
+    """Write the figures of a sample except the residual.
 
-    What it needs of the springs stands alone: to take all of them from Python is most of what there is to compile.
+    The arguments are single attributes of the springs, as conversion of all of them from Python takes long to compile.
     """
     count, discs = len(z), cam_place.shape[1]
     for part in range(2):
@@ -200,12 +199,12 @@ def _sum_up(
                 pin = max(pin, force[k, i])
         for disc in range(discs):
             x, y = z[k, 3 * disc] - cam_place[k, disc, 0], z[k, 3 * disc + 1] - cam_place[k, disc, 1]
-            pressed = pressing(x, y, cam_clearance)
-            # where both sides press, what the harder one does: depth is what it has more, both what they have together
+            pressed = cam_contact(x, y, cam_clearance)
+            # with contact on both sides, the larger force: `depth` is the difference, `both` the sum
             cam = max(cam, 0.5 * cam_stiffness * (pressed.depth + pressed.both))
     carrying = 0
     for k in range(count):
         for i in range(force.shape[1]):
-            if turning[i] and force[k, i] > CARRIES * tooth:
+            if turning[i] and force[k, i] > CARRYING_SHARE * tooth:
                 carrying += 1
     out[4], out[5], out[6], out[7] = tooth, pin, cam, carrying / count

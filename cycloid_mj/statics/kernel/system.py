@@ -1,4 +1,4 @@
-"""The system of a balance: energy of springs less the work of the load, forces left over, and their stiffness."""
+"""System of the static equilibrium: energy of springs minus work of the load, residual forces, tangent stiffness."""
 
 import math
 from typing import NamedTuple
@@ -7,21 +7,24 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.base.compiling import cacheable, njit
-from cycloid_mj.statics.kernel.contacts import NO, YES, KernelSprings, apart_of, curved, least_width, pose_of
+from cycloid_mj.statics.kernel.contacts import FALSE, TRUE, KernelSprings, apart_of, gap_at, least_width, pose_of
 
 RATE = 4
 """Column of a contact's stiffness, after those of its gradient."""
 
 
-_SURELY = 2.0
-"""By how much farther than their slopes tell curves are reckoned to have moved: arms vary over a turn, and turns count
-to the second order."""
+SKIN_FACTOR = 2.0
+"""Safety factor of the displacements that the neighbour-list skin allows (Verlet, Phys. Rev. 159 (1967), 98).
+
+The displacements are bounded by the gradients at the ideal pose: lever arms vary over a turn, and rotations count to
+the second order.
+"""
 
 
 class State(NamedTuple):
-    """Springs at some departures: `energy` less the work of the load [J] and forces left over (u,) [N], its descent.
+    """Springs at some displacements: `energy` minus work of the load [J] and residual forces (u,) [N], its descent.
 
-    `stiffness` (u, u) [N/m] is the second derivative of that energy.
+    `stiffness` (u, u) [N/m] is the second derivative of the energy.
     """
 
     energy: float
@@ -30,16 +33,16 @@ class State(NamedTuple):
 
 
 class _PinSystem(NamedTuple):
-    """Arrays for one output pin that bends under D discs: of each its `width` [m], and the force `pressed` [N] on it.
+    """Arrays for an output pin that bends under D discs: gap `width` [m] and force `pressed` [N] of each disc.
 
-    `ahead`, `aside` (D, 4) [1] and `rate` (D,) [1/m] are as in ``contacts.Curved``, `carries` and `held` (D,), and
-    `flexible` [m/N] and `stiff` [N/m] (D, D), as in `_hold`.
+    `normal`, `tangential` (D, 4) [1] and `rate` (D,) [1/m] are as in ``contacts.Gap``; `carries` and `held` (D,),
+    `flexible` [m/N] and `stiff` [N/m] (D, D) as in `_solve_pin`.
     """
 
     width: Array
     pressed: Array
-    ahead: Array
-    aside: Array
+    normal: Array
+    tangential: Array
     rate: Array
     carries: Mask
     held: Mask
@@ -47,14 +50,15 @@ class _PinSystem(NamedTuple):
     stiff: Array
 
 
-class Linearised(NamedTuple):
-    """Generalised forces left over [N], shape (u,), and the springs' stiffness [N/m], shape (u, u).
+class System(NamedTuple):
+    """Residual forces (u,) [N] and tangent stiffness (u, u) [N/m] of the equilibrium, and workspace of its solution.
 
-    `pressed` (n,) [N] are the forces of the springs. The rest are arrays of the search: the Newton `step` and where it
-    is from, `start` (u,), `ahead` (4,) [1], and `assembled` (1,), how often the system was put together. Where all
-    contacts were `seen` last (u,) [m] each was open by the `margin` (n,) [m], 0 where it may have been closed; `arm`
-    (1,) [1] is how far a contact's curves move with the turns of its parts, at most. At an angle the search has `begun`
-    (u,) [m]; `vectors` (u, u) are for `roll_off`, and `pin` for one after the other.
+    `pressed` (n,) [N] are the forces of the springs, `warm` (n,) marks the warm-started active set, and `assembled`
+    (1,) counts the assemblies. The Newton `step` (u,) begins at `start` (u,); `back` (u,) is the last solution of a
+    continuation and `begun` (u,) its origin. The neighbour list was built at the displacements `seen` (u,) [m], where
+    each contact was open by at least the `margin` (n,) [m]; `arm` (1,) [1] bounds the lever arms of the rotations.
+    `row` (n, 5) has normal gradient and stiffness of each contact; `vectors` (u, u) are for `modified_newton_step`, and
+    `pin` for one output pin after the other.
     """
 
     residual: Array
@@ -64,7 +68,7 @@ class Linearised(NamedTuple):
     start: Array
     back: Array
     row: Array
-    kept: Mask
+    warm: Mask
     assembled: Integers
     seen: Array
     margin: Array
@@ -75,10 +79,10 @@ class Linearised(NamedTuple):
 
 
 class _Cam(NamedTuple):
-    """Where a disc is from its cam: which way (u, v) [1], and how deep it presses, less what the far side presses [m].
+    """Contact of a disc and its cam: direction (u, v) [1] and deflection `depth`, minus that of the far side [m].
 
-    Force and stiffness of the cam go with that `depth`, with its rates along that way, `along`, and across, `around`
-    [1]; the `energy` [m2] too, and friction with what both sides press, `both` [m].
+    Force and stiffness follow from `depth` and its rates along the direction, `along`, and across it, `around` [1]; the
+    energy from `energy` [m2], and friction from the sum of both sides, `both` [m].
     """
 
     u: float
@@ -92,23 +96,23 @@ class _Cam(NamedTuple):
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def state(springs: KernelSprings, k: int, load: Array, z: Array) -> State:
-    """Compute the springs of a crank angle under a load (u,) [N] at departures z (u,) [m], which need be no balance.
+    """Compute energy, residual and stiffness at crank angle `k`, load (u,) [N] and displacements z (u,) [m].
 
     Without friction.
     """
     system = new_system(springs)
-    energy = assemble(springs, k, load, z, 1.0, 0.0, NO, YES, system)
+    energy = assemble(springs, k, load, z, 1.0, 0.0, FALSE, TRUE, system)
     return State(energy, system.residual, system.tangent)
 
 
-def system_of(springs: KernelSprings) -> Linearised:
-    """Make room for the system of springs at one crank angle; for kernels there is `new_system`."""
+def system_of(springs: KernelSprings) -> System:
+    """Allocate the system of a crank angle; `new_system` is the compiled version."""
     number, discs = springs.slope.shape[2], springs.cam_place.shape[1]
     arm = np.zeros(1)
     for i in range(springs.disc.size):
         for j in (3 * springs.disc[i] + 2, number - 1):
             arm[0] = max(arm[0], math.hypot(springs.slope[0, i, j], springs.shift_slope[0, i, j]))
-    return Linearised(
+    return System(
         np.zeros(number),
         np.zeros((number, number)),
         np.zeros(springs.disc.size + springs.cam_place.shape[1]),
@@ -138,7 +142,7 @@ def system_of(springs: KernelSprings) -> Linearised:
 
 
 new_system = njit(cache=cacheable(), nogil=True, error_model="numpy")(system_of)
-"""`system_of`, for kernels: for Python it would have to be compiled first."""
+"""`system_of` for compiled code."""
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
@@ -151,19 +155,21 @@ def assemble(
     friction: float,
     exact: bool,
     anew: bool,
-    system: Linearised,
+    system: System,
 ) -> float:
-    """Put together the system at departures z, of springs that are `soft` and a share of the friction.
+    """Assemble residual and tangent at displacements z, with springs scaled by `soft` and friction by `friction`.
 
-    All contacts are looked at `anew`; else, of the same springs, those alone that may have closed since.
+    With `anew`, all contacts are evaluated and the neighbour list is rebuilt; otherwise only those that may have
+    closed.
 
     Returns
     -------
-    The energy of the springs less the work of the load [J].
+    float
+        Energy of the springs minus work of the load [J].
     """
     number = z.size
     residual, tangent, pressed, row = system.residual, system.tangent, system.pressed, system.row
-    kept, seen, margin = system.kept, system.seen, system.margin
+    warm, seen, margin = system.warm, system.seen, system.margin
     turning_curve, of_disc, radius = springs.turning, springs.disc, springs.radius
     rough = springs.rubbing.shape[0] > 0 and friction > 0.0
     energy, hard = 0.0, soft * springs.cam_stiffness
@@ -176,14 +182,14 @@ def assemble(
             tangent[j, m] = 0.0
     straight, discs = _straight(springs), springs.cam_place.shape[1]
     for disc in range(discs):
-        # Sums stand in names, not in the arrays, which the compiler would write at every contact.
+        # sums are local variables: the compiler would write array elements at every contact
         rx = ry = rt = ro = xx = xy = yy = xt = yt = tt = xo = yo = to = oo = 0.0
-        pose, moved = pose_of(springs, disc, z), _SURELY * _moved(z, seen, 3 * disc, system.arm[0])
+        pose, moved = pose_of(springs, disc, z), SKIN_FACTOR * _moved(z, seen, 3 * disc, system.arm[0])
         for i in range(straight):
             if of_disc[i] != disc:
                 continue
             pressed[i] = 0.0
-            holds, wide = kept[i], margin[i]
+            holds, wide = warm[i], margin[i]
             if not (anew or holds) and wide > moved:
                 continue
             apart, stiffness = apart_of(springs, k, i, pose), soft * springs.stiffness[k, i]
@@ -192,19 +198,19 @@ def assemble(
                 margin[i] = wide
             if not holds and wide > 0.0:
                 continue
-            found = curved(springs, k, i, pose, apart, exact)
+            found = gap_at(springs, k, i, pose, apart, exact)
             if found.width >= 0.0 and not holds:
                 continue
             force = -stiffness * found.width
             pressed[i] = force
             energy -= 0.5 * force * found.width
             if rough or exact:
-                row[i, 0], row[i, 1], row[i, 2], row[i, 3] = found.ahead
+                row[i, 0], row[i, 1], row[i, 2], row[i, 3] = found.normal
                 row[i, RATE] = stiffness
-            # The normal's turning stiffens a concave contact and softens a convex one; so do the turns of the parts.
+            # geometric stiffness of the rotation of the normal and of the parts
             turning, with_disc = -force * found.rate, force / radius if turning_curve[i] else 0.0
             alone = with_disc if turning_curve[i] else -force / radius
-            (ax, ay, at, ao), (bx, by, bt, bo) = found.ahead, found.aside
+            (ax, ay, at, ao), (bx, by, bt, bo) = found.normal, found.tangential
             rx, ry, rt, ro = rx + force * ax, ry + force * ay, rt + force * at, ro + force * ao
             xx += stiffness * ax * ax + turning * bx * bx
             xy += stiffness * ax * ay + turning * bx * by
@@ -220,7 +226,7 @@ def assemble(
         cam = cam_at(springs, k, disc, z)
         i = springs.disc.size + disc
         pressed[i] = hard * cam.depth if cam.both > 0.0 else 0.0
-        if cam.both > 0.0 or kept[i]:
+        if cam.both > 0.0 or warm[i]:
             force, rate, u, v = hard * cam.depth, hard * cam.along, cam.u, cam.v
             energy += hard * cam.energy
             if rough:
@@ -246,25 +252,25 @@ def assemble(
         tangent[t, o], tangent[o, t] = tangent[t, o] + to, tangent[o, t] + to
         tangent[o, o] += oo
     if rough:
-        _drag(springs, k, friction, system)
-    return energy + _bend(springs.bending, springs, k, z, soft, friction, anew, system)
+        _add_friction(springs, k, friction, system)
+    return energy + _add_bent_pins(springs.bending, springs, k, z, soft, friction, anew, system)
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _moved(z: Array, seen: Array, x: int, arm: float) -> float:
-    """Compute how far the curves of a disc's contacts have moved at most since they were seen [m], by their slopes."""
+    """Return an upper bound of the displacement of a disc's contacts since the neighbour list was built [m]."""
     turned = abs(z[x + 2] - seen[x + 2]) + abs(z[z.size - 1] - seen[z.size - 1])
     return abs(z[x] - seen[x]) + abs(z[x + 1] - seen[x + 1]) + arm * turned
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def _straight(springs: KernelSprings) -> int:
-    """Count the contacts that no other moves: all, or all but those of output pins that bend under several discs."""
+    """Return the number of independent contacts: all but those of output pins that bend under several discs."""
     return springs.disc.size - springs.pins * springs.cam_place.shape[1]
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
-def _bend(
+def _add_bent_pins(
     bending: Array | None,
     springs: KernelSprings,
     k: int,
@@ -272,46 +278,46 @@ def _bend(
     soft: float,
     friction: float,
     anew: bool,
-    system: Linearised,
+    system: System,
 ) -> float:
-    """Add output pins that bend, at departures z, to a system.
+    """Add output pins that bend to the system at displacements z.
 
-    Forces f on one pin in contacts of stiffness K, at widths w of the straight pin, hold where K^-1 f + B f + w = 0 and
-    are 0 where that is positive, B the `bending`. Where it is None, as where no disc bends pins for another, nothing is
-    added, and numba leaves out what follows.
+    Forces f on a pin with contacts of stiffness K and gaps w of the straight pin solve the linear complementarity
+    problem K^-1 f + B f + w >= 0, f >= 0, with the `bending` B. If it is None, numba leaves out the following code.
 
     Returns
     -------
-    The energy of contacts and pins [J].
+    float
+        Energy of contacts and pins [J].
     """
     if bending is None:
         return 0.0
     discs, energy = bending.shape[0], 0.0
     first, o = _straight(springs), z.size - 1
     rough = springs.rubbing.shape[0] > 0 and friction > 0.0
-    width, pressed, ahead, aside, rate, carries, held, flexible, stiff = system.pin
+    width, pressed, normal, tangential, rate, carries, held, flexible, stiff = system.pin
     for pin in range(springs.pins):
         closed = False
         for d in range(discs):
             i = first + d * springs.pins + pin
             if anew:
-                system.margin[i] = least_width(springs, k, i, apart_of(springs, k, i, pose_of(springs, d, z)), NO)
-            moved = _SURELY * _moved(z, system.seen, 3 * d, system.arm[0])
-            closed |= system.kept[i] or not system.margin[i] > moved
+                system.margin[i] = least_width(springs, k, i, apart_of(springs, k, i, pose_of(springs, d, z)), FALSE)
+            moved = SKIN_FACTOR * _moved(z, system.seen, 3 * d, system.arm[0])
+            closed |= system.warm[i] or not system.margin[i] > moved
             system.pressed[i] = 0.0
         if not closed:
             continue
         for d in range(discs):
             i = first + d * springs.pins + pin
             pose = pose_of(springs, d, z)
-            found = curved(springs, k, i, pose, apart_of(springs, k, i, pose), NO)
-            width[d], rate[d], held[d] = found.width, found.rate, system.kept[i]
+            found = gap_at(springs, k, i, pose, apart_of(springs, k, i, pose), FALSE)
+            width[d], rate[d], held[d] = found.width, found.rate, system.warm[i]
             for j in range(4):
-                ahead[d, j], aside[d, j] = found.ahead[j], found.aside[j]
+                normal[d, j], tangential[d, j] = found.normal[j], found.tangential[j]
             for e in range(discs):
                 flexible[d, e] = bending[d, e] / soft
             flexible[d, d] += 1.0 / (soft * springs.stiffness[k, i])
-        _hold(flexible, width, held, carries, pressed, stiff)
+        _solve_pin(flexible, width, held, carries, pressed, stiff)
         for d in range(discs):
             system.pressed[first + d * springs.pins + pin] = pressed[d]
             energy -= 0.5 * pressed[d] * width[d]
@@ -321,32 +327,33 @@ def _bend(
                 continue
             force, system.row[i, RATE] = pressed[d], 0.0
             for e in range(discs):
-                system.row[i, RATE] += stiff[d, e]  # as the plays of all discs on a pin open alike
+                system.row[i, RATE] += stiff[d, e]  # the clearances of all discs on a pin grow together
             turning, alone = -force * rate[d], -force / springs.radius
             for a in range(4):
-                system.row[i, a] = ahead[d, a]
+                system.row[i, a] = normal[d, a]
                 row = 3 * d + a if a < 3 else o
                 rubs = friction * springs.rubbing[k, i, row] if rough else 0.0
-                system.residual[row] += force * (ahead[d, a] + rubs)
+                system.residual[row] += force * (normal[d, a] + rubs)
                 for b in range(4):
-                    system.tangent[row, 3 * d + b if b < 3 else o] += turning * aside[d, a] * aside[d, b]
+                    system.tangent[row, 3 * d + b if b < 3 else o] += turning * tangential[d, a] * tangential[d, b]
                 for e in range(discs):
                     if not carries[e]:
                         continue
                     for b in range(4):
                         column = 3 * e + b if b < 3 else o
-                        system.tangent[row, column] += stiff[d, e] * (ahead[d, a] + rubs) * ahead[e, b]
-            # the turns of disc and output stiffen as in `assemble`
-            system.tangent[3 * d + 2, 3 * d + 2] += alone * aside[d, 2]
-            system.tangent[o, o] += alone * aside[d, 3]
+                        system.tangent[row, column] += stiff[d, e] * (normal[d, a] + rubs) * normal[e, b]
+            # geometric stiffness of the rotations of disc and output, as in `assemble`
+            system.tangent[3 * d + 2, 3 * d + 2] += alone * tangential[d, 2]
+            system.tangent[o, o] += alone * tangential[d, 3]
     return energy
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
-def _hold(flexible: Array, width: Array, held: Mask, carries: Mask, pressed: Array, stiff: Array) -> None:
-    """Find the forces on one pin [N] and which contacts carry, from widths [m] and flexibility [m/N]; and stiffness.
+def _solve_pin(flexible: Array, width: Array, held: Mask, carries: Mask, pressed: Array, stiff: Array) -> None:
+    """Solve for the contact forces on a pin [N] and its active contacts, from gaps [m] and flexibility [m/N].
 
-    Contacts that would pull open, the strongest first.
+    A linear complementarity problem, solved by principal pivoting: the most violated condition is exchanged first
+    (Cottle, Pang & Stone, The Linear Complementarity Problem, 1992, 4.2). `stiff` (D, D) [N/m] is filled in.
     """
     discs = width.size
     for d in range(discs):
@@ -360,7 +367,7 @@ def _hold(flexible: Array, width: Array, held: Mask, carries: Mask, pressed: Arr
                 pressed[d] -= stiff[d, e] * width[e]
             if not held[d] and pressed[d] < most:
                 changes, most = d, pressed[d]
-        for d in range(discs if changes < 0 else 0):  # none pulls: does one that is open close?
+        for d in range(discs if changes < 0 else 0):  # no contact pulls: check the open ones
             left = width[d]
             for e in range(discs):
                 left += flexible[d, e] * pressed[e]
@@ -373,10 +380,7 @@ def _hold(flexible: Array, width: Array, held: Mask, carries: Mask, pressed: Arr
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
 def _stiffen(flexible: Array, carries: Mask, stiff: Array) -> None:
-    """Put the stiffness of the contacts of a pin that carry [N/m] into `stiff`, 0 for the others.
-
-    It is the inverse of their flexibility, by Gauss and Jordan, in place.
-    """
+    """Invert the flexibility of the active contacts of a pin to `stiff` [N/m], 0 for the others, by Gauss-Jordan."""
     discs = carries.size
     for d in range(discs):
         for e in range(discs):
@@ -399,16 +403,16 @@ def _stiffen(flexible: Array, carries: Mask, stiff: Array) -> None:
 
 @njit(nogil=True, error_model="numpy", inline="always")
 def cam_at(springs: KernelSprings, k: int, disc: int, z: Array) -> _Cam:
-    """Compute how a disc presses on its cam at departures z."""
+    """Compute the contact of a disc and its cam at displacements z."""
     x, y = z[3 * disc] - springs.cam_place[k, disc, 0], z[3 * disc + 1] - springs.cam_place[k, disc, 1]
-    return pressing(x, y, springs.cam_clearance)
+    return cam_contact(x, y, springs.cam_clearance)
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
-def pressing(x: float, y: float, clearance: float) -> _Cam:
-    """Compute how a disc that is off its cam by x and y [m] presses on it.
+def cam_contact(x: float, y: float, clearance: float) -> _Cam:
+    """Compute the contact of a disc displaced from its cam by x and y [m]: a circle in a circle.
 
-    As a circle in a circle, on both sides where it has no clearance.
+    With negative clearance, both sides are in contact.
     """
     reach = math.sqrt(x * x + y * y)
     depth, share = reach - clearance, 1.0 / reach if reach > 0.0 else 0.0
@@ -419,8 +423,8 @@ def pressing(x: float, y: float, clearance: float) -> _Cam:
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
-def _drag(springs: KernelSprings, k: int, friction: float, system: Linearised) -> None:
-    """Add the friction of contacts that slide, in proportion to their normal forces, to a system."""
+def _add_friction(springs: KernelSprings, k: int, friction: float, system: System) -> None:
+    """Add the Coulomb friction of sliding contacts to the system, proportional to their normal forces."""
     o, residual, tangent, row = springs.slope.shape[2] - 1, system.residual, system.tangent, system.row
     for i in range(_straight(springs)):
         force, x = system.pressed[i], 3 * springs.disc[i]
