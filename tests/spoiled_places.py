@@ -18,7 +18,7 @@ CRASHED = "ended by a signal"
 
 def spoiled_lifts() -> dict[str, Callable[[], str]]:
     """Trials of the lift, by the place that is spoiled."""
-    places, steps = reference_correction.places(), layout.discover_steps()
+    places, steps = reference_correction.layout_offsets(), layout.discover_steps()
     instead = {
         "nuserdata": places.nuserdata + 4,
         "nuser_geom": places.nuserdata,

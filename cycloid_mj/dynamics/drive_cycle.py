@@ -1,6 +1,6 @@
-"""What a run is made to do: where it starts, and what is asked of crank and output over time.
+"""Drive cycle of a run: initial state, and commands of crank and output over time.
 
-A shaft that is *held* follows a position command by its servo; the other one feels a torque.
+A *held* shaft follows a position command by its servo; a torque acts on the other shaft.
 """
 
 import math
@@ -22,7 +22,7 @@ Signal = Callable[[Array], Array]
 
 
 class Held(Protocol):
-    """What a course must know of a model with a shaft that a servo holds."""
+    """Properties of a model that a drive cycle needs."""
 
     @property
     def servo_gains(self) -> tuple[float, float]:
@@ -35,15 +35,15 @@ class Held(Protocol):
 
 @dataclass(frozen=True)
 class DriveCycle:
-    """The course of one run.
+    """Drive cycle of one run.
 
     Attributes
     ----------
     angle, speed
-        Of the crank at t = 0 [rad, rad/s]; every other part starts where the closed form has it.
+        Of the crank at t = 0 [rad, rad/s]; all other bodies start at their closed-form positions.
     drive, load
-        Commands of the crank's and the output's actuator at times [s], shape (n,): the position command [rad] of the
-        shaft that the model holds, the torque about +z [N m] on one that it does not.
+        Commands of crank and output at times [s], shape (n,): the position [rad] of the held shaft, the torque about +z
+        [N m] on the other one.
     """
 
     angle: float
@@ -52,12 +52,12 @@ class DriveCycle:
     load: Signal
 
     def commands(self, time: Array) -> Array:
-        """Compute both commands at times [s], shape (n, 2)."""
+        """Return both commands at times [s], shape (n, 2)."""
         return np.stack([self.drive(time), self.load(time)], axis=1)
 
 
 def ramp_and_hold(compiled: Held, reducer: Reducer) -> DriveCycle:
-    """Return a design's own course: crank speed ramps up and holds; the load rises to its constant torque."""
+    """Return the drive cycle of a design: the crank speed ramps up and holds, the load rises to its constant torque."""
     design = reducer.design
     law = CrankLaw(design.drive.speed, design.drive.ramp)
     return DriveCycle(
@@ -69,15 +69,15 @@ def ramp_and_hold(compiled: Held, reducer: Reducer) -> DriveCycle:
 
 
 def locked_crank(compiled: Held, angle: float, torque: Signal) -> DriveCycle:
-    """Hold the crank still at an angle [rad] under a torque on the output [N m] over time [s]."""
+    """Return a cycle with the crank at rest at an angle [rad] and a torque on the output [N m] over time [s]."""
     law = CrankLaw(0.0, 0.0)
     return DriveCycle(angle, 0.0, lambda time: angle + servo_target(compiled, law, time), torque)
 
 
 def braked_output(compiled: Held, reducer: Reducer, torque: Signal, angle: float = 0.0) -> DriveCycle:
-    """Hold the output at the speed that the design's crank speed gives it, under a torque on the crank [N m].
+    """Return a cycle with the output at the speed for the design's crank speed, and a torque on the crank [N m].
 
-    The model holds the output: ``build(design, held="output")``. The crank starts at `angle` [rad], at full speed.
+    The model must hold the output: ``build(design, held="output")``. The crank starts at `angle` [rad], at full speed.
     """
     design = reducer.design
     speed = design.drive.speed
@@ -86,12 +86,12 @@ def braked_output(compiled: Held, reducer: Reducer, torque: Signal, angle: float
 
 
 def rising(torque: float, rise: float) -> Signal:
-    """Return a torque [N m] that comes on as a half cosine over `rise` [s], and then stays."""
+    """Return a torque [N m] that rises as a half cosine over `rise` [s] and then stays constant."""
     return lambda time: torque * 0.5 * (1.0 - np.cos(np.pi * np.clip(time / rise, 0.0, 1.0)))
 
 
 def initial_state(compiled: ReducerModel, reducer: Reducer, course: DriveCycle | None = None) -> Any:
-    """Return the state at the start of a course, by default the design's own, as the closed form has it."""
+    """Return the closed-form state at the start of a drive cycle, by default that of the design."""
     course = course or ramp_and_hold(compiled, reducer)
     data = mujoco.MjData(compiled.model)
     position, velocity = joint_state(reducer, course.angle, course.speed)
@@ -103,7 +103,7 @@ def initial_state(compiled: ReducerModel, reducer: Reducer, course: DriveCycle |
 
 
 def load_torque(reducer: Reducer, time: npt.ArrayLike) -> Array:
-    """Torque of the load on the output [N m], against its rotation; it rises as a half cosine from zero."""
+    """Return the torque of the load on the output [N m], against its rotation; it rises as a half cosine from zero."""
     design = reducer.design
     return braking(reducer) * rising(design.load.torque, design.load.rise)(np.asarray(time, dtype=np.float64))
 
@@ -114,7 +114,7 @@ def braking(reducer: Reducer) -> float:
 
 
 def servo_target(compiled: Held, law: CrankLaw, time: Array) -> Array:
-    """Position command [rad] with which the servo follows a law without lag in speed or acceleration."""
+    """Return the position command [rad] with which the servo follows a law without lag in speed or acceleration."""
     kp, kv = compiled.servo_gains
     torque = compiled.crank_inertia * law.acceleration_at(time)
     return law.angle_at(time) + (kv * law.speed_at(time) + torque) / kp

@@ -345,7 +345,7 @@ def blocks(
             if profile:
                 stack.enter_context(collider.installed(reducer.design.ring.kind == "nonpin"))
             stack.enter_context(each_step.installed())
-            stack.enter_context(unused.left_out(compiled.model))
+            stack.enter_context(unused.disable_unused(compiled.model))
             stack.enter_context(_no_log_file.kept())
         recorder = _Recorder(compiled, reducer, stepping, plan, driven)
         size = max(_BLOCK_SAMPLES, at_once)
@@ -530,7 +530,7 @@ class _Recorder:
             which = f"disc {number}" if len(self._gears) > 1 else "the disc"
             yield (
                 np.abs(error) > 0.25 * 2.0 * math.pi / lobes,
-                partial(_jumped, which, error),
+                partial(_describe_skip, which, error),
             )
 
     def _jam(self, what: str, lost: Array, sample: int) -> str:
@@ -543,7 +543,7 @@ class _Recorder:
         )
 
 
-def _jumped(which: str, error: Array, sample: int) -> str:
+def _describe_skip(which: str, error: Array, sample: int) -> str:
     return (
         f"{which} skipped a tooth: it is {math.degrees(error[sample]):.3f} deg away from the angle that the crank "
         "dictates; check clearances and load"

@@ -1,4 +1,4 @@
-"""Where the ideal mesh touches and how sharply: every contact line of a pin ring or of the double-enveloping ring.
+"""Contact lines of the ideal mesh and their relative curvature, for a pin ring or a double-enveloping ring.
 
 The relative normal curvature of a line is the gear's curvature plus the ring's (Johnson 1985, section 4.1): the
 smaller it is, the wider the strip of contact and the lower Hertz's pressure. Pins and arcs have the same lines with
@@ -41,7 +41,7 @@ class ContactLines:
 def contact_lines(gear: CycloidGear, kind: RingKind, crank_angles: npt.ArrayLike) -> ContactLines:
     """Compute every contact line at some crank angles [rad], without clearance."""
     profile.require_no_undercut(gear)
-    pieces = [piece for angle in np.ravel(crank_angles) for piece in _at(gear, kind, float(angle))]
+    pieces = [piece for angle in np.ravel(crank_angles) for piece in _lines_at(gear, kind, float(angle))]
     columns = {field.name: [getattr(piece, field.name) for piece in pieces] for field in fields(ContactLines)}
     return ContactLines(**{name: np.concatenate(arrays) for name, arrays in columns.items()})
 
@@ -61,7 +61,7 @@ def pressure(lines: ContactLines, force: float, length: float, modulus: float) -
     return hertz_line_contact(force, length, curvature, modulus).peak_pressure
 
 
-def _at(gear: CycloidGear, kind: RingKind, crank_angle: float) -> list[ContactLines]:
+def _lines_at(gear: CycloidGear, kind: RingKind, crank_angle: float) -> list[ContactLines]:
     arcs = envelope.arc_contacts(gear, crank_angle)
     if kind == "pin":
         return [_lines(crank_angle, arcs, arcs.lobe, np.full(arcs.lobe.shape, "pin"))]

@@ -42,7 +42,7 @@ class RingOutline:
 
 @dataclass(frozen=True)
 class RingContacts:
-    """Where the gear touches the ring at one crank angle; each array has one row per contact.
+    """Contacts of disc and ring at one crank angle; each array has one row per contact.
 
     `lobe` index (0 on +y, clockwise) and phase `B` [rad] of the ring point, `t` trochoid parameter of the gear point,
     `points` [m] and unit `normals` (n, 2) in the ring frame, into the bore, and the `relative_curvature` [1/m], gear's
@@ -290,7 +290,7 @@ def sigma_contacts(gear: CycloidGear, crank_angle: float) -> RingContacts:
         t=t,
         normals=-unit(angle),
         relative_curvature=-1 / touched.radius + profile.curvature(gear, t),
-        points=_turned(touched.points, zeta[lobe]),
+        points=_rotate(touched.points, zeta[lobe]),
     )
 
 
@@ -310,7 +310,7 @@ def _monotone_stretches(gear: CycloidGear) -> list[tuple[float, float]]:
     return [(B0, B1), (B1, 2 * math.pi - B1), (2 * math.pi - B1, 2 * math.pi - B0)]
 
 
-def _turned(points: Array, angle: Array) -> Array:
+def _rotate(points: Array, angle: Array) -> Array:
     """Turn points (n, 2) clockwise by angles (n,)."""
     x, y = points.T
     return np.stack([x * np.cos(angle) + y * np.sin(angle), y * np.cos(angle) - x * np.sin(angle)], axis=1)
@@ -337,7 +337,7 @@ def _ring_at(gear: CycloidGear, lobe: Integers, signed: Array) -> RingOutline:
     zeta = 2 * np.pi * lobe / gear.ring_teeth
     return RingOutline(
         normals=-unit(zeta + side * angle),
-        points=_turned(ahead * np.stack([side, np.ones_like(side)], axis=1), zeta),
+        points=_rotate(ahead * np.stack([side, np.ones_like(side)], axis=1), zeta),
         curvature=np.where(on_arc, 1 / rho, -1 / flank.radius),
         part=np.where(on_arc, "arc", np.where(side < 0, "sigma1", "sigma2")),
         arc_length=perimeter(gear) / gear.ring_teeth * lobe + signed,

@@ -20,7 +20,7 @@ from cycloid_mj.geometry.profile import CycloidGear, SmoothArc
 
 @dataclass(frozen=True)
 class FlankEnds:
-    """Where a turned flank ends.
+    """End points of a rotated flank.
 
     Attributes
     ----------

@@ -87,7 +87,7 @@ class Outline:
 
 
 class ConjugatePoint(NamedTuple):
-    """Where a pin touches the gear: the same point in the gear frame and in the ring frame, (..., 2) [m]."""
+    """Contact point of a pin in the frames of disc and ring, each of shape (..., 2) [m]."""
 
     gear_frame: Array
     ring_frame: Array

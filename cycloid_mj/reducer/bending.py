@@ -1,4 +1,4 @@
-"""Bending of the output pins, as round beams: what gives way behind the contacts of the discs with them."""
+"""Bending of the output pins as round beams, in series with the contacts of the discs."""
 
 import math
 from typing import TYPE_CHECKING
@@ -12,11 +12,11 @@ if TYPE_CHECKING:
     from cycloid_mj.reducer import Reducer
 
 AXIAL_GAP = 1e-3
-"""Distance of the output disc and of the counterweight from the gear's faces [m]."""
+"""Distance of the output disc and of the counterweight from the faces of the discs [m]."""
 
 
 def pin_flexibility(reducer: "Reducer") -> Array:
-    """Compute by how much an output pin bends at each disc's plane, for a force at each plane [m/N], shape (D, D).
+    """Compute the flexibility of an output pin at the planes of the discs [m/N], shape (D, D).
 
     The pin is a round beam with its root, or both of its ends, built in at the faces of the plates that hold it, its
     load acts in the middle of each disc, and shear adds to bending: Timoshenko's beam with Cowper's coefficient
@@ -54,7 +54,7 @@ def beam_flexibility(material: Material, radius: float, arms: Array, length: flo
 
 
 def round_beam(material: Material, radius: float) -> tuple[float, float]:
-    """Compute how stiff a round beam is in bending, E I [N m2], and in shear, kappa G A [N]."""
+    """Return the stiffness of a round beam in bending, E I [N m2], and in shear, kappa G A [N]."""
     bending = material.youngs_modulus * math.pi * radius**4 / 4.0
     return bending, shear_coefficient(material) * shear_modulus(material) * math.pi * radius**2
 

@@ -1,4 +1,4 @@
-"""The reducer as one value: its bodies with their freedoms, the surfaces on them, and which surfaces mate.
+"""Mechanism of a reducer: bodies with their degrees of freedom, surfaces, and mating pairs.
 
 The gaps (``gaps``), the MuJoCo model and the columns of a log follow from it. Manufacturing errors and clearances are
 in the places and radii of its surfaces, nowhere else; the modification is in the profile of the teeth. Masses and
@@ -24,7 +24,7 @@ from cycloid_mj.reducer.sockets import socket_half_angle
 
 
 class Role(IntEnum):
-    """How a surface meets others; as the priority of a geom, a number that is unlikely in anybody else's model."""
+    """Role of a surface in a contact: the priority of its geom, a number that other models are unlikely to use."""
 
     PIN = 0x63796D01
     TEETH = 0x63796D02
@@ -67,7 +67,7 @@ class Body:
 
 @dataclass(frozen=True, eq=False)
 class Surfaces:
-    """Like surfaces, n of them: the pins of a ring, the holes of a disc, one cam.
+    """A group of n identical surfaces: the ring pins, the holes of a disc, or the cam.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class Surfaces:
 
 @dataclass(frozen=True)
 class Pair:
-    """One mating pair.
+    """A pair of mating surfaces.
 
     Attributes
     ----------
@@ -132,7 +132,7 @@ class Pair:
 
 @dataclass(frozen=True, eq=False)
 class Mating:
-    """Like pairs: each surface of `on` meets that of `by` with the same index, or the one there is all of them."""
+    """A group of identical pairs: surface i of `on` mates with surface i of `by`, or with its only one."""
 
     kind: str
     names: tuple[str, ...]
@@ -142,7 +142,7 @@ class Mating:
 
     @property
     def pairs(self) -> Iterator[Pair]:
-        """Its pairs, one by one."""
+        """The single pairs."""
         lonely = len(self.on.names) == 1
         for owner, (name, by) in enumerate(zip(self.names, self.by.names, strict=True)):
             yield Pair(name, self.kind, self.on.names[0 if lonely else owner], by, owner, self.disc)
@@ -177,12 +177,12 @@ class Mechanism:
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """Kinds of mating pairs, in their order."""
+        """Kinds of mating pairs, in the order of the pairs."""
         return tuple(dict.fromkeys(mating.kind for mating in self.matings))
 
     @property
     def surfaces(self) -> tuple[Surfaces, ...]:
-        """All surfaces, each once."""
+        """All groups of surfaces, without repetition."""
         return tuple(dict.fromkeys(side for mating in self.matings for side in (mating.on, mating.by)))
 
     @property
@@ -192,30 +192,30 @@ class Mechanism:
 
     @property
     def pins(self) -> tuple[Body, ...]:
-        """The bodies of pins or sleeves, in the order of the ring; none where they do not move."""
+        """The bodies of moving pins or sleeves, in the order of the ring."""
         return tuple(body for body in self.bodies if body.part == names.PIN)
 
     def body(self, name: str) -> Body:
-        """Look up a body by its name."""
+        """Return the body with a name."""
         return next(body for body in self.bodies if body.name == name)
 
     @property
     def turning(self) -> str:
-        """Name of the body that the load is on."""
+        """Name of the loaded body."""
         return next(body.name for body in self.bodies if names.OUTPUT_JOINT in body.joints)
 
     @property
     def turning_along(self) -> tuple[Body, ...]:
-        """The bodies that turn with the one that the load is on: discs with their carrier, or pins with their ring."""
+        """The bodies that rotate with the loaded body: discs with their carrier, or pins with their ring."""
         return {names.OUTPUT: self.discs, names.HOUSING: self.pins}[self.turning]
 
     @property
     def carriers(self) -> dict[str, str]:
-        """Name of each surface -> that of the body that carries it."""
+        """Map from the name of each surface to that of its body."""
         return {name: body for of in self.surfaces for name, body in zip(of.names, of.bodies, strict=True)}
 
     def against(self, body: str) -> list[str]:
-        """Name the pairs in which a body takes the force that discs, pins or sleeves feel."""
+        """Return the pairs in which a body receives the forces of discs, pins or sleeves."""
         carriers = self.carriers
         return [pair.name for pair in self.pairs if carriers[pair.by] == body]
 
@@ -225,13 +225,13 @@ class Mechanism:
 
 
 def phases(design: Design) -> tuple[float, ...]:
-    """Compute the phase of each disc on the crank [rad], counter-clockwise: evenly spaced, the first with the crank."""
+    """Return the phase of each disc on the crank [rad], counter-clockwise: evenly spaced, the first with the crank."""
     discs = design.gear.discs
     return tuple(2.0 * math.pi * disc / discs for disc in range(discs))
 
 
 def are_one_part(discs: int, output_pins: int, lobes: int) -> bool:
-    """Tell whether all discs are one and the same part: one needs only be turned on its holes to be any other.
+    """Return whether all discs are identical parts, which differ by a rotation on their holes only.
 
     The teeth of disc d stand d/D of a pitch further on its holes. A turn by k hole pitches brings them there where
     k lobes/pins - d/D is whole, and multiples of lobes/pins leave as fractions those of 1/(pins/gcd(pins, lobes)). For
@@ -241,12 +241,12 @@ def are_one_part(discs: int, output_pins: int, lobes: int) -> bool:
 
 
 def mechanism(design: Design) -> Mechanism:
-    """Return the reducer of a design."""
+    """Return the mechanism of a design."""
     errors, discs = deviations(design), range(design.gear.discs)
     pins, seats = _ring(design, errors)
     output = design.output
     studs = names.all_numbered(names.OUTPUT_PIN, output.pins)
-    fixed = _around(studs, names.OUTPUT, Role.INNER, output.pin_circle_radius, output.pin_radius)
+    fixed = _surfaces_on_circle(studs, names.OUTPUT, Role.INNER, output.pin_circle_radius, output.pin_radius)
     return Mechanism(
         design=design,
         phases=phases(design),
@@ -279,7 +279,7 @@ def _bodies(design: Design, errors: Deviations) -> Iterator[Body]:
 
 
 def _ring(design: Design, errors: Deviations) -> tuple[Surfaces, list[Mating]]:
-    """Return what meets the teeth, and how it is carried where it moves."""
+    """Return the surfaces that mate with the teeth, and those that carry them if they move."""
     ring, clearance = design.ring, design.clearance
     larger = np.tile(errors.pin_radius, ring.halves)
     radius, angles, departures = ring.pin_radius + larger, _ring_angles(ring), _pin_departures(ring, errors)
@@ -287,11 +287,15 @@ def _ring(design: Design, errors: Deviations) -> tuple[Surfaces, list[Mating]]:
 
     def on_housing(stem: str, role: Role, radius: float | Array, play: float | Array = 0.0) -> Surfaces:
         numbered = names.all_numbered(stem, ring.mates)
-        return _around(numbered, names.HOUSING, role, ring.pin_circle_radius, radius, departures, angles, play)
+        return _surfaces_on_circle(
+            numbered, names.HOUSING, role, ring.pin_circle_radius, radius, departures, angles, play
+        )
 
     def on_pins(stem: str, role: Role, radius: float | Array) -> Surfaces:
         numbered = names.all_numbered(stem, ring.mates)
-        return _around(numbered, names.all_numbered(names.PIN, ring.mates), role, 0.0, radius, angles=angles)
+        return _surfaces_on_circle(
+            numbered, names.all_numbered(names.PIN, ring.mates), role, 0.0, radius, angles=angles
+        )
 
     if not ring.has_pin_bodies:
         stem, role = (names.LOBE, Role.LOBE) if ring.kind == "nonpin" else (names.PIN, Role.PIN)
@@ -310,7 +314,7 @@ def _ring(design: Design, errors: Deviations) -> tuple[Surfaces, list[Mating]]:
 
 
 def _mesh(design: Design, disc: int, ring: Surfaces) -> Mating:
-    """Return the teeth of a disc on the ring: on a disc ahead on the crank they are turned back on it."""
+    """Return the teeth of a disc in the ring frame, rotated by the phase of the disc on the crank."""
     teeth = Surfaces(
         names=(_of_disc(design, names.TEETH, disc),),
         bodies=(_of_disc(design, names.GEAR, disc),),
@@ -332,8 +336,10 @@ def _cam(design: Design, errors: Deviations, disc: int) -> Mating:
     return Mating(
         "cam",
         (cam,),
-        _around((bore,), gear, Role.OUTER, 0.0, radius + design.clearance.cam, disc=disc),
-        _around((cam,), names.SHAFT, Role.INNER, orbit, radius, errors.cam_place[disc], np.array([-ahead]), disc=disc),
+        _surfaces_on_circle((bore,), gear, Role.OUTER, 0.0, radius + design.clearance.cam, disc=disc),
+        _surfaces_on_circle(
+            (cam,), names.SHAFT, Role.INNER, orbit, radius, errors.cam_place[disc], np.array([-ahead]), disc=disc
+        ),
         disc,
     )
 
@@ -342,7 +348,9 @@ def _holes(design: Design, errors: Deviations, disc: int, pins: Surfaces) -> Mat
     output = design.output
     numbered = tuple(_of_disc(design, name, disc) for name in names.all_numbered(names.HOLE, output.pins))
     radius, gear = output.hole_radius + design.clearance.output, _of_disc(design, names.GEAR, disc)
-    holes = _around(numbered, gear, Role.OUTER, output.pin_circle_radius, radius, errors.hole_place[disc], disc=disc)
+    holes = _surfaces_on_circle(
+        numbered, gear, Role.OUTER, output.pin_circle_radius, radius, errors.hole_place[disc], disc=disc
+    )
     return Mating("output", tuple(_of_disc(design, name, disc) for name in pins.names), holes, pins, disc)
 
 
@@ -350,7 +358,7 @@ def _of_disc(design: Design, name: str, disc: int) -> str:
     return names.of_disc(name, disc, design.gear.discs)
 
 
-def _around(
+def _surfaces_on_circle(
     numbered: tuple[str, ...],
     body: str | tuple[str, ...],
     role: Role,
@@ -361,7 +369,7 @@ def _around(
     play: float | Array = 0.0,
     disc: int | None = None,
 ) -> Surfaces:
-    """Place like surfaces around the axis on a `circle` [m], beside their places by a `departure` [m], shape (n, 2).
+    """Return identical surfaces around the axis on a `circle` [m], displaced by a `departure` [m], shape (n, 2).
 
     They stand at clockwise `angles` from +y [rad], shape (n,), by default evenly.
     """
@@ -373,7 +381,7 @@ def _around(
 
 
 def ring_planes(ring: Ring, width: float) -> Array:
-    """Compute where the middle of the ring, or of each of its halves, is along the axis [m], shape (halves,).
+    """Return the axial position of the centre of the ring, or of each of its halves [m], shape (halves,).
 
     The discs are `width` [m] wide together.
     """
@@ -381,16 +389,16 @@ def ring_planes(ring: Ring, width: float) -> Array:
 
 
 def _ring_angles(ring: Ring) -> Array:
-    """Compute the clockwise angles of pins or lobes from +y [rad], shape (mates,), as their half is turned."""
+    """Return the clockwise angles of pins or lobes from +y [rad], shape (mates,), with the rotation of their half."""
     return np.concatenate([_angles(ring.teeth) - ahead for ahead in ring.ahead])
 
 
 def _pin_departures(ring: Ring, errors: Deviations) -> Array:
-    """Compute how far pins or lobes are from their places [m], shape (mates, 2): both halves are made alike."""
+    """Return the position errors of pins or lobes [m], shape (mates, 2), equal in both halves."""
     turns = (np.array([[np.cos(by), np.sin(by)], [-np.sin(by), np.cos(by)]]) for by in ring.ahead)
     return np.concatenate([errors.pin_place @ turn for turn in turns])
 
 
 def _angles(count: int) -> Array:
-    """Angles of like things around the axis, clockwise from +y [rad], shape (count,)."""
+    """Return equally spaced angles around the axis, clockwise from +y [rad], shape (count,)."""
     return np.asarray(2.0 * np.pi * np.arange(count) / count)

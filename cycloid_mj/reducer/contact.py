@@ -1,4 +1,4 @@
-"""The contact of each kind of mating pair: the force that presses it, how stiff it is, the pressure that it bears.
+"""Contacts by kind of mating pair: working force, stiffness and pressure.
 
 A line contact stiffens with its force; the model keeps one stiffness for a run, the secant at the working force. By
 default that is what ideal sharing puts on the most loaded contact of the kind under the load torque.
@@ -26,35 +26,35 @@ if TYPE_CHECKING:
     from cycloid_mj.reducer import Reducer
 
 STRIBECK = 4.08
-"""Load of the most loaded roller of a bearing without play as a share of the mean load per roller F/Z."""
+"""Load of the most loaded roller of a bearing without clearance, over the mean load per roller F/Z."""
 
 CREEP = 2e-3
-"""Creep speed as a share of the speed at which the gear's centre circles, c w.
+"""Creep speed over the orbital speed of the disc's centre, c w.
 
 Friction below it is too small. Of six drives of 8 to 70 pins with plays up to 0.25 mm, at 3 % of the rated load and 100
 rpm, and at 30 % and 1000 rpm, the efficiency is that of a tenth of it within 0.04 points; at five times it within 0.25.
 """
 
 SLOW_CREEP = 1e-4
-"""The same where the crank stands [m/s]."""
+"""Creep speed if the crank is at rest [m/s]."""
 
 HERTZ_REACH = 0.3
-"""Assumed: Hertz's strip, of half planes, holds up to this half width, over the radius of the thinner body.
+"""Largest half width of the strip of contact over the radius of the thinner body (assumed).
 
 Hertz takes b << R (Johnson 1985, 4.1); a strip of 0.3 R, 17 deg to each side, is where conformal solutions leave it."""
 
 _ANGLES = 97
-"""Crank angles in a turn over which the cam's force is averaged: a prime, so that they miss no phase of the mesh."""
+"""Number of crank angles over which the cam force is averaged: a prime, so that all phases of the mesh occur."""
 
 Source = Literal["given", "working load", "load", "preload", "weight and inertia"]
-"""Where a working force comes from: given itself, or from a torque; without a load, from the gear's own forces."""
+"""Source of a working force: given, or derived from a torque; without a load, from weight and inertia of the disc."""
 
 Value = TypeVar("Value")
 
 
 @dataclass(frozen=True)
 class CurvatureLaw:
-    """How the stiffness of a tooth contact follows the local relative curvature kappa.
+    """Stiffness of a tooth contact as a function of the local relative curvature kappa.
 
     The compliance is in proportion to ``constant + ln kappa`` and has the value ``reference`` for a pin on a flat; a
     ``reference`` of 0 switches the law off. At most the stiffness doubles: a contact that is more conformal than that
@@ -77,11 +77,11 @@ class CurvatureLaw:
     deflection: float
 
     def factor(self, relative_curvature: float) -> float:
-        """Compute the stiffness at a relative curvature [1/m] as a share of that of a pin on a flat."""
+        """Return the stiffness at a relative curvature [1/m], relative to that of a pin on a flat."""
         return float(self.factors(np.array(relative_curvature)))
 
     def factors(self, relative_curvature: Array) -> Array:
-        """Compute `factor` at many relative curvatures, in their shape."""
+        """Return `factor` at many relative curvatures, in their shape."""
         if self.reference == 0.0:
             return np.ones(relative_curvature.shape)
         least = math.exp(0.5 * self.reference - self.constant)
@@ -89,7 +89,7 @@ class CurvatureLaw:
 
 
 class Contact:
-    """One kind of mating pair of a reducer, as ``"tooth"`` or ``"cam"``; what is dear of it is kept on the reducer."""
+    """One kind of mating pair of a reducer, such as ``"tooth"``; expensive values are cached on the reducer."""
 
     __slots__ = ("_reducer", "kind")
 
@@ -99,7 +99,7 @@ class Contact:
 
     @property
     def force(self) -> float:
-        """The working force [N], at which the pair has its secant stiffness; of the cam, its whole force.
+        """Working force [N], at which the stiffness is the secant; of the cam, the total force.
 
         The pair's own in ``working_force``, or ``contact.working_force`` for all: then a rolling cam's most loaded
         roller bears that, and a plain cam N/4 times that, which ideal sharing asks of it when the ring's most loaded
@@ -113,7 +113,7 @@ class Contact:
         if stated:
             return stated
         if not force:
-            return self._shared(self._reducer.contacts.working_load / design.gear.discs)
+            return self._ideal_force(self._reducer.contacts.working_load / design.gear.discs)
         if self.kind != "cam":
             return force
         rolling = design.gear.bearing == "rolling"
@@ -121,7 +121,7 @@ class Contact:
 
     @property
     def source(self) -> Source:
-        """Where the working force comes from."""
+        """Source of the working force."""
         design = self._reducer.design
         if getattr(design.working_force, self.kind) or design.contact.working_force:
             return "given"
@@ -133,7 +133,7 @@ class Contact:
 
     @property
     def damping_ratio(self) -> float:
-        """Damping as a share of critical [1]."""
+        """Damping ratio [1]."""
         design = self._reducer.design
         return float(getattr(design.damping, self.kind)) or design.contact.damping_ratio
 
@@ -150,13 +150,13 @@ class Contact:
 
     @property
     def weaker_is_plastic(self) -> bool:
-        """Whether the weaker of the two surfaces is a plastic."""
+        """Whether the weaker surface is a plastic."""
         weaker = min(self._reducer.design.partners(self.kind), key=lambda part: part.surface_strength)
         return weaker.youngs_modulus < SOFTEST_METAL
 
     @property
     def impact(self) -> ImpactLaw | None:
-        """The law IMPACT of each of the pair's lines where ``contact.law`` is "impact", else None.
+        """Law IMPACT of each line contact of the pair if ``contact.law`` is "impact", else None.
 
         Through a massless pin two of them act in series.
         """
@@ -167,7 +167,7 @@ class Contact:
 
     @property
     def curvature_law(self) -> CurvatureLaw:
-        """Stiffness of the line contacts from material, face width, pin radius and working force; of the cam, a roller.
+        """Stiffness of line contacts from material, face width, pin radius and working force; of the cam, of a roller.
 
         Raises
         ------
@@ -178,7 +178,7 @@ class Contact:
 
     @property
     def stiffness(self) -> float:
-        """Stiffness [N/m]: the one given, or the secant stiffness at the working force; errors as `curvature_law`.
+        """Stiffness [N/m]: the given one, or the secant stiffness at the working force; errors as `curvature_law`.
 
         Of teeth it is that of a pin on a flat; in sockets, sleeves and holes it follows the relative curvature. In a
         rolling cam the roller in the middle of the loaded half carries 4.08/Z of the load (Stribeck; Harris, Rolling
@@ -189,7 +189,7 @@ class Contact:
 
     @property
     def series(self) -> tuple[float, ...]:
-        """Stiffness on each disc as the simulation has it [N/m], with what gives in series; errors as `curvature_law`.
+        """Stiffness on each disc in the simulation [N/m], with elements in series; errors as `curvature_law`.
 
         Of a massless pin, its seat is in series; of an output pin, its bending in a structure of springs.
         """
@@ -202,7 +202,7 @@ class Contact:
 
     @property
     def curvature(self) -> float:
-        """Relative curvature [1/m] of any contact but the teeth; of a rolling cam, that of its rollers."""
+        """Relative curvature [1/m] of all contacts except teeth; of a rolling cam, that of its rollers."""
         design = self._reducer.design
         if self.kind == "cam" and self._has_rollers:
             return 1.0 / self._reducer.contacts.roller_radius + 1.0 / design.gear.bore_radius
@@ -217,19 +217,19 @@ class Contact:
 
     @property
     def line_share(self) -> float:
-        """Share of the pair's force that its most loaded line contact bears [1]: of a rolling cam, one roller."""
+        """Share of the pair's force on its most loaded line contact [1]; of a rolling cam, on one roller."""
         rollers = self._reducer.design.contact.cam_rollers
         return STRIBECK / rollers if self.kind == "cam" and self._has_rollers else 1.0
 
     def pressure(self, force: npt.ArrayLike, curvature: npt.ArrayLike) -> Array:
-        """Compute Hertz's peak pressure [Pa] of whole lines; conformal ones count as flat on flat.
+        """Compute the peak Hertz pressure [Pa] of line contacts; conformal ones count as flat on flat.
 
         `force` [N] and relative `curvature` [1/m] broadcast to the shape of the result.
         """
         return self._hertz(force, curvature).peak_pressure
 
     def hertz_holds(self, force: npt.ArrayLike, curvature: npt.ArrayLike) -> Mask:
-        """Tell where a line contact is no conformal one: its strip is narrow against the thinner body.
+        """Return where a line contact is not conformal: its strip is narrow compared with the thinner body.
 
         `force` [N] on the line and relative `curvature` [1/m] broadcast to the shape of the result.
         """
@@ -246,7 +246,7 @@ class Contact:
 
     @property
     def _is_through_pin(self) -> bool:
-        """Whether gear and housing touch through a pin without inertia here."""
+        """Whether disc and housing are in contact through a massless pin."""
         design = self._reducer.design
         return design.ring.has_massless_pins and self.kind == design.tooth_pair
 
@@ -270,8 +270,8 @@ class Contact:
         rollers = self._reducer.design.contact.cam_rollers
         return self.force * STRIBECK / rollers if self.kind == "cam" else self.force
 
-    def _shared(self, torque: float) -> float:
-        """Compute the force of ideal sharing [N] under a torque on the output [N m], of one disc."""
+    def _ideal_force(self, torque: float) -> float:
+        """Return the force of ideal load sharing [N] on one disc, at a torque on the output [N m]."""
         reducer, design = self._reducer, self._reducer.design
         gear, output, torque = design.gear, design.output, reducer.share * torque
         if self.kind == "output":
@@ -299,7 +299,7 @@ class Contact:
         return law.stiffness * law.factor(self.curvature)
 
     def _roller_on_cam(self) -> float:
-        """Compute the stiffness of a roller, of the shaft's material, on the cam [N/m]; 0 where all pairs' is given."""
+        """Return the stiffness of a roller (shaft material) on the cam [N/m]; 0 if that of all pairs is given."""
         design = self._reducer.design
         if design.contact.stiffness:
             return 0.0
@@ -309,6 +309,7 @@ class Contact:
         return float(ideal_loads.line_contact_stiffness(force, face, modulus, depth, 1.0 / depth))
 
     def _curvature_law(self) -> CurvatureLaw:
+        """Return the uncached `curvature_law`."""
         design = self._reducer.design
         if impact := self._reducer.contacts.impact:
             return CurvatureLaw(0.0, 1.0, impact.secant(self.force), 0.0)
@@ -317,7 +318,7 @@ class Contact:
         reference = constant - math.log(depth)
         if reference <= 1.0:
             raise ContactError(
-                f"{self._blamed} is too large: a force of {force:g} N on one pin of radius {1e3 * depth:g} mm is "
+                f"{self._force_key} is too large: a force of {force:g} N on one pin of radius {1e3 * depth:g} mm is "
                 "beyond the model of a line contact; reduce it, or use a larger gear.face_width_mm or stiffer material"
             )
         of_teeth = getattr(design.stiffness, self.kind) if self.kind == design.tooth_pair else 0.0
@@ -327,8 +328,8 @@ class Contact:
         return CurvatureLaw(reference if local else 0.0, constant, stiffness, force / stiffness)
 
     @property
-    def _blamed(self) -> str:
-        """Name of the design's value that the working force comes from."""
+    def _force_key(self) -> str:
+        """Design key that determines the working force."""
         if self.source == "given":
             own = getattr(self._reducer.design.working_force, self.kind)
             return f"working_force.{self.kind}_n" if own else "contact.working_force_n"
@@ -337,7 +338,7 @@ class Contact:
 
 
 class Contacts:
-    """The contacts of a reducer by kind of pair, ``contacts["cam"]``, and what all of them have in common."""
+    """The contacts of a reducer by kind of pair, ``contacts["cam"]``, and their common properties."""
 
     __slots__ = ("_reducer",)
 
@@ -349,12 +350,12 @@ class Contacts:
 
     @property
     def teeth(self) -> Contact:
-        """Contact of the teeth: pin on gear, or gear on internal gear."""
+        """Contact of the teeth: pin and disc, or disc and internal gear."""
         return self[self._reducer.design.tooth_pair]
 
     @property
     def working_load(self) -> float:
-        """Torque on the output [N m] that the working forces follow from.
+        """Torque on the output [N m] from which the working forces follow.
 
         ``contact.working_load`` if it is given, else the size of the run's own load, but no less than `own_load`, and
         in a drive whose ring is preloaded, which presses its contacts without any load, no less than the rated torque.
@@ -365,7 +366,7 @@ class Contacts:
 
     @property
     def own_load(self) -> float:
-        """Torque on the output [N m] that presses an idle reducer's contacts as its own forces do.
+        """Torque on the output [N m] with the same contact forces as weight and inertia of the discs.
 
         A disc's weight and its inertia force on the eccentric, W = m (g + c w^2), act on the cam; a load torque T
         presses the teeth sideways against the cam by T/(c (N-1)): that of W has the torque W c (N-1), or W c N on a
@@ -382,7 +383,7 @@ class Contacts:
 
     @property
     def creep_speed(self) -> float:
-        """Sliding speed at which friction is whole under the working force [m/s].
+        """Sliding speed of fully developed friction at the working force [m/s].
 
         The one given, or `CREEP` of the speed c w at which the gear's centre circles; where the crank stands
         `SLOW_CREEP`.
@@ -392,7 +393,7 @@ class Contacts:
 
     @property
     def impact(self) -> ImpactLaw | None:
-        """The law IMPACT of a line across the whole disc where ``contact.law`` is "impact", else None.
+        """Law IMPACT of a line contact across the full disc if ``contact.law`` is "impact", else None.
 
         In a design's file k is in N/mm^e, the force at a depth of 1 mm.
         """
@@ -404,7 +405,7 @@ class Contacts:
 
     @property
     def mesh_stiffness(self) -> float:
-        """Stiffness between gear and housing [N/m]: that of a pin on a flat, and that of its seat, in series.
+        """Stiffness between disc and housing [N/m]: that of a pin on a flat and that of its seat in series.
 
         A pin is a two-force body: play and compliance of its two contacts add up.
         """
@@ -413,12 +414,12 @@ class Contacts:
 
     @property
     def pin_flexibility(self) -> Array:
-        """Bending of an output pin at each disc's plane, for a force at each plane [m/N], shape (D, D); `bending`."""
+        """Flexibility of an output pin at the planes of the discs [m/N], shape (D, D); see `bending`."""
         return pin_flexibility(self._reducer)
 
     @property
     def roller_radius(self) -> float:
-        """Radius of the cam's rollers [m], which fill its circle, one touching the next."""
+        """Radius of the cam's rollers [m], which fill its circumference."""
         design = self._reducer.design
         return design.gear.bore_radius * math.sin(math.pi / design.contact.cam_rollers)
 
@@ -428,6 +429,7 @@ class Contacts:
         return ", ".join(forces)
 
     def _source_text(self, source: Source) -> str:
+        """Describe the source of a working force."""
         return {
             "given": "given",
             "working load": f"ideal sharing of {self.working_load:.4g} N m",
@@ -439,7 +441,7 @@ class Contacts:
 
 @lru_cache(maxsize=64)
 def _cam_share(gear: CycloidGear, pins: int, radius: float) -> float:
-    """Compute the mean size of the cam's force under ideal sharing, over the load torque [1/m]."""
+    """Return the mean magnitude of the cam force under ideal sharing, per load torque [1/m]."""
     crank = np.linspace(0.0, 2.0 * np.pi, _ANGLES, endpoint=False)
     ring = ideal_loads.ideal_load_sharing(gear, 1.0, crank)
     output = ideal_loads.ideal_output_forces(gear, pins, radius, 1.0, crank)

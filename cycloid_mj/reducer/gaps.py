@@ -1,4 +1,4 @@
-"""The gaps of all mating pairs at a crank angle, as functions of small motions of the discs and the output.
+"""Gaps of all mating pairs at a crank angle, as functions of small displacements of discs and output.
 
 The unknowns z [m], shape (3 D + 1,), are departures from the ideal pose: x, y and R phi of each of the D discs, and
 R psi of the output; R is the radius of the circle of output pins, phi and psi are counter-clockwise. A gap is the
@@ -29,12 +29,12 @@ if TYPE_CHECKING:
     from cycloid_mj.reducer import Reducer
 
 _STEP = 1e-6
-"""Step of a difference along the trochoid [rad]."""
+"""Step of finite differences along the trochoid [rad]."""
 
 
 @dataclass(frozen=True)
 class Gaps:
-    """Gaps at one crank angle, n of them, or at k of them: then arrays of numbers have k in front.
+    """Gaps at one crank angle, shape (n,), or at k crank angles, with an additional first axis.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class Gaps:
     slip_slope: Array
 
     def select(self, rows: Mask) -> "Gaps":
-        """Return some of the gaps at one crank angle, by a mask of shape (n,)."""
+        """Return a selection of the gaps at one crank angle, by a mask of shape (n,)."""
         return Gaps(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 
     @property
@@ -95,7 +95,7 @@ class Gaps:
 
 
 def unknowns(reducer: "Reducer") -> int:
-    """Count the unknowns: three for each disc, one for the output."""
+    """Return the number of unknowns: three for each disc, one for the output."""
     return 3 * len(reducer.phases) + 1
 
 
@@ -107,7 +107,7 @@ def gaps(reducer: "Reducer", crank: float) -> Gaps:
     """
     discs = range(len(reducer.phases))
     flanks = [flank_gaps(reducer, crank, disc) for disc in discs] if reducer.design.ring.kind == "nonpin" else []
-    return _joined([arc_gaps(reducer, crank), *flanks])
+    return _concatenate([arc_gaps(reducer, crank), *flanks])
 
 
 def arc_gaps(reducer: "Reducer", crank: npt.ArrayLike) -> Gaps:
@@ -118,7 +118,7 @@ def arc_gaps(reducer: "Reducer", crank: npt.ArrayLike) -> Gaps:
     """
     angles = np.asarray(crank, dtype=np.float64)
     discs = range(len(reducer.phases))
-    return _joined([side(reducer, angles, disc) for side in (_arc_gaps, _output_gaps) for disc in discs])
+    return _concatenate([side(reducer, angles, disc) for side in (_arc_gaps, _output_gaps) for disc in discs])
 
 
 def _arc_gaps(reducer: "Reducer", crank: Array, disc: int) -> Gaps:
@@ -136,7 +136,7 @@ def flank_gaps(reducer: "Reducer", crank: float, disc: int = 0) -> Gaps:
 
 def _of_halves(reducer: "Reducer", disc: int, lines: envelope.RingContacts, middle: Array) -> Gaps:
     ahead = reducer.design.ring.ahead
-    return _joined([_tooth_gaps(reducer, disc, lines, middle, half) for half in range(len(ahead))])
+    return _concatenate([_tooth_gaps(reducer, disc, lines, middle, half) for half in range(len(ahead))])
 
 
 def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, middle: Array, half: int) -> Gaps:
@@ -192,7 +192,7 @@ def _output_gaps(reducer: "Reducer", crank: Array, disc: int) -> Gaps:
     middle = gear_centre(gear, crank[..., np.newaxis] + reducer.phases[disc])
     push = -middle / gear.eccentricity
     place = profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins + turned) * output.pin_circle_radius
-    side, hole = _quarter_turned(push), _turned(errors.hole_place[disc], -turned)
+    side, hole = _quarter_turned(push), _rotate(errors.hole_place[disc], -turned)
     arm, lever = np.sum(place * -_quarter_turned(push), axis=-1), np.sum(place * push, axis=-1)
     room = reducer.design.clearance.output + output.hole_radius - output.pin_radius - gear.eccentricity
     return Gaps(
@@ -214,7 +214,7 @@ def _output_gaps(reducer: "Reducer", crank: Array, disc: int) -> Gaps:
 
 
 def ideal_motion(reducer: "Reducer", crank: npt.ArrayLike) -> Array:
-    """Compute how the parts move with the crank, by the unknowns [m/rad], shape (..., 3 D + 1), at angles (...) [rad].
+    """Compute the motion of the unknowns per crank rotation [m/rad], shape (..., 3 D + 1), at angles (...) [rad].
 
     Disc centres run on circles, discs and output turn by -1/(N-1) (Hsieh 2014, Eqs 12 and 13, corrected). Times
     `Gaps.slip_slope` it is the sliding of every contact; times `Gaps.slope` it is 0.
@@ -227,7 +227,7 @@ def ideal_motion(reducer: "Reducer", crank: npt.ArrayLike) -> Array:
 
 
 def cam_places(reducer: "Reducer", crank: npt.ArrayLike) -> Array:
-    """Find where each disc's cam is, from where its teeth would have it [m], shape (..., D, 2), at angles (...) [rad].
+    """Compute the displacement of each cam from its ideal position [m], shape (..., D, 2), at angles (...) [rad].
 
     The disc's own centre departs from there by the cam's clearance at most; errors of the crank carry it along.
     """
@@ -235,12 +235,12 @@ def cam_places(reducer: "Reducer", crank: npt.ArrayLike) -> Array:
     turned = np.asarray(crank, dtype=np.float64)[..., np.newaxis]
     angles = turned + np.array(reducer.phases)
     return np.asarray(
-        errors.eccentricity * gear_centre(gear, angles) / gear.eccentricity + _turned(errors.cam_place, turned)
+        errors.eccentricity * gear_centre(gear, angles) / gear.eccentricity + _rotate(errors.cam_place, turned)
     )
 
 
 def _by_unknown(reducer: "Reducer", disc: int, by_place: Array, by_turn: Array, by_output: Array) -> Array:
-    """Find a gradient by z (..., n, 3 D + 1) from that by a disc's place (..., n, 2), its turn and the output's [m]."""
+    """Return the gradient by z (..., n, 3 D + 1), from those by disc position (..., n, 2), disc and output angle."""
     slope = np.zeros((*by_turn.shape, unknowns(reducer)))
     slope[..., 3 * disc : 3 * disc + 2] = by_place
     slope[..., 3 * disc + 2] = by_turn / reducer.design.output.pin_circle_radius
@@ -248,20 +248,20 @@ def _by_unknown(reducer: "Reducer", disc: int, by_place: Array, by_turn: Array, 
     return slope
 
 
-def _joined(parts: list[Gaps]) -> Gaps:
-    """Put gaps one after the other along n."""
+def _concatenate(parts: list[Gaps]) -> Gaps:
+    """Concatenate gaps along n."""
     along = {field.name: -2 if field.name.endswith("slope") else -1 for field in fields(Gaps)}
     joined = {name: [getattr(part, name) for part in parts] for name in along}
     return Gaps(**{name: np.concatenate(arrays, axis=along[name]) for name, arrays in joined.items()})
 
 
 def _quarter_turned(vectors: Array) -> Array:
-    """Turn vectors (..., 2) counter-clockwise by a right angle."""
+    """Rotate vectors (..., 2) by 90 degrees counter-clockwise."""
     return np.stack([-vectors[..., 1], vectors[..., 0]], axis=-1)
 
 
-def _turned(vectors: Array, angle: Array) -> Array:
-    """Turn vectors (n, 2) counter-clockwise by angles (...) [rad], shape (..., n, 2)."""
+def _rotate(vectors: Array, angle: Array) -> Array:
+    """Rotate vectors (n, 2) counter-clockwise by angles (...) [rad], shape (..., n, 2)."""
     x, y = vectors[:, 0], vectors[:, 1]
     cos, sin = np.cos(angle), np.sin(angle)
     return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)

@@ -26,24 +26,24 @@ class ImpactLaw:
     depth: float
 
     def depth_under(self, force: float) -> float:
-        """Compute the depth [m] at which the spring bears a force [N]."""
+        """Return the depth [m] of the spring under a force [N]."""
         return float((force / self.stiffness) ** (1.0 / self.exponent))
 
     def secant(self, force: float) -> float:
-        """Compute the secant stiffness [N/m] of the spring at a force [N]."""
+        """Return the secant stiffness [N/m] of the spring at a force [N]."""
         return force / self.depth_under(force)
 
     def damping_ratio(self, force: float, mass: float) -> float:
-        """Compute damping under a force [N] as a share of critical [1], of a mass [kg] on the secant stiffness."""
+        """Return the damping ratio [1] under a force [N], of a mass [kg] on the secant stiffness."""
         acting = damper(self.depth_under(force), self.damping, self.depth)
         return float(acting / (2.0 * math.sqrt(self.secant(force) * mass)))
 
     def in_series(self) -> "ImpactLaw":
-        """Return the law of two such contacts in series, which share the depth and bear the same force."""
+        """Return the law of two such contacts in series, which share the depth and transmit the same force."""
         return ImpactLaw(self.stiffness / 2.0**self.exponent, self.exponent, self.damping / 2.0, 2.0 * self.depth)
 
     def of_lines(self, lines: int) -> "ImpactLaw":
-        """Return the law of each of so many lines that one contact is divided into."""
+        """Return the law of each of several lines into which a contact is divided."""
         return ImpactLaw(self.stiffness / lines, self.exponent, self.damping / lines, self.depth)
 
 
@@ -52,9 +52,9 @@ def spring(depth: float, stiffness: float, exponent: float) -> float:
     return stiffness * depth**exponent if depth > 0.0 else 0.0
 
 
-def damper(depth: float, damping: float, whole: float) -> float:
-    """Compute the damping [N s/m] at a depth [m]; it is whole from the depth `whole` on."""
+def damper(depth: float, damping: float, full_depth: float) -> float:
+    """Return the damping [N s/m] at a depth [m]; it is constant from `full_depth` on."""
     if depth <= 0.0:
         return 0.0
-    share = min(depth / whole, 1.0)
+    share = min(depth / full_depth, 1.0)
     return damping * share * share * (3.0 - 2.0 * share)

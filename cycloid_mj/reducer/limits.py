@@ -1,4 +1,4 @@
-"""How far rigid parts can move at a locked crank, as linear programmes: the pose with the most room, and the stops.
+"""Limits of motion of rigid parts at a locked crank, by linear programming: best fit, and stops of the output.
 
 Rigid contacts only push, so every gap is a limit on the unknowns of ``gaps``. A cam's play is a circle: a polygon
 around it stands for it, larger than the circle by 1 - cos(pi/sides).
@@ -19,21 +19,21 @@ if TYPE_CHECKING:
     from cycloid_mj.reducer import Reducer
 
 _SCALE = 1e-6
-"""Unit of length of the programmes [m]."""
+"""Length unit of the linear programs [m]."""
 
 CAM_SIDES = 720
-"""Sides of the polygon around a cam's play: it is larger than the circle by 1e-5 of the play."""
+"""Sides of the polygon that circumscribes the clearance of a cam: larger than the circle by 1e-5 of the clearance."""
 
 _FIT_SIDES = 16
-"""The same where only a place to start from is looked for."""
+"""Sides of that polygon for a starting point."""
 
 _TOGETHER = 8
-"""Crank angles whose stops are looked for in one programme: most of a small one's time is to hand it over."""
+"""Number of crank angles per linear program, most of whose time is its set-up."""
 
 
 @dataclass(frozen=True)
 class Fit:
-    """A pose at one crank angle: that which leaves the most room, or any other.
+    """Pose of discs and output at one crank angle.
 
     Attributes
     ----------
@@ -57,13 +57,13 @@ class Fit:
 
 
 def best_fit(reducer: "Reducer", crank: float) -> Fit:
-    """Find the pose at a crank angle [rad] that leaves the most room in all pairs."""
+    """Return the pose with the largest minimum gap of all pairs at a crank angle [rad]."""
     mesh_gaps, pose, least, _ = _most_room(reducer, crank)
     return _fit(reducer, mesh_gaps, pose, least)
 
 
 def pressed_fit(reducer: "Reducer", crank: float, pose: Array) -> Fit:
-    """Tell a pose of the unknowns of ``gaps`` [m], shape (u,), at a crank angle [rad]; its room is not looked for."""
+    """Return the pose for unknowns of ``gaps`` [m], shape (u,), at a crank angle [rad], without its minimum gap."""
     return _fit(reducer, gaps(reducer, float(reducer.member.against_ring(crank))), pose, math.nan)
 
 
@@ -79,7 +79,7 @@ def _fit(reducer: "Reducer", mesh_gaps: Gaps, pose: Array, least: float) -> Fit:
 
 
 def tightest(reducer: "Reducer", crank: float) -> tuple[float, dict[str, float]]:
-    """Find the room of `best_fit` at a crank angle [rad], and which pairs leave no more.
+    """Return the minimum gap of `best_fit` at a crank angle [rad], and the pairs that have it.
 
     Clearances may be negative here, as in no design file.
 
@@ -94,7 +94,7 @@ def tightest(reducer: "Reducer", crank: float) -> tuple[float, dict[str, float]]
 
 
 def _most_room(reducer: "Reducer", crank: float) -> tuple[Gaps, Array, float, Array]:
-    """Return the gaps at a crank angle [rad], the pose (u,) [m] with the most room, that room [m], and dual values."""
+    """Return gaps, best fit (u,) [m], its minimum gap [m] and dual values at a crank angle [rad]."""
     from scipy.optimize import linprog
 
     crank = float(reducer.member.against_ring(crank))
@@ -136,7 +136,7 @@ def stops_at(reducer: "Reducer", cranks: Array, sides: int = CAM_SIDES) -> Array
 
 
 def _stops(reducer: "Reducer", cranks: Array, sides: int) -> Array:
-    """Solve one programme for the stops at some crank angles, which have no limits in common."""
+    """Solve one linear program for the stops at several crank angles, which are independent of each other."""
     from scipy.optimize import linprog
     from scipy.sparse import block_diag, csc_array
 
@@ -166,7 +166,7 @@ def _stops(reducer: "Reducer", cranks: Array, sides: int) -> Array:
 
 
 def widest_play(reducer: "Reducer", crank: float, sides: int = CAM_SIDES) -> float:
-    """Compute the output's play between rigid parts [rad] at a crank angle [rad]; errors as `stops`.
+    """Compute the backlash of the output with rigid parts [rad] at a crank angle [rad]; errors as `stops`.
 
     Halves of a ring count as not turned against each other: that leaves the most.
     """
@@ -175,7 +175,7 @@ def widest_play(reducer: "Reducer", crank: float, sides: int = CAM_SIDES) -> flo
 
 
 def _limits(reducer: "Reducer", mesh_gaps: Gaps, cams: Array, sides: int) -> tuple[Array, Array]:
-    """Compute gradients (m, u) [1] and rooms (m,) [m] of slope . z + room >= 0: contacts, then polygons of `cams`.
+    """Return gradients (m, u) [1] and gaps (m,) [m] of slope . z + gap >= 0: contacts, then polygons of `cams`.
 
     These are the cams' places [m], shape (D, 2).
     """
@@ -190,7 +190,7 @@ def _limits(reducer: "Reducer", mesh_gaps: Gaps, cams: Array, sides: int) -> tup
 
 
 def _aside(reducer: "Reducer", mesh_gaps: Gaps, pose: Array) -> Array:
-    """Put each pin that discs would cut half-way between the one that cuts deepest and the far side of its play."""
+    """Return positions of pins that discs would cut, half-way from the deepest cut to the far side of the clearance."""
     design = reducer.design
     if not design.ring.has_moving_pins:
         return np.zeros((design.ring.mates, 2))

@@ -1,4 +1,4 @@
-"""Which member gives the turn out, and how its angles and torques follow from those of the drive seen from its ring.
+"""Output member, and its angles and torques in terms of the drive as seen from its ring.
 
 Either the ring is held and the carrier of the output pins turns, against the crank, by a turn in N - 1; or the carrier
 is held and the ring turns, with the crank, by a turn in N. The mesh knows no difference: seen from the ring, the second
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Member:
-    """How crank, gear, carrier, ring and output turn together.
+    """Kinematics of crank, disc, carrier, ring and output.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class Member:
     lobes: int
 
     def gear_angle(self, crank: npt.ArrayLike) -> Array:
-        """Compute the angle of gear and carrier [rad], at crank angles [rad]: -theta/(N-1), or 0 of a held carrier.
+        """Return the angle of disc and carrier [rad] at crank angles [rad]: -theta/(N-1), or 0 for a held carrier.
 
         Of speeds it gives speeds.
         """
@@ -47,20 +47,20 @@ class Member:
         return np.zeros_like(crank) if self.turns_ring else -crank / self.lobes
 
     def ring_angle(self, crank: npt.ArrayLike) -> Array:
-        """Compute the angle of the ring [rad], at crank angles [rad]: 0, or theta/N if it turns. Of speeds, speeds."""
+        """Return the angle of the ring [rad] at crank angles [rad]: 0, or theta/N; speeds map to speeds."""
         crank = np.asarray(crank, dtype=np.float64)
         return crank / self.teeth if self.turns_ring else np.zeros_like(crank)
 
     def output_angle(self, crank: npt.ArrayLike) -> Array:
-        """Compute the angle of the output [rad], at crank angles [rad]; of speeds, its speed."""
+        """Return the angle of the output [rad] at crank angles [rad]; speeds map to speeds."""
         return np.asarray(crank, dtype=np.float64) / (self.teeth if self.turns_ring else -self.lobes)
 
     def against_ring(self, crank: npt.ArrayLike) -> Array:
-        """Compute the crank's angle from the ring [rad], on which the mesh depends. Of speeds, speeds."""
+        """Return the crank angle relative to the ring [rad], which determines the mesh. Speeds map to speeds."""
         return np.asarray(np.asarray(crank, dtype=np.float64) - self.ring_angle(crank))
 
     def ring_and_carrier(self, output: npt.ArrayLike) -> tuple[Array, Array]:
-        """Compute the angles of ring and carrier [rad] from that of the output, which is one of them: the other's is 0.
+        """Return the angles of ring and carrier [rad] from that of the output, one of them; the other is 0.
 
         Of speeds, speeds.
         """
@@ -70,12 +70,12 @@ class Member:
 
     @property
     def turning_and_held(self) -> tuple[str, str]:
-        """Names of the body that the load is on, the carrier's ``output`` or the ring's ``housing``, and the other."""
+        """Names of the loaded body, the carrier (``output``) or the ring (``housing``), and of the other one."""
         return (names.HOUSING, names.OUTPUT) if self.turns_ring else (names.OUTPUT, names.HOUSING)
 
     @property
     def share(self) -> float:
-        """Torque on the carrier over that on the output, without losses: 1, or (N-1)/N where the ring turns.
+        """Torque on the carrier per torque on the output, without losses: 1, or (N-1)/N if the ring rotates.
 
         And, at a locked crank, the output's turn over that of the carrier seen from the ring. Torques and turns of
         statics are positive as they brake a crank that turns counter-clockwise: counter-clockwise of the carrier,
@@ -85,17 +85,17 @@ class Member:
 
     @property
     def sense(self) -> int:
-        """1 where the output's torques and turns of statics are counter-clockwise, -1 where they are clockwise."""
+        """Sign of the output's torques and rotations in statics: 1 counter-clockwise, -1 clockwise."""
         return -1 if self.turns_ring else 1
 
 
 def member_of(design: Design) -> Member:
-    """Return the member that gives the turn out in a design."""
+    """Return the output member of a design."""
     return Member(design.output.turns_ring, design.ring.teeth, design.lobes)
 
 
 def seen_from_ring(design: Design) -> Design:
-    """Return the drive as an observer on its ring has it: the carrier turns, at that speed and under those torques.
+    """Return the drive as seen from its ring: the carrier rotates, with its speed and torques.
 
     What its environment and its inertia forces are there, is for the caller to tell.
     """
@@ -113,7 +113,7 @@ def seen_from_ring(design: Design) -> Design:
 
 
 def columns_from_ring(reducer: "Reducer", columns: Mapping[str, Array]) -> dict[str, Array]:
-    """Compute the columns of a run as an observer on its ring has them: those of `seen_from_ring`.
+    """Return the columns of a run as seen from the ring (`seen_from_ring`).
 
     Angles, places, speeds and forces are turned back with the ring; pins are logged from there as it is. The torque of
     the load becomes what holds the carrier, at rest: what crank and ring leave.
@@ -147,7 +147,7 @@ def columns_from_ring(reducer: "Reducer", columns: Mapping[str, Array]) -> dict[
 
 
 def _turn_back(columns: dict[str, Array], x: str, y: str, angle: Array) -> None:
-    """Turn vectors of two columns clockwise by angles [rad], where there are such columns."""
+    """Rotate vectors in two columns clockwise by angles [rad], if the columns exist."""
     if x in columns and y in columns:
         cos, sin, along, up = np.cos(angle), np.sin(angle), columns[x], columns[y]
         columns[x], columns[y] = cos * along + sin * up, cos * up - sin * along

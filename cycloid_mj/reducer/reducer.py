@@ -1,4 +1,4 @@
-"""The reducer that a design describes: what follows from the design, computed when first asked for, and kept.
+"""Reducer of a design: derived values, computed on first use and cached.
 
 A ``Design`` is what a person writes; a ``Reducer`` is what it is. It is made where a design comes in, and is what every
 room above hands on. What computes a property is imported with its first use: a command line names reducers and loads no
@@ -24,22 +24,23 @@ Given = ParamSpec("Given")
 Value = TypeVar("Value")
 
 KEPT = 24
-"""Designs whose reducers' values are kept at a time: as many as a study goes back and forth between."""
+"""Number of designs whose derived values are cached."""
 
 
 SLICES_CREEP = 0.02
-"""Creep speed of slices [m/s]: stock MuJoCo lifts what slides by mu^2 v/(v0 impratio), a slow creep v0 by more."""
+"""Creep speed of slices [m/s]: stock MuJoCo lifts sliding contacts by mu^2 v/(v0 impratio), more at a low creep speed
+v0."""
 
 SHAPING_NOTHING = (
     *("name", "errors", "friction", "drag", "contact", "stiffness", "damping", "working_force"),
     *("drive", "load", "environment", "settings"),
 )
-"""What of a design no part depends on: runs at other loads and speeds have the same parts, which are drawn once."""
+"""Design tables that no part depends on: runs at other loads and speeds share the same parts."""
 
 
 @lru_cache(maxsize=KEPT)
 def _drawer(design: Design) -> dict[Hashable, Any]:
-    """Make the place for what is computed of the reducers of a design."""
+    """Return the cache of the derived values of a design."""
     return {}
 
 
@@ -54,15 +55,15 @@ class Reducer:
         self._kept = _drawer(design)
 
     def but(self, **changes: Any) -> "Reducer":
-        """Make the reducer of the design with other values, in SI, as ``Design.but`` does; errors as there."""
+        """Return the reducer of the design with changed values, in SI units, as ``Design.but``; errors as there."""
         return Reducer(self.design.but(**changes))
 
     def steady(self, settled: float, turns: float, samples: float = 0.0, **changes: Mapping[str, Any]) -> "Reducer":
-        """Make the reducer for a run at full speed from its start, as ``Design.steady`` does; errors as there."""
+        """Return the reducer for a run at full speed from its start, as ``Design.steady``; errors as there."""
         return Reducer(self.design.steady(settled, turns, samples, **changes))
 
     def working_at(self, torque: float) -> "Reducer":
-        """Make the reducer whose contacts are as stiff as one torque on the output [N m] makes them, whatever its load.
+        """Return the reducer with contact stiffnesses for a torque on the output [N m], whatever its load.
 
         One that is given a working load, or one working force for all pairs, keeps it.
         """
@@ -73,7 +74,7 @@ class Reducer:
 
     @property
     def at_rated_load(self) -> "Reducer":
-        """The reducer `working_at` its own load, or at the rated torque where it has none.
+        """Reducer `working_at` its own load, or at the rated torque if it has none.
 
         For what is made for no load in particular: a folder with a model, springs for any torque, a figure.
         """
@@ -82,7 +83,7 @@ class Reducer:
 
     @property
     def for_slices(self) -> "Reducer":
-        """The reducer `working_at` its rated torque, or at its own load where that is larger.
+        """Reducer `working_at` the larger of its rated torque and its own load.
 
         A bed of slices softens by itself where it is pressed less deep: the stiffness at a small load is not set again.
         Its creep speed, unless given, is `SLICES_CREEP`.
@@ -91,7 +92,7 @@ class Reducer:
         return stiffened.but(contact={"creep_speed": self.design.contact.creep_speed or SLICES_CREEP})
 
     def kept(self, key: Hashable, compute: Callable[[], Value]) -> Value:
-        """Look up what was computed under a key, or compute it and keep it."""
+        """Return the cached value of a key, computed on first use."""
         if key not in self._kept:
             self._kept[key] = compute()
         value: Value = self._kept[key]
@@ -111,7 +112,7 @@ class Reducer:
 
     @property
     def shape(self) -> "Reducer":
-        """The reducer as far as its parts are drawn: one and the same at all loads, speeds and contact laws."""
+        """Reducer of the same parts, shared by all loads, speeds and contact laws."""
 
         def changed() -> Reducer | None:
             of = Design.model_fields
@@ -130,7 +131,7 @@ class Reducer:
 
     @property
     def play(self) -> float:
-        """The output's widest play between rigid parts [rad], at the crank angle 0; errors as of ``limits.stops``."""
+        """Largest backlash of the output with rigid parts [rad], at crank angle 0; errors as in ``limits.stops``."""
         from cycloid_mj.reducer.limits import widest_play
 
         return self.kept("play", lambda: widest_play(self, 0.0))
@@ -142,35 +143,35 @@ class Reducer:
 
     @property
     def tooth_profile(self) -> "CycloidGear":
-        """The ideal mesh, without clearance and modification: the ring, and the gear's motion."""
+        """Ideal mesh without clearance and modification."""
         from cycloid_mj.geometry.modification import tooth_profile
 
         return self.shape.kept("tooth_profile", lambda: tooth_profile(self.design))
 
     @property
     def gear_profile(self) -> "CycloidGear":
-        """The mesh whose profile the gear has, without clearance: its pin circle is that of the modification."""
+        """Mesh of the disc's profile, without clearance but with the modified pin circle."""
         from cycloid_mj.geometry.modification import gear_profile
 
         return self.shape.kept("gear_profile", lambda: gear_profile(self.design))
 
     @property
     def profile_offset(self) -> float:
-        """Distance of the gear's profile from its trochoid [m]: pin radius, clearance, equidistant."""
+        """Distance of the disc's profile from its trochoid [m]: pin radius, clearance and equidistant modification."""
         from cycloid_mj.geometry.modification import profile_offset
 
         return self.shape.kept("profile_offset", lambda: profile_offset(self.design))
 
     @property
     def deviations(self) -> "Deviations":
-        """Manufacturing errors of the parts, listed or drawn."""
+        """Manufacturing errors of the parts, given or drawn."""
         from cycloid_mj.geometry.deviations import deviations
 
         return self.kept("deviations", lambda: deviations(self.design))
 
     @property
     def is_ideal(self) -> bool:
-        """Whether every part is as the ideal mesh has it: no errors, no modification, no halves that are turned."""
+        """Whether all parts are ideal: no errors, no modification, no preloaded ring."""
         modification = self.design.modification
         modified = modification.equidistant or modification.pin_circle or modification.rotation
         return not (modified or self.design.ring.preload) and self.deviations.largest == 0.0
@@ -191,14 +192,14 @@ class Reducer:
 
     @property
     def member(self) -> "Member":
-        """Which member gives the turn out, and how the turns and torques of the others follow."""
+        """Output member and the kinematics of all members."""
         from cycloid_mj.reducer.member import member_of
 
         return self.shape.kept("member", lambda: member_of(self.design))
 
     @property
     def disc_section(self) -> float:
-        """Area of a disc's section [m2]: its outline less bore and holes, with clearances; turned flanks not cut."""
+        """Cross-section area of a disc [m2]: outline less bore and holes, with clearances, without flank rotation."""
         from cycloid_mj.geometry import profile
 
         gear, output, clearance = self.design.gear, self.design.output, self.design.clearance
@@ -208,7 +209,7 @@ class Reducer:
 
     @property
     def near_face(self) -> float:
-        """Where along z what lies on the input side of the discs ends [m], the second output disc counted in."""
+        """Axial end of the parts on the input side of the discs [m], including the second output disc."""
         from cycloid_mj.reducer.bending import AXIAL_GAP
 
         output, near = self.design.output, -self.design.gear.stack_width / 2 - AXIAL_GAP
@@ -216,22 +217,22 @@ class Reducer:
 
     @property
     def share(self) -> float:
-        """Torque on the carrier over that on the output, without losses; `Member.share`."""
+        """Torque on the carrier per torque on the output, without losses; `Member.share`."""
         return self.shape.kept("share", lambda: self.member.share)
 
     @property
     def mesh_turn(self) -> float:
-        """Turn of the crank after which it has passed the whole ring [rad]: 2 pi, or 2 pi N/(N-1) where that turns."""
+        """Crank rotation after which it has passed all of the ring [rad]: 2 pi, or 2 pi N/(N-1) if the ring rotates."""
         return 2.0 * math.pi / self.share
 
     @property
     def mesh_periods(self) -> int:
-        """Times that the mesh repeats in a turn of the crank: N, or N - 1 where the ring runs ahead of the crank."""
+        """Number of mesh periods per crank revolution: N, or N - 1 if the ring rotates."""
         return round(self.design.ring.teeth * self.share)
 
 
 def once(function: Callable[Concatenate[Reducer, Given], Value]) -> Callable[Concatenate[Reducer, Given], Value]:
-    """Keep on the reducer what a function of it returns, for each of the further arguments; it must not be changed."""
+    """Cache the results of a function of a reducer, for each value of further arguments; they must not be changed."""
 
     @wraps(function)
     def kept(reducer: Reducer, /, *arguments: Given.args, **named: Given.kwargs) -> Value:

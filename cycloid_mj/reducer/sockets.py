@@ -1,4 +1,4 @@
-"""Opening of the sockets that the pinwheel's pins lie in, from one function for parts, contact, meshes and drawings.
+"""Sockets of the ring pins in the pinwheel: one definition for parts, contact, meshes and drawings.
 
 The wall between neighbouring sockets is a circle about the reducer's axis. Where a socket meets it, the socket ends: in
 an edge, beyond which the pin meets nothing but the gear.
@@ -14,11 +14,11 @@ if TYPE_CHECKING:
     from cycloid_mj.reducer.reducer import Reducer
 
 WALL_GAP = 0.1
-"""Least gap between the gear's tips and the wall, as a share of rho - c."""
+"""Smallest gap between the lobe tips and the wall, as a share of rho - c."""
 
 
 def wall_radius(design: Design) -> float:
-    """Compute the radius of the wall between the sockets [m]: that of the pins' centres, unless the gear needs more.
+    """Return the radius of the wall between sockets [m]: that of the pin centres, or more for clearance of the disc.
 
     The gear's tips reach E - rho + 2c from the reducer's axis, and the bottoms of the sockets are at E + rho: where c
     is less than rho, there is room for a wall in between.
@@ -28,7 +28,7 @@ def wall_radius(design: Design) -> float:
 
 
 def arc_half_angle(design: Design, radius: float) -> float:
-    """Compute half the angle [rad] that a circle of `radius` [m] about a pin's centre runs within the pinwheel.
+    """Return half of the angle [rad] over which a circle of `radius` [m] about a pin centre lies within the pinwheel.
 
     It is counted from the direction away from the reducer's axis; 0 where the wall lies outside the circle.
     """
@@ -38,14 +38,14 @@ def arc_half_angle(design: Design, radius: float) -> float:
 
 
 def socket_half_angle(design: Design) -> float:
-    """Compute half the angle [rad] on which the socket of a free pin holds it: pi for closed ones."""
+    """Return half of the angle [rad] over which the socket holds a free pin: pi for closed sockets."""
     if design.ring.socket == "closed":
         return math.pi
     return arc_half_angle(design, design.ring.pin_radius + design.clearance.pin_socket)
 
 
 def require_drawn(design: Design, what: str) -> None:
-    """Refuse closed sockets for what is made of the parts as they are drawn: a ring that the gear passes cannot close.
+    """Raise an error if closed sockets do not support a feature (`what`) that uses the drawn parts.
 
     Raises
     ------
@@ -60,7 +60,7 @@ def require_drawn(design: Design, what: str) -> None:
 
 
 def require_one_ring(reducer: "Reducer", what: str) -> None:
-    """Refuse a ring in two halves for what knows rings in one piece alone.
+    """Raise an error if a ring in two halves does not support a feature (`what`).
 
     Raises
     ------

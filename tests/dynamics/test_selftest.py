@@ -24,7 +24,8 @@ def test_the_release_that_is_installed_passes():
     with each_step._installation.kept():
         assert selftest.try_steps(each_step.add_sensor, each_step.EachStep) == ""
     assert (
-        selftest.try_lift(reference_correction.between_speeds_and_forces(reference_correction.places()).address) == ""
+        selftest.try_lift(reference_correction.between_speeds_and_forces(reference_correction.layout_offsets()).address)
+        == ""
     )
 
 

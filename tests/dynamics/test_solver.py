@@ -101,15 +101,15 @@ def test_a_run_leaves_out_what_its_model_has_nothing_for() -> None:
     dragged = build(override(PRESETS["nonpin"], ["drag.crank_nm=0.05"])).model
     plain = build(PRESETS["nonpin"]).model
     friction = int(mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS)
-    assert unused.unused(plain) == unused.unused(dragged) | friction
-    assert not unused.unused(dragged) & friction
+    assert unused.unused_flags(plain) == unused.unused_flags(dragged) | friction
+    assert not unused.unused_flags(dragged) & friction
     damper = int(mujoco.mjtDisableBit.mjDSBL_DAMPER)
     before = plain.opt.disableflags
-    with unused.left_out(plain), unused.left_out(plain):
+    with unused.disable_unused(plain), unused.disable_unused(plain):
         assert plain.opt.disableflags & damper
     assert plain.opt.disableflags == before
     plain.dof_damping[0] = 1.0
-    with unused.left_out(plain):
+    with unused.disable_unused(plain):
         assert not plain.opt.disableflags & damper
 
 

@@ -1,10 +1,9 @@
-"""The collider: exact conjugate contact at MuJoCo's extension point for collision functions.
+"""Exact conjugate contact at MuJoCo's extension point for collision functions.
 
-MuJoCo looks up ``mjCOLLISIONFUNC[type][type]`` for each pair of geoms. All parts in contact stand in the model as
-cylinders, so one entry is replaced, [cylinder][cylinder]. A geom of ours carries its role as its ``priority`` (which
-MuJoCo does not use for explicit pairs); every other pair goes on to the original function. The collider keeps no
-state: all it needs stands in the ``mjModel`` and ``mjData`` that it is called with. So does `lift`, MuJoCo's callback
-between speeds and forces, which goes with it.
+MuJoCo looks up ``mjCOLLISIONFUNC[type][type]`` for each pair of geoms. All mating parts are cylinders in the model, so
+one entry is replaced, [cylinder][cylinder]. A geom of ours carries its role as its ``priority``, which MuJoCo ignores
+for explicit pairs; every other pair is passed to the original function. The collider has no state: its data are in the
+``mjModel`` and ``mjData`` of the call. The callback of `reference_correction` is installed with it.
 """
 
 from collections.abc import Iterator
@@ -22,7 +21,7 @@ from cycloid_mj.dynamics.contact.layout import Layout, discover
 from cycloid_mj.dynamics.contact.library import CYLINDER, TYPES, answer, callback, collision_table
 from cycloid_mj.dynamics.contact.mating import PRIORITY, inner_in_outer, lobe_on_teeth, pin_on_teeth
 from cycloid_mj.dynamics.contact.memory import read_address, read_int
-from cycloid_mj.dynamics.contact.reference_correction import between_speeds_and_forces, places
+from cycloid_mj.dynamics.contact.reference_correction import between_speeds_and_forces, layout_offsets
 from cycloid_mj.dynamics.contact.shared import Shared
 from cycloid_mj.reducer.bodies import Role
 
@@ -38,13 +37,13 @@ _PIN, _TEETH, _INNER, _OUTER, _LOBE = (int(role) for role in Role)
 
 
 def _places(layout: Layout) -> tuple[int, ...]:
-    """Return the places that a collider closes over, and a digest of the sources compiled into it."""
+    """Return the layout offsets for a collider, and a digest of the sources compiled into it."""
     arrays = (layout.geom_size, layout.geom_priority, layout.geom_user, layout.geom_xpos, layout.geom_xmat)
     return (*arrays, layout.nuser_geom, digest(contact_search, gap, local_gap, mating, memory, ring, teeth))
 
 
 def _compile_pins(layout: Layout) -> Any:
-    """Compile the collider of pins, sockets, cam and holes, or load it; it passes other pairs on to the original."""
+    """Compile or load the collider of pins, sockets, cam and holes; other pairs go to the original collider."""
     at = _places(layout)
 
     @cfunc(_SIGNATURE, cache=cacheable())
@@ -65,9 +64,9 @@ def _compile_pins(layout: Layout) -> Any:
 
 
 def _compile_lobes(layout: Layout) -> Any:
-    """Compile the collider of lobes on teeth, or load it; it passes other pairs on to that of pins.
+    """Compile or load the collider of lobes and teeth; other pairs go to the collider of pins.
 
-    It takes as long to compile as all the others together, and a pinwheel does without.
+    It takes as long to compile as all others together, and pinwheels do not need it.
     """
     at = _places(layout)
 
@@ -86,7 +85,7 @@ def _compile_lobes(layout: Layout) -> Any:
 
 @cache
 def _pin_collider() -> Any:
-    """Return MuJoCo's own collider and that of pins, which works with it; the own one's address is bound by name."""
+    """Return the original collider and that of pins, which calls it by name."""
     original = collision_table()[_ENTRY]
     if not original:
         raise ContactError(
@@ -100,7 +99,7 @@ def _pin_collider() -> Any:
 
 @cache
 def _lift() -> Any:
-    lift = between_speeds_and_forces(places())
+    lift = between_speeds_and_forces(layout_offsets())
     selftest.require_passed("lift", lambda: selftest.try_lift(lift.address))
     return lift
 
@@ -129,17 +128,17 @@ _installation = Shared(_install, _uninstall)
 
 @contextmanager
 def installed(lobes: bool = True) -> Iterator[None]:
-    """Run MuJoCo with exact conjugate contact inside this ``with`` block; nested and parallel blocks are allowed.
+    """Use exact conjugate contact inside this ``with`` block; nested and parallel blocks are allowed.
 
     Parameters
     ----------
     lobes
-        Whether an internal gear is to meet the teeth. Without one, half of what there is to compile is left out.
+        Whether an internal gear is present; without one, half of the compilation is skipped.
 
     Raises
     ------
     ContactError
-        Somebody else answers ``mjcb_control``.
+        The callback ``mjcb_control`` is already in use.
     """
     with _installation.kept():
         if lobes:

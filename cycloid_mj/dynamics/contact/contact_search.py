@@ -1,8 +1,8 @@
-"""Where two surfaces touch, in any pose: gap, factor on the stiffness, place and normal, of every line of contact.
+"""Contact search between two surfaces in the plane: gap, stiffness factor, position and normal of every contact line.
 
-Pure geometry of the plane: the collider writes it for MuJoCo (`mating`), the planar solver takes it as it is
-(``dynamics``). Touches are written one after the other as `read_touch` reads them, ``STRIDE`` bytes apart. The unit
-normal leads from the first part to the second: from the teeth outwards, from the inner circle to the outer.
+The collider writes the results for MuJoCo (`mating`), the planar solver uses them directly. Contacts are written one
+after the other, ``STRIDE`` bytes apart, in the format of `read_touch`. The unit normal points from the first surface to
+the second: outwards from the teeth, from the inner circle to the outer one.
 """
 
 import math
@@ -68,7 +68,7 @@ class Touch(NamedTuple):
 
 
 class RingPin(NamedTuple):
-    """A pin as teeth meet it.
+    """A pin as an opponent of teeth.
 
     Attributes
     ----------
@@ -90,7 +90,7 @@ class RingPin(NamedTuple):
 
 
 class PinTouch(NamedTuple):
-    """Whether a pin and teeth touch, and how: the curvature [1/m] is that of the gear's trochoid at the foot."""
+    """Contact of a pin and teeth, if it `touches`; `curvature` [1/m] is that of the trochoid at the foot point."""
 
     touches: bool
     gap: float
@@ -123,15 +123,15 @@ def write_touch(out: int, gap: float, x: float, y: float, factor: float, nx: flo
 
 
 @njit(inline="always")
-def read_touch(at: int) -> Touch:
+def read_touch(address: int) -> Touch:
     """Read a touch at an address."""
     return Touch(
-        read_float(at),
-        read_float(at + 8),
-        read_float(at + 16),
-        read_float(at + 24),
-        read_float(at + 32),
-        read_float(at + 40),
+        read_float(address),
+        read_float(address + 8),
+        read_float(address + 16),
+        read_float(address + 24),
+        read_float(address + 32),
+        read_float(address + 40),
     )
 
 
@@ -146,7 +146,7 @@ def _stiffness_factor(teeth: Teeth, curvature: float) -> float:
 
 @njit(inline="always")
 def pin_touch(profile: Teeth, pin: RingPin, gear: Pose, px: float, py: float, margin: float) -> PinTouch:
-    """Compute the touch of the gear's teeth and a pin at (px, py) [m]; of a massless one with its play and its seat.
+    """Compute the contact of the teeth and a pin at (px, py) [m], including clearance and seat of a massless pin.
 
     A massless pin is a two-force body: it gives way by its play, then both of its contacts carry the same force, and
     their compliances add up. With the stiffness K f of a pin on the gear, f = 1 on a flat, and K/x of the seat, the
@@ -181,7 +181,7 @@ def pin_touch(profile: Teeth, pin: RingPin, gear: Pose, px: float, py: float, ma
 
 @njit(inline="always")
 def _edge(bottom: float, top: float, share: float, own: bool, crowded: bool) -> float:
-    """Compute the phase at a share of a half root, the lobe's own or the next lobe's.
+    """Compute the phase at a share of a half root, of the lobe itself or of the next one.
 
     Where crowded, the edges are dense at the middle of the root and denser at its junction.
     """
@@ -194,7 +194,7 @@ def _edge(bottom: float, top: float, share: float, own: bool, crowded: bool) -> 
 
 @njit(inline="always")
 def _opens(dx: float, dy: float, x1: float, y1: float, x2: float, y2: float, clear: float) -> bool:
-    """Tell whether a displacement leaves a gap where the gear's normal lies between two directions, less than pi apart.
+    """Return whether a displacement leaves a gap where the normal lies between two directions, less than pi apart.
 
     They are (x1, y1) and, clockwise from it, (x2, y2); ``clear`` is the least gap [m] of the undisplaced gear there.
     """
@@ -208,7 +208,7 @@ def _opens(dx: float, dy: float, x1: float, y1: float, x2: float, y2: float, cle
 
 @njit(inline="always")
 def _write_arc(out: int, has_arc: bool, arc: Line, lobe: Pose, reach: float) -> int:
-    """Write the touch on the arc of a lobe, if there is one: round the lobe's own place."""
+    """Write the contact on the arc of a lobe, if there is one, at the pose of the lobe."""
     if not has_arc:
         return 0
     depth = reach + 0.5 * arc.gap
@@ -219,7 +219,7 @@ def _write_arc(out: int, has_arc: bool, arc: Line, lobe: Pose, reach: float) -> 
 
 @compiling.njit(inner=True)
 def lobe_touches(out: int, profile: Teeth, arc_radius: float, lobe: Pose, gear: Pose, margin: float) -> int:
-    """Write the touches of the gear's teeth and a lobe of the internal gear, with half a root on either side."""
+    """Write the contacts of the teeth and a lobe of the internal gear, with half a root on either side."""
     flank, ring, offset = profile.flank, profile.ring, profile.flank.offset
     # The gear in the lobe's frame: axis of the ring at the origin, lobe on +y.
     gx, gy = inwards(lobe, gear.x - lobe.x, gear.y - lobe.y)
@@ -340,7 +340,7 @@ def inner_touches(
 
 @njit(inline="always")
 def _write_inner(out: int, gap: float, x: float, y: float, nx: float, ny: float, radius: float, margin: float) -> int:
-    """Write the touch of a circle at (x, y) with what is around it, if there is one."""
+    """Write the contact of a circle at (x, y) with the surrounding circle, if there is one."""
     if not gap < margin:
         return 0
     depth = radius + 0.5 * gap

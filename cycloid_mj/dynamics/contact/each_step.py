@@ -1,14 +1,13 @@
-"""What happens in every step of a run, inside MuJoCo: commands are set, largest forces noted, samples taken.
+"""Work of a run in every MuJoCo step: set commands, record peak forces, take samples.
 
-A sample is one step in many, and an impact of a few steps falls between two of them; a shaft follows its command at
-every step. MuJoCo's speeds are half a step behind its places and forces: what a sample has of speeds is of those half a
-step on, whose powers are what the energy changes by.
+One in many steps is sampled, and an impact of a few steps can fall between two samples; a shaft follows its command in
+every step. MuJoCo's speeds lag its positions and forces by half a step, so sampled speeds are advanced by half a step;
+their powers agree with the change of energy.
 
-All is done by MuJoCo's callback for sensors, at the end of the forward dynamics. A model of ours has a user sensor,
-which the callback answers, and one number of user data: the address of what the run keeps. Without a run that is 0, and
-nothing happens. The callback takes the steps that follow itself, by the stages of ``mj_step`` that move anything, and
-writes the samples among them: no Python until the call ends. So they are inside one call from Python, whose error a
-fatal one of MuJoCo's becomes.
+MuJoCo's sensor callback does all of this at the end of the forward dynamics. Our models have a user sensor, which
+triggers the callback, and one number of user data, the address of the state of the run (0 outside of a run). The
+callback takes the following steps by calling the stages of ``mj_step`` and writes the samples among them, without
+returning to Python. A fatal error of MuJoCo therefore occurs within one call from Python.
 """
 
 import ctypes
@@ -34,8 +33,8 @@ from cycloid_mj.dynamics.contact.memory import read_address, read_float, read_in
 from cycloid_mj.dynamics.contact.reference_correction import (
     bind_multiplication,
     correct_references,
+    layout_offsets,
     multiply_jacobian,
-    places,
 )
 from cycloid_mj.dynamics.contact.shared import Shared
 from cycloid_mj.dynamics.contact.step_state import STEP_STATE, StepState, step_state_at
@@ -46,17 +45,17 @@ SENSOR, IMPACT_SENSOR = "each_step", "impact"
 """Names of the user sensors: they read 0."""
 
 OF_SOLVER = 6
-"""Numbers of a sample on all contacts and the solver: contacts that carry a force, deepest geometric penetration [m],
-largest force of one contact [N], most iterations of the solver in an island; a sum of all accelerations, which is a
-number if each is one; and the number of warnings that MuJoCo has issued, or, of the planar solver, of the steps since
-the last sample whose contact geometry did not converge."""
+"""Columns of a sample on all contacts and the solver: contacts that carry a force, deepest geometric penetration [m],
+largest force of one contact [N], largest number of solver iterations in an island; the sum of all accelerations, which
+is finite if each of them is; and the number of warnings that MuJoCo has issued, or, of the planar solver, of the steps
+since the last sample whose contact geometry did not converge."""
 
 _FIRST_STAGE, _LAST_STAGE = int(mujoco.mjtStage.mjSTAGE_POS), int(mujoco.mjtStage.mjSTAGE_ACC)
 _spring, _damper = njit(impact.spring), njit(impact.damper)
-_SHALLOWEST = 1e-12
-"""Least depth [m] that the law is evaluated at."""
-_LEAST_MASS = 1e-7
-"""Least added mass [kg] of a contact that follows IMPACT: a ten-thousandth of a pin."""
+_MIN_DEPTH = 1e-12
+"""Smallest depth [m] at which the law IMPACT is evaluated."""
+_MIN_ADDED_MASS = 1e-7
+"""Smallest added mass [kg] of a contact that follows IMPACT: a ten-thousandth of a pin."""
 _STAGE, _PREFIX = types.void(types.intp, types.intp), "cycloid_mj_"
 _STAGES = [
     types.ExternalFunction(_PREFIX + name, _STAGE)
@@ -75,9 +74,10 @@ _integrate, _position, _velocity, _actuation, _acceleration, _constraint, _place
 
 
 def add_sensor(spec: Any, impact: bool = False) -> None:
-    """Add the user data and the user sensor to an editable model; with `impact` another, asked for before forces.
+    """Add the user data and the user sensor to an editable model.
 
-    The second one lets a run put the law IMPACT in the place of the model's own, contact by contact.
+    With `impact` a second sensor is added, which is evaluated before the forces, to apply the law IMPACT to each
+    contact.
     """
     spec.nuserdata = 1
     stages = {SENSOR: mujoco.mjtStage.mjSTAGE_ACC} | ({IMPACT_SENSOR: mujoco.mjtStage.mjSTAGE_POS} if impact else {})
@@ -92,29 +92,29 @@ def add_sensor(spec: Any, impact: bool = False) -> None:
 
 
 class EachStep:
-    """What a run keeps for its steps, which must go on under `installed`, on the ``MjData`` that it was made for.
+    """Stepper of a MuJoCo run on one ``MjData``; it must be used within `installed`.
 
-    The first step is sampled. A sample is of the start of a step. It is a row of what stands at `sources`, then of the
-    potential and the kinetic energy [J] (`copied`), `OF_SOLVER` (`solver`), ``forces.OF_PAIR`` of each pair (`pairs`),
-    and the power that each drag takes [W] (`drags`). The normal force of a pair is the sum over its contacts.
+    The first step is sampled, at its start. A sample is a row of the values at `sources`, potential and kinetic energy
+    [J] (`copied`), `OF_SOLVER` (`solver`), ``forces.OF_PAIR`` of each pair (`pairs`), and the power of each drag [W]
+    (`drags`). The normal force of a pair is the sum over its contacts.
 
     Parameters
     ----------
     model, data
-        What is stepped.
+        Model and state.
     index
-        The model's mating pairs.
+        Mating pairs of the model.
     every
-        Steps from one sample to the next.
+        Time steps from one sample to the next.
     sources
-        Addresses of numbers in ``MjData``.
+        Addresses of values in ``MjData``.
     drags
-        Rows of the constraints that brake joints.
+        Constraint rows of the joint drags.
     impacts
-        The law IMPACT of each pair; none where contacts follow the model's own.
+        Law IMPACT of each pair; none if contacts follow the model's own law.
     orbits
-        Index of the degree of freedom along x of each disc that circles about the axis; that along y comes next. Their
-        positions are those of the discs' centres.
+        Index of the degree of freedom along x of each disc; that along y comes next. Their positions are the disc
+        centres.
     """
 
     def __init__(
@@ -143,26 +143,27 @@ class EachStep:
         ends = np.cumsum([0, *sizes]).tolist()
         self.copied, self.solver, self.pairs, self.drags = map(slice, ends[:-1], ends[1:])
         self._every, self._width = every, ends[-1]
-        self._kept = self._places()
-        data.userdata[0] = self._kept.ctypes.data
+        self._state = self._state_record()
+        data.userdata[0] = self._state.ctypes.data
 
     def command(self, commands: Array) -> None:
-        """Set the commands of the next steps, shape (steps, actuators); after them the last one stays."""
+        """Set the commands of the next steps, shape (steps, actuators); the last one persists."""
         self._commands = np.ascontiguousarray(commands)
         self._data.ctrl[:] = self._commands[0]
         width = self._commands.strides[0]
-        self._kept["command"] = self._commands.ctypes.data + width
-        self._kept["last"] = self._commands.ctypes.data + width * len(self._commands)
+        self._state["command"] = self._commands.ctypes.data + width
+        self._state["last"] = self._commands.ctypes.data + width * len(self._commands)
 
     def advance(self, samples: int) -> Array:
-        """Take the steps up to so many samples, the last of them included; give a row for each sample."""
+        """Take the steps up to and including a number of samples; return one row for each."""
         rows = np.zeros((samples, self._width))
-        self._kept["rows"] = rows.ctypes.data
-        self._kept["left"] = self._kept["due"] - 1 + (samples - 1) * self._every
+        self._state["rows"] = rows.ctypes.data
+        self._state["left"] = self._state["due"] - 1 + (samples - 1) * self._every
         mujoco.mj_step(self._model, self._data)
         return rows
 
-    def _places(self) -> Any:
+    def _state_record(self) -> Any:
+        """Return the record of addresses and sizes for the compiled code, see `STEP_STATE`."""
         at, model, data, index = discover_steps(), self._model, self._data, self._index
         start = data._address
         places = {
@@ -229,14 +230,14 @@ class EachStep:
 
 @contextmanager
 def installed() -> Iterator[None]:
-    """Do what `EachStep` keeps inside this ``with`` block; nested and parallel blocks are allowed.
+    """Install the callback of `EachStep` inside this ``with`` block; nested and parallel blocks are allowed.
 
-    MuJoCo's timers stand still: reading the clock some twenty times takes 4 % of a step.
+    MuJoCo's timers are disabled: reading the clock some twenty times takes 4 % of a step.
 
     Raises
     ------
     ContactError
-        Somebody else answers user sensors, or MuJoCo is of a release that does not work.
+        The sensor callback is already in use, or this release of MuJoCo is not compatible.
     """
     with _installation.kept():
         _require_passed()
@@ -249,7 +250,7 @@ def _require_passed() -> None:
 
 
 def _install() -> None:
-    answer("mjcb_sensor", _compiled().address)
+    answer("mjcb_sensor", _compile_callback().address)
     timer = callback("mjcb_time")
     _timer.value, timer.value = timer.value, None
 
@@ -264,10 +265,11 @@ _installation = Shared(_install, _uninstall)
 
 
 @cache
-def _compiled() -> Any:
+def _compile_callback() -> Any:
+    """Compile or load the sensor callback that takes the steps of a run."""
     layout = discover_steps()
     at = layout.nuserdata, layout.userdata, digest(forces, gap, impact, memory, reference_correction, step_state, teeth)
-    offsets = places()
+    offsets = layout_offsets()
     bind_multiplication()
     for stage in _STAGES:
         llvmlite.binding.add_symbol(stage.symbol, function_address(stage.symbol.removeprefix(_PREFIX)))
@@ -281,14 +283,14 @@ def _compiled() -> Any:
             return
         run = step_state_at(address)
         if stage == _FIRST_STAGE:
-            _strike(run)
+            _apply_impact(run)
             return
         _end_step(model, data, run)
         while run.left > 0:
             run.left -= 1
             _integrate(model, data)
             _position(model, data)
-            _strike(run)
+            _apply_impact(run)
             _velocity(model, data)
             correct_references(offsets, model, data)
             _actuation(model, data)
@@ -301,12 +303,12 @@ def _compiled() -> Any:
 
 @compiling.njit(inner=True)
 def _end_step(model: int, data: int, run: StepState) -> None:
-    """Do what is done once the forces of a step are known."""
-    _note(run)
+    """Record the forces of a step, take a sample if one is due, and set the next command."""
+    _update_peaks(run)
     run.due -= 1
     if run.due == 0:
         run.due = run.every
-        _half_a_step_on(run)
+        _advance_speeds(run)
         multiply_jacobian(model, data, read_address(run.speeds), run.moving)
         _place_energy(model, data)
         _motion_energy(model, data)
@@ -317,8 +319,8 @@ def _end_step(model: int, data: int, run: StepState) -> None:
 
 
 @compiling.njit(inner=True)
-def _strike(run: StepState) -> None:
-    """Set the stiffness and damping that IMPACT has at its depth on every contact found.
+def _apply_impact(run: StepState) -> None:
+    """Apply the stiffness and damping of IMPACT at the current depth to every contact.
 
     MuJoCo's rows obey R f + a + b v + k r = 0 (`law`). R is that of the added mass K dt^2/4 + C dt/2 of the law's
     tangent K and damping C, stable at any step; friction keeps its coefficient and its creep.
@@ -335,10 +337,10 @@ def _strike(run: StepState) -> None:
             continue
         law = run.impact + 32 * pair
         exponent = read_float(law + 8)
-        depth = max(-read_float(places + 8 * row), _SHALLOWEST)
+        depth = max(-read_float(places + 8 * row), _MIN_DEPTH)
         force = _spring(depth, read_float(law), exponent)
         damping = _damper(depth, read_float(law + 16), read_float(law + 24))
-        added = max(0.25 * exponent * force / depth * step * step + 0.5 * damping * step, _LEAST_MASS)
+        added = max(0.25 * exponent * force / depth * step * step + 0.5 * damping * step, _MIN_ADDED_MASS)
         scale = 1.0 / (added * read_float(weights + 8 * row))
         for axis in range(read_int(contact + run.dim)):
             weight, of_row = weights + 8 * (row + axis), constants + 32 * (row + axis)
@@ -352,8 +354,8 @@ def _strike(run: StepState) -> None:
 
 
 @compiling.njit(inner=True)
-def _half_a_step_on(run: StepState) -> None:
-    """Keep the joints' speeds, and let them go on by half a step."""
+def _advance_speeds(run: StepState) -> None:
+    """Save the speeds of the joints, and advance them by half a step."""
     half = read_float(run.half)
     for k in range(run.freedoms):
         speed = read_float(run.moving + 8 * k)
@@ -371,8 +373,8 @@ def _command(run: StepState) -> None:
 
 
 @compiling.njit(inner=True)
-def _note(run: StepState) -> None:
-    """Note the forces of the contacts of this step."""
+def _update_peaks(run: StepState) -> None:
+    """Update the largest force of each pair with that of this step."""
     first, force = read_address(run.contacts), read_address(run.forces)
     count = read_int(run.count)
     for k in range(count):

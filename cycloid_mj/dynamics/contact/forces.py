@@ -1,4 +1,4 @@
-"""What MuJoCo's solver found in the contacts of one step, gathered by mating pair."""
+"""Contact forces of one MuJoCo step, summed by mating pair."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -18,31 +18,31 @@ from cycloid_mj.dynamics.contact.teeth import PLAY, read_teeth
 from cycloid_mj.reducer.bodies import Role
 
 _ROUND = 1e-9
-"""Angle [rad] by which the normal of a contact on a round mate may miss the mate's middle: that of rounding."""
+"""Largest angle [rad] between the normal of a contact on a round surface and the direction of its centre: rounding."""
 
 OF_PAIR = 6
-"""Numbers of a pair: force x, y on its ``on`` body [N], moment about that body's origin [N m], largest normal force
-since the sample before [N], and the powers that friction and normal force take [W]. Friction's is never negative but
-for rounding; the normal force's is damping, and elastic energy on its way in or out."""
+"""Columns of a pair: force x, y on its ``on`` body [N], moment about that body's origin [N m], largest normal force
+since the last sample [N], and the powers of friction and normal force [W]. Friction power is never negative except for
+rounding; that of the normal force is damping and stored elastic energy."""
 
 
 @dataclass(frozen=True)
 class PairIndex:
-    """Which mating pair two geoms belong to, and the teeth that the collider knows.
+    """Mating pairs of the geoms of a model, and the exact teeth.
 
     Attributes
     ----------
     surface
-        Number of the surface that a geom is, or is a slice of; 0 for none. Shape (ngeom,).
+        Number of the surface that a geom represents or is a slice of; 0 for none. Shape (ngeom,).
     pair
-        Of two surfaces: +-(pair + 1), negative where the first is the ``on`` surface; 0 for none. Shape (surfaces + 1,
+        For two surfaces: +-(pair + 1), negative if the first is the ``on`` surface; 0 for none. Shape (surfaces + 1,
         surfaces + 1).
     origin
         Body of each pair's ``on`` surface, shape (pairs,).
     reach
-        Radius of a geom that meets exact teeth, less the play that it gives way by [m], shape (ngeom,); 0 of any other.
+        Radius of a geom that meets exact teeth, less the clearance of a massless pin [m], shape (ngeom,); 0 for others.
     teeth
-        Address of the ``geom user`` of a geom that stands for exact teeth, 0 of any other, shape (ngeom,).
+        Address of the ``geom user`` of a geom that represents exact teeth, 0 for others, shape (ngeom,).
     """
 
     surface: npt.NDArray[np.int32]
@@ -67,7 +67,7 @@ def pair_index(model: Any, pairs: Sequence[Any]) -> PairIndex:
 
 
 def _exact_teeth(model: Any) -> tuple[Array, npt.NDArray[np.int64]]:
-    """Compute reach and teeth of each geom, see `PairIndex`; of a model without exact teeth none has any."""
+    """Return `reach` and `teeth` of `PairIndex`, zero for a model without exact teeth."""
     priority, user, reach = model.geom_priority, model.geom_user, np.zeros(model.ngeom)
     exact = priority == int(Role.TEETH)
     if exact.any():
@@ -78,51 +78,48 @@ def _exact_teeth(model: Any) -> tuple[Array, npt.NDArray[np.int64]]:
 
 
 def surface_name(model: Any, geom: int) -> str:
-    """Name the surface that a geom is, or is a slice of."""
+    """Return the name of the surface that a geom represents, or is a slice of."""
     name: str = model.geom(geom).name
     return name.partition("/")[0]
 
 
 @njit(inline="always")
-def pair_of(kept: StepState, contact: int) -> int:
-    """Get the number of the mating pair of a contact at an address, with a minus sign where its first geom is ``on``.
-
-    Numbers begin at 1; 0 is none.
-    """
-    geoms = contact + kept.geom
-    one, two = read_int(kept.surface + 4 * read_int(geoms)), read_int(kept.surface + 4 * read_int(geoms + 4))
-    return read_int(kept.pair + 4 * (kept.surfaces * one + two))
+def pair_of(state: StepState, contact: int) -> int:
+    """Return the number (from 1) of the mating pair of a contact, negative if its first geom is ``on``; 0 for none."""
+    geoms = contact + state.geom
+    first, second = read_int(state.surface + 4 * read_int(geoms)), read_int(state.surface + 4 * read_int(geoms + 4))
+    return read_int(state.pair + 4 * (state.surfaces * first + second))
 
 
 @compiling.njit(inner=True)
-def gather(kept: StepState, summary: int, of_pairs: int) -> None:
-    """Gather the contacts of the step just taken.
+def gather(state: StepState, summary: int, of_pairs: int) -> None:
+    """Sum the contacts of the current step by pair.
 
-    Written are, at one address, the number of contacts that carry a force, the deepest geometric penetration [m] and
-    the largest force of one contact [N]; at the other, what `OF_PAIR` says of every pair, where zeros and the largest
-    forces stand already.
+    Writes, at `summary`, the number of contacts that carry a force, the deepest geometric penetration [m] and the
+    largest force of one contact [N]; at `of_pairs`, the columns `OF_PAIR` of every pair, which must hold zeros and peak
+    forces.
     """
-    contacts, forces = read_address(kept.contacts), read_address(kept.forces)
+    contacts, forces = read_address(state.contacts), read_address(state.forces)
     active, depth, peak = 0, 0.0, 0.0
-    for k in range(read_int(kept.count)):
-        contact = contacts + kept.stride * k
-        depth = max(depth, _overlap(kept, contact))
-        number, row = pair_of(kept, contact), read_int(contact + kept.row)
+    for k in range(read_int(state.count)):
+        contact = contacts + state.stride * k
+        depth = max(depth, _overlap(state, contact))
+        number, row = pair_of(state, contact), read_int(contact + state.row)
         if number == 0 or row < 0:
             continue
         pair, sign = abs(number) - 1, (1.0 if number > 0 else -1.0)
         force = forces + 8 * row
-        speed = read_address(kept.speeds) + 8 * row
-        fx = read_float(force) * read_float(contact + kept.frame)
-        fy = read_float(force) * read_float(contact + kept.frame + 8)
+        speed = read_address(state.speeds) + 8 * row
+        fx = read_float(force) * read_float(contact + state.frame)
+        fy = read_float(force) * read_float(contact + state.frame + 8)
         place = of_pairs + 8 * OF_PAIR * pair
-        for axis in range(1, read_int(contact + kept.dim)):
-            along, tangent = read_float(force + 8 * axis), contact + kept.frame + 24 * axis
+        for axis in range(1, read_int(contact + state.dim)):
+            along, tangent = read_float(force + 8 * axis), contact + state.frame + 24 * axis
             fx += along * read_float(tangent)
             fy += along * read_float(tangent + 8)
             _add(place + 32, -along * read_float(speed + 8 * axis))
-        origin = kept.xpos + 24 * read_int(kept.origin + 4 * pair)
-        x, y = read_float(contact + kept.pos), read_float(contact + kept.pos + 8)
+        origin = state.xpos + 24 * read_int(state.origin + 4 * pair)
+        x, y = read_float(contact + state.pos), read_float(contact + state.pos + 8)
         _add(place, sign * fx)
         _add(place + 8, sign * fy)
         _add(place + 16, sign * ((x - read_float(origin)) * fy - (y - read_float(origin + 8)) * fx))
@@ -136,31 +133,31 @@ def gather(kept: StepState, summary: int, of_pairs: int) -> None:
 
 
 @njit(inline="always")
-def _add(place: int, value: float) -> None:
-    write_float(place, read_float(place) + value)
+def _add(address: int, value: float) -> None:
+    write_float(address, read_float(address) + value)
 
 
 @compiling.njit(inner=True)
-def _overlap(kept: StepState, contact: int) -> float:
-    """Compute how deep the parts of a contact are in each other [m]; MuJoCo's own distance where no exact teeth meet.
+def _overlap(state: StepState, contact: int) -> float:
+    """Compute the penetration of a contact [m]: the geometric one for exact teeth, else that of MuJoCo.
 
     With them that distance is scaled: it makes the stiffness follow the local curvature (``mating``).
     """
     overlap = -read_float(contact)
-    first, second = read_int(contact + kept.geom), read_int(contact + kept.geom + 4)
-    teeth, mate = (first, second) if read_address(kept.teeth + 8 * first) else (second, first)
-    user = read_address(kept.teeth + 8 * teeth)
+    first, second = read_int(contact + state.geom), read_int(contact + state.geom + 4)
+    teeth, mate = (first, second) if read_address(state.teeth + 8 * first) else (second, first)
+    user = read_address(state.teeth + 8 * teeth)
     if not user or overlap <= 0.0:
         return overlap
-    x, y = read_float(contact + kept.pos), read_float(contact + kept.pos + 8)
-    centre = kept.geom_xpos + 24 * mate
+    x, y = read_float(contact + state.pos), read_float(contact + state.pos + 8)
+    centre = state.geom_xpos + 24 * mate
     dx, dy = read_float(centre) - x, read_float(centre + 8) - y
     away = math.sqrt(dx * dx + dy * dy)
-    if abs(dx * read_float(contact + kept.frame + 8) - dy * read_float(contact + kept.frame)) < _ROUND * away:
-        return 2.0 * (read_float(kept.reach + 8 * mate) - away)
+    if abs(dx * read_float(contact + state.frame + 8) - dy * read_float(contact + state.frame)) < _ROUND * away:
+        return 2.0 * (read_float(state.reach + 8 * mate) - away)
     # a root of the ring: its depth from the contact point, which lies half-way
-    flank = read_teeth(user, kept.numbers).flank
-    gear, turn = kept.geom_xpos + 24 * teeth, kept.geom_xmat + 72 * teeth
+    flank = read_teeth(user, state.numbers).flank
+    gear, turn = state.geom_xpos + 24 * teeth, state.geom_xmat + 72 * teeth
     gx, gy, cosine, sine = x - read_float(gear), y - read_float(gear + 8), read_float(turn), read_float(turn + 24)
     return -2.0 * (flank_distance(cosine * gx + sine * gy, cosine * gy - sine * gx, flank)[1] + flank.offset)
 

@@ -14,15 +14,15 @@ from cycloid_mj.base.array import Array
 
 MAX_ROUNDS = 30
 NEAR = 3e-7
-"""A Newton step [rad] so small that the error after it, its square times the teeth, is below rounding."""
+"""Newton step [rad] after which the error, its square times the number of teeth, is below rounding."""
 
 _SCAN = 64
 
 _STRAIGHT = 0.1
-"""Least distance of a point from the centre of curvature at its foot, as a share of the radius there."""
+"""Smallest distance of a point from the centre of curvature at its foot, over the radius there."""
 
 NO_WAVES: Array = np.zeros((0, 2))
-"""Of a profile that is as drawn."""
+"""Waves of an unmodified profile."""
 
 
 class Trochoid(NamedTuple):
@@ -34,7 +34,7 @@ class Trochoid(NamedTuple):
 
 
 class Pose(NamedTuple):
-    """Place [m] and turn of a part in a frame: a point p of the part is at (x, y) + turned(p)."""
+    """Position [m] and rotation of a body in a frame: its point p is at (x, y) + rotated(p)."""
 
     x: float
     y: float
@@ -44,25 +44,25 @@ class Pose(NamedTuple):
 
 @njit(inline="always")
 def inwards(pose: Pose, x: float, y: float) -> tuple[float, float]:
-    """Compute the components in the part of a vector of the frame that the pose is in."""
+    """Return the components in the body of a vector of the frame."""
     return pose.cosine * x + pose.sine * y, pose.cosine * y - pose.sine * x
 
 
 @njit(inline="always")
 def outwards(pose: Pose, x: float, y: float) -> tuple[float, float]:
-    """Compute the components in that frame of a vector of the part."""
+    """Return the components in the frame of a vector of the body."""
     return pose.cosine * x - pose.sine * y, pose.cosine * y + pose.sine * x
 
 
 @njit(inline="always")
 def placed(pose: Pose, x: float, y: float) -> tuple[float, float]:
-    """Compute a point of the part in that frame [m]."""
+    """Return the position in the frame of a point of the body [m]."""
     return pose.x + pose.cosine * x - pose.sine * y, pose.y + pose.cosine * y + pose.sine * x
 
 
 @njit(inline="always")
 def _turned(sine: float, cosine: float, angle: float) -> tuple[float, float]:
-    """Compute sine and cosine of an angle increased by a small one: by series where that is exact to rounding."""
+    """Return sine and cosine of an angle increased by a small one, by a series that is exact to rounding."""
     if abs(angle) > 0.05:
         s, c = math.sin(angle), math.cos(angle)
     else:
@@ -230,7 +230,7 @@ def _speed_squared(t: float, curve: Trochoid) -> float:
 
 @njit
 def _waved_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float]:
-    """Find what ``trochoid_distance`` gives, of the curve that stands back from the trochoid by the flank's waves w(t).
+    """Compute ``trochoid_distance`` for the curve that stands back from the trochoid by the waves w(t) of the flank.
 
     At a point whose foot is at t the gap is wider by w(t). Its gradient, along which the contact pushes, is the normal
     less the tangent times w' over the rate at which the point moves along with its foot: the arc rate times one more
@@ -318,7 +318,7 @@ def circle_in_circle(dx: float, dy: float, inner: float, outer: float) -> tuple[
 
 
 class PartialCircle(NamedTuple):
-    """What is left of an open circle: its radius [m], the unit vector to its middle, cosine and sine of half of it."""
+    """Arc of an open circle: radius [m], unit vector to its centre, cosine and sine of half of its angle."""
 
     radius: float
     x: float
@@ -345,7 +345,7 @@ def circle_at_edge(dx: float, dy: float, inner: float, arc: PartialCircle, side:
 
 @njit(inline="always")
 def places_in_arc(dx: float, dy: float, arc: PartialCircle) -> tuple[float, bool, bool]:
-    """Tell which points of an arc may be nearest to a place, (dx, dy) from its circle's centre [m].
+    """Return which points of an arc may be nearest to a position (dx, dy) relative to its circle's centre [m].
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Where MuJoCo keeps the arrays that compiled code reads: found from the Python bindings, checked on two models.
+"""Memory layout of MuJoCo: addresses of the arrays that compiled code reads, found from the Python bindings.
 
 The C structures change between MuJoCo releases. Each array of the bindings is a view on MuJoCo's own memory, so its
 address stands somewhere in ``mjModel`` or ``mjData``; the offset of that place is what the collider needs.
@@ -17,8 +17,8 @@ from cycloid_mj.dynamics.contact.library import unfit
 
 _WORD = ctypes.sizeof(ctypes.c_void_p)
 _SPAN, _DATA_SPAN, _SIZES = 8192, 2048, 1024
-"""Bytes in which pointers are looked for: of ``mjModel`` from its start, of ``mjData`` after its energies; and bytes in
-which sizes are: at the start of ``mjModel``, and before the energies of ``mjData``."""
+"""Search ranges in bytes: pointers in ``mjModel`` from its start and in ``mjData`` after its energies; sizes at the
+start of ``mjModel`` and before the energies of ``mjData``."""
 
 _PROBE = """
 <mujoco><size nuser_geom="{user}"/><worldbody>
@@ -34,10 +34,10 @@ _BALL = '<body pos="0 0 0.9"><joint type="slide" axis="0 0 1"/><geom type="spher
 
 
 ROWS = ("efc_force", "efc_vel", "efc_aref", "efc_pos", "efc_R", "efc_D", "efc_KBIP")
-"""Arrays of ``mjData`` with numbers for each row of the constraints."""
+"""Arrays of ``mjData`` with one number or more per constraint row."""
 
 FIELDS = ("pos", "frame", "dim", "geom", "efc_address", "friction", "mu")
-"""Fields of an ``mjContact`` that are looked for."""
+"""Required fields of an ``mjContact``."""
 
 
 @dataclass(frozen=True)
@@ -55,11 +55,11 @@ class Layout:
 
 @dataclass(frozen=True)
 class StepLayout:
-    """What a step leaves: where it stands in ``mjData``, in an ``mjContact``, and the size of user data in ``mjModel``.
+    """Offsets of the results of a step in ``mjData``, in an ``mjContact``, and of the size of user data in ``mjModel``.
 
     `contact`, `efc_...`, `qacc` and `userdata` are byte offsets of pointers in ``mjData``, `ncon` that of a number
-    there, `nuserdata` that of one in ``mjModel``; `stride` is the size of an ``mjContact``, what comes after it are
-    offsets in it; its distance is at 0.
+    there, `nuserdata` that of one in ``mjModel``. `stride` is the size of an ``mjContact``; the fields after it are
+    offsets in it. Its distance is at 0.
     """
 
     contact: int
@@ -86,7 +86,7 @@ class StepLayout:
 
 @cache
 def discover() -> Layout:
-    """Find the layout of the MuJoCo release that is installed.
+    """Return the layout of the installed MuJoCo release.
 
     Raises
     ------
@@ -107,7 +107,7 @@ def discover() -> Layout:
 
 @cache
 def discover_steps() -> StepLayout:
-    """Find where the MuJoCo release that is installed keeps what a step leaves.
+    """Return the offsets of the results of a step in the installed MuJoCo release.
 
     Raises
     ------
@@ -140,7 +140,7 @@ def discover_steps() -> StepLayout:
 
 @dataclass(frozen=True)
 class _StepPlaces:
-    """Where what a step leaves stands in one ``mjData``, by candidates; stride and offsets of the contacts' fields."""
+    """Candidates of these offsets in one ``mjData``; stride and offsets of the fields of a contact."""
 
     contact: frozenset[int]
     rows: Mapping[str, frozenset[int]]
@@ -201,13 +201,13 @@ def _offset(structure: int, start: int, array: Any, name: str, span: int = _SPAN
 
 
 def _places(structure: int, start: int, address: int, span: int) -> list[int]:
-    """List the offsets at which an address stands in a structure."""
+    """Return the offsets of all occurrences of an address in a structure."""
     words = (ctypes.c_size_t * (span // _WORD)).from_address(structure + start)
     return [start + _WORD * i for i, word in enumerate(words) if word == address]
 
 
 def _numbers(structure: int, span: int, number: int) -> list[int]:
-    """List the offsets at which a number stands in the first bytes of a structure."""
+    """Return the offsets of all occurrences of a number in the first bytes of a structure."""
     words = (ctypes.c_int32 * (span // 4)).from_address(structure)
     return [4 * i for i, word in enumerate(words) if word == number]
 

@@ -13,15 +13,15 @@ import mujoco
 from cycloid_mj.base.errors import ContactError
 
 KNOWN = ("3.17.0", "4.0.0", "4.0.1")
-"""Releases of MuJoCo on which the tests of the contact pass, ``scripts/test_mujoco_versions.py``, the oldest first.
+"""Releases of MuJoCo that pass the tests of the contact (``scripts/test_mujoco_versions.py``), oldest first.
 
-The contact reads and writes MuJoCo's own structures, which change without notice. Any release from the oldest on may be
-installed: ``contact.selftest`` tries it.
+The contact code accesses MuJoCo's own structures, which may change between releases. Newer releases may be installed;
+``contact.selftest`` checks them.
 """
 
 
 def unfit(why: str) -> ContactError:
-    """Return the error of a release that does not work."""
+    """Return the error for an incompatible release."""
     return ContactError(
         f"MuJoCo {mujoco.__version__} is not compatible with this version of cycloid_mj ({why}). Tested releases: "
         f"{', '.join(KNOWN)}; install one with: pip install 'mujoco=={KNOWN[0]}'"
@@ -37,7 +37,7 @@ _precision = threading.Lock()
 
 @cache
 def library() -> ctypes.CDLL:
-    """Return the library that the bindings use; opening it again gives the same one.
+    """Return the shared library of the bindings.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def callback(name: str) -> ctypes.c_void_p:
 
 
 def answer(name: str, address: int) -> None:
-    """Set a global callback that nobody has set.
+    """Set a global callback that is not in use.
 
     Raises
     ------
@@ -95,7 +95,7 @@ def function_address(name: str) -> int:
 
 @contextmanager
 def exact_xml() -> Iterator[None]:
-    """Let MuJoCo write every digit of a double in XML inside this block; its default is six, coarser than 1 um here."""
+    """Write MJCF with all digits of a double inside this block; the default is six digits, coarser than 1 um."""
     setter = getattr(library(), "_mjPRIVATE__set_xml_precision", None)
     getter = getattr(library(), "_mjPRIVATE__get_xml_precision", None)
     if setter is None or getter is None:

@@ -45,7 +45,7 @@ multiply_jacobian = types.ExternalFunction(_MULTIPLY, types.void(*[types.intp] *
 """``mj_mulJacVec``: multiply the constraints' Jacobian by the vector at the fourth address, into the third."""
 
 
-class Places(NamedTuple):
+class Offsets(NamedTuple):
     """Byte offsets: of sizes in ``mjModel``, of contacts and rows in ``mjData``, of fields in an ``mjContact``."""
 
     nuserdata: int
@@ -65,10 +65,10 @@ class Places(NamedTuple):
 
 
 @cache
-def places() -> Places:
+def layout_offsets() -> Offsets:
     """Return the offsets in the MuJoCo release that is installed."""
     model, step = discover(), discover_steps()
-    return Places(
+    return Offsets(
         nuserdata=step.nuserdata,
         nuser_geom=model.nuser_geom,
         userdata=step.userdata,
@@ -92,7 +92,7 @@ def bind_multiplication() -> None:
 
 
 @cache
-def between_speeds_and_forces(where: Places) -> Any:
+def between_speeds_and_forces(where: Offsets) -> Any:
     """Compile the answer to ``mjcb_control``, or load it: `correct_references`."""
     at = where, digest(memory, step_state, teeth)
     bind_multiplication()
@@ -105,48 +105,48 @@ def between_speeds_and_forces(where: Places) -> Any:
 
 
 @compiling.njit(inner=True)
-def correct_references(at: Any, model: int, data: int) -> None:
+def correct_references(offsets: Any, model: int, data: int) -> None:
     """Correct the reference accelerations of all contacts of a model with exact contact; of any other, nothing.
 
-    `at` is a `Places`; `model` and `data` are addresses. Rows of ``efc_force``, which the solver computes after this,
-    serve as working memory.
+    `offsets` is an `Offsets`; `model` and `data` are addresses. Rows of ``efc_force``, which the solver computes after
+    this, serve as working memory.
     """
-    if read_int(model + at.nuserdata) != 1 or read_int(model + at.nuser_geom) < USER_DATA:
+    if read_int(model + offsets.nuserdata) != 1 or read_int(model + offsets.nuser_geom) < USER_DATA:
         return
-    if not read_int(data + at.contacts):
+    if not read_int(data + offsets.contacts):
         return
-    run = int(read_float(read_address(data + at.userdata)))
+    run = int(read_float(read_address(data + offsets.userdata)))
     if run:
-        _account_for_circling(at, model, data, step_state_at(run))
-    _take_off_lift(at, model, data)
+        _account_for_circling(offsets, model, data, step_state_at(run))
+    _take_off_lift(offsets, model, data)
 
 
 @compiling.njit(inner=True)
-def _account_for_circling(at: Any, model: int, data: int, run: StepState) -> None:
+def _account_for_circling(offsets: Any, model: int, data: int, run: StepState) -> None:
     """Correct the normal references of a run for the acceleration and the speed of discs that circle about the axis."""
-    _multiply_circling(at, model, data, run, False)
+    _multiply_circling(offsets, model, data, run, False)
     product, constants, references = (
-        read_address(data + at.forces),
-        read_address(data + at.constants),
-        read_address(data + at.reference),
+        read_address(data + offsets.forces),
+        read_address(data + offsets.constants),
+        read_address(data + offsets.reference),
     )
-    first, half = read_address(data + at.contact), read_float(run.half)
-    for k in range(read_int(data + at.contacts)):
-        row = read_int(first + at.stride * k + at.row)
+    first, half = read_address(data + offsets.contact), read_float(run.half)
+    for k in range(read_int(data + offsets.contacts)):
+        row = read_int(first + offsets.stride * k + offsets.row)
         if row >= 0:
             share = 1.0 - half * read_float(constants + 32 * row + 8)
             reference = references + 8 * row
             write_float(reference, read_float(reference) + share * read_float(product + 8 * row))
-    _multiply_circling(at, model, data, run, True)
-    for k in range(read_int(data + at.contacts)):
-        row = read_int(first + at.stride * k + at.row)
+    _multiply_circling(offsets, model, data, run, True)
+    for k in range(read_int(data + offsets.contacts)):
+        row = read_int(first + offsets.stride * k + offsets.row)
         if row >= 0:
             damping, reference = read_float(constants + 32 * row + 8), references + 8 * row
             write_float(reference, read_float(reference) - damping * read_float(product + 8 * row))
 
 
 @compiling.njit(inner=True)
-def _multiply_circling(at: Any, model: int, data: int, run: StepState, speeds: bool) -> None:
+def _multiply_circling(offsets: Any, model: int, data: int, run: StepState, speeds: bool) -> None:
     """Multiply the Jacobian by the accelerations of the circling discs, or by what the mean of two `speeds` lacks.
 
     The mean of the speeds half a step before and after a time falls short of the speed v then by (w dt)^2/6 v.
@@ -164,26 +164,26 @@ def _multiply_circling(at: Any, model: int, data: int, run: StepState, speeds: b
             ax, ay = -lacking * py, lacking * px
         write_float(run.circling + x, ax)
         write_float(run.circling + x + 8, ay)
-    multiply_jacobian(model, data, read_address(data + at.forces), run.circling)
+    multiply_jacobian(model, data, read_address(data + offsets.forces), run.circling)
 
 
 @compiling.njit(inner=True)
-def _take_off_lift(at: Any, model: int, data: int) -> None:
+def _take_off_lift(offsets: Any, model: int, data: int) -> None:
     """Lower the normal references of contacts that slide by what the convex cone lifts them by."""
-    first, references = read_address(data + at.contact), read_address(data + at.reference)
-    accelerations = read_address(data + at.forces)
-    multiply_jacobian(model, data, accelerations, read_address(data + at.accelerations))
-    for k in range(read_int(data + at.contacts)):
-        contact = first + at.stride * k
-        row = read_int(contact + at.row)
-        if row < 0 or read_int(contact + at.dim) != _FRICTIONAL:
+    first, references = read_address(data + offsets.contact), read_address(data + offsets.reference)
+    accelerations = read_address(data + offsets.forces)
+    multiply_jacobian(model, data, accelerations, read_address(data + offsets.accelerations))
+    for k in range(read_int(data + offsets.contacts)):
+        contact = first + offsets.stride * k
+        row = read_int(contact + offsets.row)
+        if row < 0 or read_int(contact + offsets.dim) != _FRICTIONAL:
             continue
         reference, own = references + 8 * row, accelerations + 8 * row
-        normal, ratio = read_float(reference), read_float(contact + at.regularised)
+        normal, ratio = read_float(reference), read_float(contact + offsets.regularised)
         sliding = math.hypot(
             read_float(reference + 8) - read_float(own + 8), read_float(reference + 16) - read_float(own + 16)
         )
         pressing = max(normal - read_float(own), 0.0)
-        lift = read_float(contact + at.friction) * sliding - ratio * ratio * pressing
+        lift = read_float(contact + offsets.friction) * sliding - ratio * ratio * pressing
         if lift > 0.0:
             write_float(reference, normal - lift)

@@ -61,7 +61,7 @@ def offset_root(B: float, ring: Trochoid) -> tuple[float, float, float, float, f
 
 @njit
 def is_monotone(ring: Trochoid) -> bool:
-    """Tell whether the contact runs through a root once a turn: c N / E <= (N-2)/N."""
+    """Return whether the contact passes a root once per revolution: c N / E <= (N-2)/N."""
     radius, eccentricity, teeth = ring
     return eccentricity * teeth * teeth <= radius * (teeth - 2.0)
 

@@ -1,8 +1,7 @@
-"""Whether the release of MuJoCo that is installed is one that the contact works with: tried once, and kept.
+"""Self-tests of the contact code with the installed MuJoCo release.
 
-The contact reads and writes MuJoCo's own structures, which change without notice: where they have changed, its figures
-would be wrong without a word. So what was compiled for a release is tried on a model whose answer is known, before
-anything else is done with it. A release that has passed is not tried again by the same code.
+The contact code accesses MuJoCo's own structures, which may change between releases without an error. It is therefore
+tested on models with known results before its first use; a record of the success is kept for this code and release.
 """
 
 import hashlib
@@ -22,15 +21,15 @@ from cycloid_mj.dynamics.contact.teeth import USER_DATA, Teeth, user_data
 from cycloid_mj.reducer.bodies import Role
 
 GRAVITY, SETTLED = 9.81, 500
-"""Of the models that are tried [m/s2], and the steps after which their parts lie still."""
+"""Gravity [m/s2] of the test models, and the number of steps after which their parts are at rest."""
 
 LARGEST_ERROR = 1e-6
-"""Of a force, as a share of it."""
+"""Largest relative error of a force."""
 
 _SOFT = 'solref="0.002 1" solimp="0.9 0.9 0.001"'
 OPTION = f'<option timestep="1e-4" gravity="0 {-GRAVITY} 0" tolerance="0"/>'
 _RADIUS, _CRANK, _TEETH, _PIN, _CLEARANCE = 40e-3, 1e-3, 12, 3e-3, 1e-5
-"""Of a gear and a pin in one of its valleys [m]."""
+"""Gap between a disc and a pin in one of its valleys [m]."""
 
 _RUBBING, _SLIDING, _FORWARDS = 0.5, 5.0, 5
 """Friction and speed [m/s] of feet that slide, and how often their forces are computed: each time friction squared
@@ -41,7 +40,7 @@ _BORE, _ASIDE = 0.5e-3, (0.3e-3, -0.2e-3)
 
 
 def require_passed(part: str, trial: Callable[[], str]) -> None:
-    """Try a part of the contact on the release that is installed, if it has not passed before.
+    """Run the self-test of a part of the contact code, unless it has passed before.
 
     Parameters
     ----------
@@ -68,10 +67,7 @@ def require_passed(part: str, trial: Callable[[], str]) -> None:
 
 
 def try_collider(address: int) -> str:
-    """Tell what is wrong with the collider of pins and bores at an address, or nothing.
-
-    Its gaps are held against their closed forms, its forces against the weights that they carry.
-    """
+    """Return the failure of the collider of pins and bores at an address, "" for none."""
     pin = f"{0.0} {1.0}" + " 0" * (USER_DATA - 2)
     gear = Trochoid(_RADIUS, _CRANK, float(_TEETH))
     flank = Flank(gear, _PIN + _CLEARANCE, 0.0, 0.0, 0.0, 0.0, 0.0, np.zeros((0, 2)))
@@ -112,9 +108,9 @@ def try_collider(address: int) -> str:
 
 
 def try_lift(address: int) -> str:
-    """Tell what is wrong with what takes the lift off sliding contacts (``mjcb_control``) at an address, or nothing.
+    """Return the failure of the correction of sliding contacts (``mjcb_control``) at an address, "" for none.
 
-    Feet that rest are given a speed along the floor: as without friction, they press on it by their weights.
+    Feet at rest are given a speed along the floor; they must press on it by their weights, as without friction.
     """
     soft = 'solref="0.002 1" solimp="0.01 0.01 0.001"'
     weights = {mass: mass * GRAVITY for mass in (1.0, 2.0, 3.0)}
@@ -147,9 +143,9 @@ def try_lift(address: int) -> str:
 
 
 def try_steps(add_sensor: Callable[[Any], None], each_step: Callable[[Any, Any, PairIndex, int], Any]) -> str:
-    """Tell what is wrong with what a run keeps for its steps (``EachStep``, under its callback), or nothing.
+    """Return the failure of the stepper of a run (``EachStep``, with its callback), "" for none.
 
-    The samples' forces on two balls at rest are held against their weights.
+    The sampled forces on two balls at rest are compared with their weights.
     """
     weights = {"light": GRAVITY, "heavy": 3.0 * GRAVITY}
     balls = "".join(
@@ -179,7 +175,7 @@ class _Pair(NamedTuple):
 
 
 def differing(forces: dict[Any, float], weights: dict[Any, float], share: float = LARGEST_ERROR) -> str:
-    """Tell how forces differ from the weights that they carry [N], or nothing."""
+    """Describe how forces differ from the weights that they carry [N]; "" if they agree."""
     if forces.keys() == weights.keys() and all(
         abs(forces[key] - weight) <= share * weight for key, weight in weights.items()
     ):
@@ -188,7 +184,7 @@ def differing(forces: dict[Any, float], weights: dict[Any, float], share: float 
 
 
 def _by_mass(model: Any, data: Any, values: Any) -> dict[float, float]:
-    """Compute one value of each contact by the mass of its moving part; nothing where there are not as many."""
+    """Map the mass of the moving body of each contact to a value; empty if their numbers differ."""
     if len(values) != data.ncon:
         return {}
     return {
@@ -198,7 +194,7 @@ def _by_mass(model: Any, data: Any, values: Any) -> dict[float, float]:
 
 
 def _record(part: str) -> Path | None:
-    """Return the file that says that a part has passed with this code on this release, and this build of it."""
+    """Return the file that records a passed self-test of this code and this build of MuJoCo."""
     place = folder()
     if place is None:
         return None

@@ -1,4 +1,4 @@
-"""A process-wide change that several runs at a time may want: made by the first, undone by the last."""
+"""A process-wide change that parallel runs share: made by the first user, undone by the last."""
 
 import threading
 from collections.abc import Callable, Iterator
@@ -6,7 +6,7 @@ from contextlib import contextmanager
 
 
 class Shared:
-    """A change of global state with its undoing, counted over all that use it."""
+    """A change of global state and its reversal, with a count of its users."""
 
     def __init__(self, make: Callable[[], None], undo: Callable[[], None]) -> None:
         self._make, self._undo = make, undo

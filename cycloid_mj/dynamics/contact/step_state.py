@@ -1,4 +1,4 @@
-"""What a run keeps for the compiled code of its steps: one record of addresses, numbers and counters."""
+"""State of a run for its compiled steps: one record of addresses, numbers and counters."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What the collider must know of the gear's teeth and of a pin, as it stands in ``geom user`` of the model."""
+"""Teeth and pins in the format of the collider, the ``geom user`` data of a model."""
 
 from typing import NamedTuple
 
@@ -10,7 +10,7 @@ from cycloid_mj.dynamics.contact.memory import array_at, read_float
 
 
 class Teeth(NamedTuple):
-    """A gear's teeth to the collider; `user_data` is how they stand in the model.
+    """Teeth of a disc, as stored by `user_data`.
 
     Attributes
     ----------
@@ -37,21 +37,21 @@ flat over that of its seat, and one more than the least cosine of the angle to i
 it; of an open socket, cosine and sine of half the angle on which it holds its pin, from the +y of its geom."""
 
 DEFLECTION = 6
-"""Which of the teeth's is the deflection."""
+"""Index of the deflection in `user_data`."""
 
 PLAY = 2
-"""Which of a pin's is its play."""
+"""Index of the clearance in the user data of a pin."""
 
 
 def user_data(teeth: Teeth) -> tuple[float, ...]:
-    """Compute teeth as ``geom user``, shape (``USER_DATA`` + 2 orders of waves,)."""
+    """Return teeth as ``geom user``, shape (``USER_DATA`` + 2 orders of waves,)."""
     curve, offset, *ends, waves = teeth.flank
     law = (teeth.reference, teeth.constant, teeth.deflection)
     return (*curve, offset, *law, teeth.ring.radius, *ends, *waves.ravel().tolist())
 
 
 def teeth_of(numbers: Array) -> Teeth:
-    """Return the teeth that `user_data` made numbers of."""
+    """Return the teeth stored by `user_data`."""
     radius, eccentricity, number, offset, reference, constant, deflection, ring = numbers[:8].tolist()
     rotation, tip, tip_radius, valley, valley_radius = numbers[8:USER_DATA].tolist()
     curve, waves = Trochoid(radius, eccentricity, number), numbers[USER_DATA:].reshape(-1, 2)
@@ -60,13 +60,13 @@ def teeth_of(numbers: Array) -> Teeth:
 
 
 @njit(inline="always")
-def _number(user: int, place: int) -> float:
-    return read_float(user + 8 * place)
+def _number(user: int, index: int) -> float:
+    return read_float(user + 8 * index)
 
 
 @njit(inline="always")
 def read_teeth(user: int, numbers: int) -> Teeth:
-    """Read teeth at the address of their ``geom user``, of so many numbers."""
+    """Read teeth from the address of their ``geom user``, which has so many `numbers`."""
     eccentricity, number = _number(user, 1), _number(user, 2)
     flank = Flank(
         Trochoid(_number(user, 0), eccentricity, number),

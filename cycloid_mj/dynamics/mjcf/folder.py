@@ -60,7 +60,7 @@ def model_files(reducer: Reducer, settings: ConvexSettings | None = None) -> dic
     """
     settings, reducer = settings or ConvexSettings(), reducer.for_slices
     mesh = mesh_spec(reducer, settings)
-    measured = {surface.key: _checked(surface, settings) for surface in mesh.surfaces}
+    measured = {surface.key: _check_surface(surface, settings) for surface in mesh.surfaces}
     rests = [decompose(sector, settings) for sector in sectors(reducer, settings)]
     for number, rest in enumerate(rests, start=1):
         add_rest(mesh.spec, reducer, number, rest)
@@ -103,7 +103,7 @@ def design_hash(reducer: Reducer) -> str:
     return hashlib.sha256(dump(reducer.design).encode()).hexdigest()
 
 
-def _checked(surface: ConvexSurface, settings: ConvexSettings) -> Quality:
+def _check_surface(surface: ConvexSurface, settings: ConvexSettings) -> Quality:
     require_single(surface, settings.coacd)
     return surface_quality(surface)
 

@@ -1,7 +1,7 @@
-"""How a line contact of known stiffness is shared by the slices of a surface: an elastic foundation.
+"""Distribution of a line contact over the slices of a surface: an elastic foundation.
 
-Each slice is a spring of a stiffness in proportion to its width. Under the working force the springs in touch add up to
-the stiffness of the line contact, however many they are: finer slices are more of them, and softer.
+Each slice is a spring with a stiffness in proportion to its width. Under the working force the springs in contact add
+up to the stiffness of the line contact, whatever their number.
 """
 
 import math

@@ -23,7 +23,7 @@ from cycloid_mj.dynamics.law import ContactParameters, SolverParameters, solver_
 from cycloid_mj.dynamics.mjcf.bodies import add_bodies, colour, crank_inertia, point, seen, set_inertia, span, turn
 from cycloid_mj.dynamics.mjcf.foundation import slice_law
 from cycloid_mj.dynamics.mjcf.laws import Laws, laws_of_discs, stiffest
-from cycloid_mj.dynamics.mjcf.model import ReducerModel, add_actuators, empty_spec, judged
+from cycloid_mj.dynamics.mjcf.model import ReducerModel, add_actuators, add_warnings, empty_spec
 from cycloid_mj.dynamics.mjcf.sensors import add_sensors
 from cycloid_mj.geometry import profile
 from cycloid_mj.parts import VISUAL_CHORD_ERROR, fuse, mesh, moving_masses, parts
@@ -95,7 +95,7 @@ def build_mesh(reducer: Reducer, settings: ConvexSettings | None = None) -> Redu
 def reducer_model(mesh: MeshSpec, reducer: Reducer, gains: tuple[float, float]) -> ReducerModel:
     """Compile a mesh model that has its actuators, with the servo's gains, and judge it."""
     model, pairs = mesh.spec.compile(), reducer.mechanism.pairs
-    return judged(ReducerModel(mesh.spec, model, pairs, mesh.laws, gains, mesh.crank_inertia), reducer)
+    return add_warnings(ReducerModel(mesh.spec, model, pairs, mesh.laws, gains, mesh.crank_inertia), reducer)
 
 
 def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:

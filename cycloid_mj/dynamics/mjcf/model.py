@@ -118,10 +118,10 @@ def build(design: Named, held: Held = "crank") -> ReducerModel:
     if reducer.design.ring.has_pin_bodies:
         set_solver(spec, stiffest(laws), loaded=reducer.design.load.torque != 0.0)
     model = _add_pairs(spec, reducer.mechanism.pairs, laws)
-    return judged(ReducerModel(spec, model, reducer.mechanism.pairs, stiffest(laws), gains, crank), reducer)
+    return add_warnings(ReducerModel(spec, model, reducer.mechanism.pairs, stiffest(laws), gains, crank), reducer)
 
 
-def judged(compiled: ReducerModel, reducer: Reducer) -> ReducerModel:
+def add_warnings(compiled: ReducerModel, reducer: Reducer) -> ReducerModel:
     """Add a model's warnings to it."""
     return replace(compiled, warnings=warnings(reducer, compiled))
 

@@ -1,4 +1,4 @@
-"""What is read of a model at every sample: its sensors, named as the log's columns."""
+"""Sensors of a model, named as the columns of the log."""
 
 from collections.abc import Iterator
 from typing import Any, Literal, NamedTuple
@@ -18,7 +18,7 @@ _KINDS = {
 
 
 class _Sensor(NamedTuple):
-    """One sensor: its topic, column and unit, and what it reads of a joint or an actuator."""
+    """A sensor: topic, column and unit, and the quantity of a joint or an actuator that it reads."""
 
     topic: str
     column: str
@@ -28,7 +28,7 @@ class _Sensor(NamedTuple):
 
 
 def sensors(reducer: Reducer) -> dict[str, dict[str, str]]:
-    """Collect the sensors as groups of column name and unit, in the order of the model."""
+    """Return column names and units by topic, in the order of the model."""
     groups: dict[str, dict[str, str]] = {}
     for sensor in _sensors(reducer):
         groups.setdefault(sensor.topic, {})[sensor.column] = sensor.unit
@@ -36,14 +36,14 @@ def sensors(reducer: Reducer) -> dict[str, dict[str, str]]:
 
 
 def add_sensors(spec: Any, reducer: Reducer) -> None:
-    """Add them to an editable model."""
+    """Add the sensors to an editable model."""
     for sensor in _sensors(reducer):
         kind, what = _KINDS[sensor.reads]
         spec.add_sensor(name=sensor.column, type=kind, objtype=what, objname=sensor.of)
 
 
 def addresses(data: Any, reducer: Reducer) -> list[int]:
-    """List the addresses in ``MjData`` of what they read, in their order."""
+    """Return the addresses in ``MjData`` of the sensor values, in their order."""
     places = {
         "position": lambda of: data.joint(of).qpos,
         "speed": lambda of: data.joint(of).qvel,
@@ -53,6 +53,7 @@ def addresses(data: Any, reducer: Reducer) -> list[int]:
 
 
 def _sensors(reducer: Reducer) -> Iterator[_Sensor]:
+    """Yield the sensors of all bodies that move."""
     for body in reducer.mechanism.bodies:
         if body.part == names.SHAFT:
             yield from _of_shaft("crank", names.CRANK_JOINT, "crank_torque", names.DRIVE)
@@ -69,7 +70,7 @@ def _of_shaft(stem: str, joint: str, torque: str, actuator: str) -> Iterator[_Se
 
 
 def _of_planar(body: Body) -> Iterator[_Sensor]:
-    """Of a disc all; of a pin, of which there are many, only the speed of its turn."""
+    """Yield the sensors of a disc, or those of a pin, which has no speed columns but its spin."""
     topic, first = (PINS, 2) if body.part == names.PIN else (REDUCER, 0)
     for joint, unit in zip(body.joints, ("m", "m", "rad"), strict=True):
         yield _Sensor(topic, joint, unit, "position", joint)

@@ -1,4 +1,4 @@
-"""Stages of MuJoCo's step that a model has nothing for: a run leaves them out."""
+"""Disabling of MuJoCo's stages that a model does not use during runs."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -8,13 +8,13 @@ import mujoco
 
 
 @contextmanager
-def left_out(model: Any) -> Iterator[None]:
-    """Leave out, inside this ``with`` block, the stages that a model has nothing for; what it computes is the same.
+def disable_unused(model: Any) -> Iterator[None]:
+    """Disable unused stages inside this ``with`` block, without changing results.
 
-    They look at every degree of freedom at every step: 3 % of one with moving pins. Outside of runs the model keeps
-    them, so that springs or limits which somebody gives it act.
+    They visit every degree of freedom in every step, which takes 3 % of a step with moving pins. Outside of runs they
+    stay enabled, so that springs or limits added by a user work.
     """
-    added = unused(model) & ~model.opt.disableflags
+    added = unused_flags(model) & ~model.opt.disableflags
     model.opt.disableflags |= added
     try:
         yield
@@ -22,8 +22,8 @@ def left_out(model: Any) -> Iterator[None]:
         model.opt.disableflags &= ~added
 
 
-def unused(model: Any) -> int:
-    """Return MuJoCo's flags, as bits, that disable what a model has none of; 0 of one with tendons."""
+def unused_flags(model: Any) -> int:
+    """Return the flag bits that disable the stages which a model does not use; 0 for a model with tendons."""
     bit = mujoco.mjtDisableBit
     has = {
         bit.mjDSBL_EQUALITY: model.neq > 0,
