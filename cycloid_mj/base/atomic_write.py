@@ -17,13 +17,13 @@ EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
 def encodable_text(text: str) -> str:
-    """Return text that UTF-8 can hold: odd bytes of a command line come as lone surrogates."""
+    """Return text that UTF-8 can encode: undecodable bytes of a command line (lone surrogates) are escaped."""
     return text.encode("utf-8", "backslashreplace").decode("utf-8")
 
 
 @contextmanager
 def atomic_file(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Yield the name of a new hidden file beside `path`, which takes its place when the block ends without an error.
+    """Yield the name of a new hidden file next to `path`, which replaces `path` if the block ends without an error.
 
     Raises
     ------
@@ -36,7 +36,7 @@ def atomic_file(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 @contextmanager
 def atomic_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]]:
-    """Yield new hidden files beside `paths`, which take their places together when the block ends without an error.
+    """Yield new hidden files next to `paths`, which replace them together if the block ends without an error.
 
     Files that belong together, such as the parts of a model, are never left as a mixture of old and new ones. A
     symbolic link stays one: what it points to is replaced.
@@ -75,7 +75,7 @@ def atomic_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]
 
 
 def write_files(files: Mapping[Path, bytes]) -> None:
-    """Write files that belong together, all of them or none, replacing those of the same names.
+    """Write files atomically, all of them or none.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def hidden_path(path: Path) -> Path:
 
 
 def _create_hidden_file(path: Path, called: Path) -> Path:
-    """Make a hidden file beside `path`, which the user calls otherwise."""
+    """Create a hidden file next to `path`; errors name it as the user does."""
     if path.suffix.lower() == LOG:
         raise UsageError(f"cannot write {called}: the ending {LOG} is reserved for logs; choose another ending")
     require_replaceable(called)
@@ -106,7 +106,7 @@ def _create_hidden_file(path: Path, called: Path) -> Path:
 
 
 def zip_files(files: Mapping[str, bytes]) -> bytes:
-    """Pack files by name, in their order; the same files always give the same bytes."""
+    """Zip files by name, in their order; the same files give the same bytes."""
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w") as package:
         for name, file in files.items():

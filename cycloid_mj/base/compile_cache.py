@@ -27,7 +27,7 @@ _DIGEST_SIZE = 32
 
 @cache
 def folder() -> Path | None:
-    """Find where code is kept: in ``NUMBA_CACHE_DIR``, beside the sources, or in the home folder; None where nowhere.
+    """Return the folder of compiled code: ``NUMBA_CACHE_DIR``, next to the sources, or in the home folder; else None.
 
     A container often has none of them that can be written.
     """
@@ -38,7 +38,7 @@ def folder() -> Path | None:
 
 
 class SealedCache(FunctionCache):  # type: ignore[misc]  # numba has no types
-    """Numba's cache of one function; a damaged file or a full disk costs the time to compile and no more.
+    """Numba cache of one function that survives damaged files and full disks by compiling again.
 
     A function that `counts` references to arrays needs numba's runtime for it, which takes 20 ms to load.
     """
@@ -51,7 +51,7 @@ class SealedCache(FunctionCache):  # type: ignore[misc]  # numba has no types
         self._cache_file = _SealedFiles(cache_path=self._cache_path, filename_base=name, source_stamp=stamp)
 
     def load_overload(self, signature: Any, target: Any) -> Any:
-        """Load the code for a signature, or None where there is none of use."""
+        """Return the code for a signature, or None if there is no valid code."""
         # numba's own would first load all that it compiles with, a third of a second; what compiles, does so itself
         if self._counts:
             rtsys.initialize(target)
@@ -91,7 +91,7 @@ class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]  # numba has no ty
             file.write(content.getvalue() + _digest(content.getvalue()))
 
     def _whole(self, path: str) -> bool:
-        """Tell whether a file is there and as it was written; say so if it is damaged."""
+        """Return whether a file exists and is undamaged; warn if it is damaged."""
         try:
             content = Path(path).read_bytes()
         except FileNotFoundError:

@@ -22,7 +22,7 @@ Function = Callable[..., Any]
 def njit(
     *, cache: bool = False, allocates: bool = True, inner: bool = False, **options: Any
 ) -> Callable[[Function], Any]:
-    """Compile a function for Python and other kernels, as ``numba.njit`` does; kept in a `SealedCache` if asked.
+    """Compile a function for Python and other kernels, as ``numba.njit`` does; `cache` keeps it in a `SealedCache`.
 
     One that never `allocates` an array, nor what it calls, need not count references to those that it is given, which
     costs it time. An `inner` one is for kernels alone, and must not raise: it is kept with those that call it.
@@ -47,15 +47,15 @@ class _InnerCompiler(Compiler):  # type: ignore[misc]  # numba has no types
 
 
 class _InnerCode(JITCodeLibrary):  # type: ignore[misc]  # numba has no types
-    """Code of which no machine code is made: callers optimise it with their own, which is a third of a compilation."""
+    """Code without machine code of its own: callers compile it into theirs, which saves a third of a compilation."""
 
     @property
     def codegen(self) -> Any:
-        """What is to hand the environment, for objects of Python and errors, to the machine code."""
+        """Return the environment for Python objects and errors in the machine code."""
         return _NoEnvironment()
 
     def get_pointer_to_function(self, name: str) -> int:
-        """Tell that there is none for Python."""
+        """Return no pointer, because Python does not call this code."""
         self._ensure_finalized()
         return 0
 
@@ -87,12 +87,12 @@ def cfunc(signature: Any, *, cache: bool = False) -> Callable[[Function], Any]:
 
 
 def cacheable() -> bool:
-    """Tell whether there is a place to keep what is compiled in."""
+    """Return whether compiled code can be stored."""
     return folder() is not None
 
 
 def digest(*modules: ModuleType) -> int:
-    """Compute a digest of the sources of modules whose code is compiled into that of another folder.
+    """Return a digest of the sources of modules whose code is compiled into that of another folder.
 
     A `SealedCache` does not follow them there: with the digest among what a function closes over, it does.
     """
@@ -111,6 +111,7 @@ def announce_compilation() -> Iterator[None]:
 
 class _Announcer(event.Listener):  # type: ignore[misc]  # numba has no types
     def on_start(self, event: Any) -> None:
+        """Print once that code is being compiled."""
         if cacheable():
             say_compiling("compiling the contact code, once per installation; this takes some seconds")
         else:

@@ -57,11 +57,11 @@ class LogError(CycloidError):
 
 
 class NoLogError(LogError, UsageError):
-    """A name where there is no log, or no file: it was given wrong, as with a design."""
+    """A wrong name of a log, or of a file that is not a log."""
 
 
 def reason(problem: Exception) -> str:
-    """Tell why a file could not be read or written, without number and name, which a message has anyway."""
+    """Return the reason of an OSError or parse error, without its number and file name."""
     return getattr(problem, "strerror", None) or str(problem)
 
 
@@ -70,11 +70,11 @@ class ContactError(CycloidError):
 
 
 class RunError(CycloidError):
-    """A simulation that went wrong and was stopped; its log holds what came before."""
+    """A simulation that failed and was stopped; its log contains the samples before."""
 
 
 class CycloidWarning(UserWarning):
-    """A run goes through, but its figures are not, or not all, those of its design."""
+    """The work continues, but some of its results are not those of the design."""
 
 
 _suppressed: ContextVar[Collection[str]] = ContextVar("suppressed", default=())
@@ -82,7 +82,7 @@ _suppressed: ContextVar[Collection[str]] = ContextVar("suppressed", default=())
 
 @contextmanager
 def suppress_warnings(texts: Collection[str]) -> Iterator[None]:
-    """Issue none of these warnings inside this ``with`` block, in this thread: who wrote it tells of them."""
+    """Suppress these warnings inside this ``with`` block, in this thread, because the caller reports them."""
     token = _suppressed.set(texts)
     try:
         yield

@@ -31,7 +31,7 @@ Column = npt.NDArray[Any]
 
 
 class Tabular(Presented):
-    """What has a `frame`: it is a table for whoever takes one."""
+    """Base class of results with a `frame`."""
 
     @property
     def frame(self) -> "Frame":
@@ -79,7 +79,7 @@ class Frame(Tabular):
         return len(next(iter(self.columns.values()), ()))
 
     def as_csv(self) -> str:
-        """Return the rows as CSV, with every digit of every number; what is no number is left empty."""
+        """Return the rows as CSV with all digits; NaN is an empty cell."""
         text = io.StringIO()
         _write_rows(self, text)
         return text.getvalue()
@@ -91,7 +91,7 @@ class Frame(Tabular):
 
 
 def framed(rows: Sequence[Mapping[str, Cell]], names: Iterable[str], units: Mapping[str, str]) -> Frame:
-    """Gather rows in a frame; what a row does not have is NaN, or no text."""
+    """Build a frame from rows; missing values are NaN, or empty text."""
     return Frame({name: _column([row.get(name) for row in rows]) for name in names}, units)
 
 
@@ -105,7 +105,7 @@ def _column(cells: list[Cell | None]) -> Column:
 
 
 def write_csv(frame: Frame, path: str | os.PathLike[str]) -> None:
-    """Write a frame with every digit of every number; what is no number is left empty.
+    """Write a frame as CSV with all digits; NaN is an empty cell.
 
     Raises
     ------
@@ -124,6 +124,7 @@ def _write_rows(frame: Frame, stream: TextIO) -> None:
 
 
 def _words(column: Column) -> list[str]:
+    """Return the cells of a column as text."""
     match column.dtype.kind:
         case "f":
             # the sum turns -0.0 into 0.0
@@ -139,7 +140,7 @@ def write_parquet(
     metadata: Mapping[str, Any],
     error: Callable[[str], CycloidError] = CycloidError,
 ) -> None:
-    """Write a frame as a Parquet file, with its units and other metadata; it takes its name only once it is whole.
+    """Write a frame as a Parquet file with its units and other metadata, atomically.
 
     Raises
     ------

@@ -38,14 +38,14 @@ def exit_code(stop: BaseException | None) -> int:
 
 
 def raise_on_signals() -> None:
-    """Let SIGTERM and SIGHUP raise `Stopped` from now on; one that is ignored, as by nohup, stays so."""
+    """Make SIGTERM and SIGHUP raise `Stopped`; an ignored signal, as by nohup, stays ignored."""
     for number in STOPPING:
         if number != signal.SIGINT and signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, _stop)
 
 
 def end_on_signals() -> None:
-    """Let every such signal end this process at once from now on: nothing is left to be cleared up."""
+    """Make every such signal end this process at once."""
     for number in STOPPING:
         if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, signal.SIG_DFL)
@@ -53,7 +53,7 @@ def end_on_signals() -> None:
 
 @contextmanager
 def signals_kept() -> Iterator[None]:
-    """Put back after the block what each of `STOPPING` does: gmsh resets it where it starts, past Python.
+    """Restore the handlers of `STOPPING` after the block: gmsh resets them when it starts.
 
     In any thread, which Python's own `signal.signal` does not allow.
     """
@@ -73,7 +73,7 @@ def signals_kept() -> Iterator[None]:
 
 @contextmanager
 def defer_signals() -> Iterator[None]:
-    """Hold Ctrl-C, SIGTERM and SIGHUP back until the block is done: a sample cut in two would spoil a log.
+    """Defer Ctrl-C, SIGTERM and SIGHUP until the block ends, so that no sample of a log is truncated.
 
     The first one held back is raised anew after the block, for whoever handled it before.
     """
@@ -96,7 +96,7 @@ def defer_signals() -> Iterator[None]:
 
 @contextmanager
 def interrupt_on_event(event: threading.Event) -> Iterator[None]:
-    """Let `check_interrupt` raise in this block, in the thread that runs it, once the event is set."""
+    """Make `check_interrupt` raise inside this block, in its thread, when the event is set."""
     token = _to_stop.set(event)
     try:
         yield
@@ -105,7 +105,7 @@ def interrupt_on_event(event: threading.Event) -> Iterator[None]:
 
 
 def check_interrupt() -> None:
-    """Raise KeyboardInterrupt where this thread does a piece of work that is to stop; long work calls it now and then.
+    """Raise KeyboardInterrupt if the work of this thread is to stop; long work calls it periodically.
 
     An exception that another thread raises in this one, at any place, can leave a lock taken for good.
     """

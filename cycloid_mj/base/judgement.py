@@ -5,7 +5,7 @@ from enum import StrEnum
 
 
 class Judgement(StrEnum):
-    """What a requirement amounts to; the value is the word for people and programs."""
+    """Verdict on a requirement; its value is the word for people and programs."""
 
     PASSED = "passed"
     WARNING = "warning"

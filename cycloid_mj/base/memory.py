@@ -23,7 +23,7 @@ _NEVER, _LARGEST_KEPT = 2**31 - 1, 2**25
 
 
 def look_rarely() -> None:
-    """Have this process look for circles of objects rarely: it takes a quarter of a short command, else a twentieth."""
+    """Make the garbage collector run rarely, which saves up to a quarter of a short command."""
     gc.set_threshold(_FIRST, *_RARELY[1:])
     gc.callbacks.append(_after_the_first)
 
@@ -35,7 +35,7 @@ def _after_the_first(phase: str, _: object) -> None:
 
 
 def keep_freed() -> None:
-    """Have the C library keep what arrays let go, where it can: taken from the system anew, each page costs time."""
+    """Make the C library keep freed memory, where possible: new pages from the system cost time."""
     if tune := _of_c_library("mallopt"):
         tune(_TRIM_THRESHOLD, _NEVER)
         tune(_MMAP_THRESHOLD, _LARGEST_KEPT)
@@ -55,6 +55,6 @@ def _of_c_library(name: str) -> Any:
 
 
 def leave_circles() -> None:
-    """Take all objects from the last search, but where duckdb is one, whose nanobind tells of what is left as leaks."""
+    """Exempt all objects from the last garbage collection, unless duckdb is loaded, which would report leaks."""
     if "duckdb" not in sys.modules:
         gc.freeze()

@@ -79,7 +79,7 @@ def disc_of(pair: str) -> int:
 
 
 def family(part: str) -> str:
-    """Return what a part is, by its name: ``gear_2`` is a ``gear``, ``cam_1`` a ``cam``."""
+    """Return the kind of a part from its name: ``gear_2`` is a ``gear``, ``cam_1`` a ``cam``."""
     return part.rstrip("0123456789").rstrip("_")
 
 
@@ -89,7 +89,7 @@ def pin(number: int) -> str:
 
 
 def numbered(stem: str, number: int) -> str:
-    """Name one of several like things: ``pin_1``."""
+    """Return the name of a numbered part: ``pin_1``."""
     return f"{stem}_{number}"
 
 
@@ -99,7 +99,7 @@ def all_numbered(stem: str, count: int) -> tuple[str, ...]:
 
 
 def of_disc(name: str, disc: int, discs: int) -> str:
-    """Name what belongs to one of several discs (from 0): ``gear_2``, ``gear_2_cam``; of a single disc, `name`."""
+    """Return the name of a part of a disc (from 0): ``gear_2``, ``gear_2_cam``; of a single disc, `name`."""
     if discs == 1:
         return name
     gear = numbered(GEAR, disc + 1)

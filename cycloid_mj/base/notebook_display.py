@@ -22,7 +22,7 @@ class Drawn:
     """A result that can be drawn."""
 
     def plot(self, name: str = "") -> Any:
-        """Draw the result as a ``matplotlib`` figure; of several, the one of that name, or the first.
+        """Draw the result as a ``matplotlib`` figure: the figure of that name, or the first.
 
         Raises
         ------
@@ -33,7 +33,7 @@ class Drawn:
 
 
 class Presented(Drawn):
-    """A result that says in a line what it is, and has its figures as a frame."""
+    """A result with a one-line description and a frame of its figures."""
 
     @property
     def frame(self) -> "Frame":
@@ -42,7 +42,7 @@ class Presented(Drawn):
 
     @property
     def line(self) -> str:
-        """What it is, and its first figures."""
+        """Description and first figures."""
         return f"{self.frame.rows} rows of {', '.join(islice(self.frame.columns, 6))}"
 
     def to_frame(self) -> Any:
@@ -67,15 +67,15 @@ class Presented(Drawn):
 
 
 class CallableRoom(ModuleType):
-    """A room that is called, too: `cycloid_mj.statics` has the parts of the balance, and computes a sheet."""
+    """A package that can be called: `cycloid_mj.statics` has the parts of the solver, and computes a sheet."""
 
     def __call__(self, *arguments: Any, **named: Any) -> Any:
-        """Do what the room is for: its function `main`."""
+        """Call the function `main` of the package."""
         return self.main(*arguments, **named)
 
     @property
     def __signature__(self) -> Signature:
-        """What a call takes, as notebooks show it."""
+        """Signature of a call, for notebooks."""
         return signature(self.main)
 
     def __dir__(self) -> list[str]:

@@ -31,7 +31,7 @@ def _written(quantity: Quantity) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """What a command computed, for people and for programs.
+    """Result of a command, for people and for programs.
 
     Attributes
     ----------
@@ -96,6 +96,6 @@ class Outcome:
         return Table("", ("figure", *(self.headline_columns or ("value",))), tuple(rows))
 
     def __post_init__(self) -> None:
-        """Refuse a headline that is longer than what one looks for first."""
+        """Refuse a headline with too many figures."""
         if len(self.headline) > MOST_FIGURES:
             raise ValueError(f"a headline has at most {MOST_FIGURES} figures, but {len(self.headline)} are given")

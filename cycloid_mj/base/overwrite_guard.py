@@ -22,7 +22,7 @@ HEAD = 2048
 
 
 class Kind(NamedTuple):
-    """A kind of file: what it is called, and how every file of it begins, in small letters."""
+    """A type of file: its name, and the first bytes of every such file in small letters."""
 
     name: str
     start: bytes
@@ -172,7 +172,7 @@ def require_ending(path: Path, ending: str) -> None:
 
 
 def describe_file(path: Path) -> str:
-    """Tell what a file is, what it is about where its head says so, and its time of change."""
+    """Return the type of a file, its subject if its head names one, and its time of change."""
     head = _head(path)
     own = _own_kind(path)
     what = own.name if _begins(head, own) else _kind(head) or own.name
@@ -183,7 +183,7 @@ def describe_file(path: Path) -> str:
 
 
 def _require_own_kind(path: Path) -> None:
-    """Raise TakenError where what stands under a name is of another kind than the name says; nothing is of any."""
+    """Raise TakenError if an existing file is of another type than its name says."""
     head, wanted = _head(path), _own_kind(path)
     if not head or (wanted.start and _begins(head, wanted)):
         return
@@ -194,7 +194,7 @@ def _require_own_kind(path: Path) -> None:
 
 
 def _own_kind(path: Path) -> Kind:
-    """Look up what a file is by its name."""
+    """Return the type of a file by its name."""
     return KINDS.get(path.suffix.lower(), ANY)
 
 
@@ -203,7 +203,7 @@ def _begins(head: bytes, kind: Kind) -> bool:
 
 
 def _kind(head: bytes) -> str:
-    """Tell what a file is by its head: the first kind that begins so; nothing where that does not say it."""
+    """Return the type of a file by its first bytes; empty if they are ambiguous."""
     return next((kind.name for kind in KINDS.values() if kind.start and _begins(head, kind)), "")
 
 

@@ -45,12 +45,12 @@ class Powers:
 
     @property
     def lost(self) -> float:
-        """Power that friction and the normal forces take [W]."""
+        """Power lost to friction and normal forces [W]."""
         return sum(self.friction.values()) + sum(self.normal.values())
 
     @property
     def missing(self) -> float:
-        """What comes in and is neither lost nor stored [W]."""
+        """Input power that is neither lost nor stored [W]."""
         return self.crank + self.output - self.lost - self.stored
 
     @property
@@ -60,12 +60,12 @@ class Powers:
 
     @property
     def note(self) -> str:
-        """The word for an efficiency of 0: both shafts drive, and friction takes all; empty otherwise."""
+        """Note on an efficiency of 0 (both shafts drive, and friction consumes all power); empty otherwise."""
         return SELF_LOCKING if min(self.crank, self.output) > 0.0 else ""
 
     @property
     def residual(self) -> float:
-        """What the balance leaves open, as a share of the power supplied; NaN where none is."""
+        """Residual of the power balance relative to the power supplied; NaN if there is none."""
         return self._share(self.missing)
 
     def loss_shares(self) -> dict[str, float]:
@@ -78,7 +78,7 @@ class Powers:
 
 
 def mean_powers(run: Run) -> Powers:
-    """Compute the mean powers of a run's samples; what the run does not log counts as 0."""
+    """Compute the mean powers of the samples of a run; unlogged terms count as 0."""
     still = np.zeros(len(run))
     energy = run.columns.get("kinetic_energy", still) + run.columns.get("potential_energy", still)
     return Powers(

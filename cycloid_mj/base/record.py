@@ -26,7 +26,7 @@ LARGEST = 1e30
 
 
 class Deferred(Mapping[str, bytes]):
-    """Files by name whose contents are made when they are first read: a run in memory seldom shows its model."""
+    """Files by name whose contents are computed when they are first read."""
 
     def __init__(self, makers: Mapping[str, Callable[[], bytes]]) -> None:
         self._made = {name: cache(content) for name, content in makers.items()}
@@ -117,7 +117,7 @@ class Run(Presented):
         return self.columns[name]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Let a run travel to other processes: a mapping proxy cannot be pickled, a dict can."""
+        """Pickle a run with dicts: a mapping proxy cannot be pickled."""
         mappings = (dict(m) for m in (self.columns, self.units, self.provenance, self.attachments))
         return Run, (self.time, *mappings, self.complete, self.note, dict(self.topics))
 
@@ -131,6 +131,7 @@ class Run(Presented):
         return f"<table>{rows}</table>"
 
     def _facts(self) -> tuple[tuple[str, str], ...]:
+        """Return key facts of the run as pairs of name and value."""
         end = "yes" if self.complete else f"no: {self.note or 'no reason given'}"
         time = f"{self.time[0]:g} to {self.time[-1]:g} s" if len(self) else "none"
         return (
@@ -154,7 +155,7 @@ class Run(Presented):
         return block
 
     def by_stem(self, quantity: str) -> dict[str, Array]:
-        """Return a quantity, as of `names.column`, by what has it: `names.PEAK_FORCE` by pair, for one."""
+        """Return a quantity of `names.column` by the parts or pairs that have it, e.g. `names.PEAK_FORCE` by pair."""
         end = column("", quantity)
         return {name.removesuffix(end): values for name, values in self.columns.items() if name.endswith(end)}
 
@@ -214,12 +215,13 @@ def _lock_array(values: npt.ArrayLike) -> Array:
 
 
 def own(array: Array) -> Array:
-    """Lock an array that nobody else writes to, so that a `Run` takes it as it is."""
+    """Make an array read-only that nothing else writes to, so that a `Run` uses it without a copy."""
     array.flags.writeable = False
     return array
 
 
 def _check_time(time: Array) -> None:
+    """Raise LogError unless times are finite, strictly increasing and of shape (n,)."""
     if time.ndim != 1:
         raise LogError(f"time of a run has shape {time.shape}: give shape (n,)")
     if not np.isfinite(time).all():
@@ -235,6 +237,7 @@ def _check_time(time: Array) -> None:
 
 
 def _check_columns(samples: int, columns: Mapping[str, Array], units: Mapping[str, str]) -> None:
+    """Raise LogError unless every column has one value per time and a unit."""
     for name, values in columns.items():
         if values.shape != (samples,):
             raise LogError(
@@ -247,7 +250,7 @@ def _check_columns(samples: int, columns: Mapping[str, Array], units: Mapping[st
 
 
 def _topics(topics: Mapping[str, Sequence[str]], columns: Mapping[str, Array]) -> dict[str, tuple[str, ...]]:
-    """Collect the topics of all columns; raise LogError if they have another name, or one of them twice."""
+    """Return the columns of each topic; raise LogError for unknown or repeated columns."""
     names_by_topic = {topic: tuple(names) for topic, names in topics.items()}
     listed = [name for names in names_by_topic.values() for name in names]
     if unknown := [name for name in listed if name not in columns]:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def plain(value: Any) -> Any:
-    """Convert records, mappings and sequences to dicts, lists, numbers, text and None: what is no number becomes None.
+    """Convert records, mappings and sequences to JSON values; NaN and infinities become None.
 
     A record that has `as_json` is what that gives, another its fields.
     """
@@ -159,7 +159,7 @@ class Curve(Presented):
 
 @dataclass(frozen=True, repr=False)
 class Table(Presented):
-    """Numbers that belong together: a map, or a sensitivity.
+    """A table of numbers, such as a map or a sensitivity study.
 
     Attributes
     ----------
@@ -187,12 +187,12 @@ class Table(Presented):
 
     @property
     def line(self) -> str:
-        """Title, and what is in it."""
+        """Title and size of the table."""
         return f"{self.title}; {len(self.rows)} rows of {', '.join(self.header)}"
 
     @property
     def cells(self) -> list[list[str]]:
-        """The rows as text, numbers with five digits: what every table shows, on paper, page and terminal."""
+        """The rows as text, numbers with five digits, as shown on terminal, page and paper."""
         return [[cell if isinstance(cell, str) else f"{cell:.5g}" for cell in row] for row in self.rows]
 
     def as_markdown(self) -> str:
@@ -206,7 +206,7 @@ class Table(Presented):
 
 
 class Verdict(StrEnum):
-    """What becomes of a published claim here; its value is the word for people and programs."""
+    """Verdict on a published claim; its value is the word for people and programs."""
 
     AGREES = "agrees"
     DISAGREES = "disagrees"
@@ -219,7 +219,7 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True)
 class Condition:
-    """Under what a figure holds.
+    """Condition of a figure: load, speed and solver.
 
     Attributes
     ----------
@@ -266,7 +266,7 @@ def load_words(load: float) -> str:
 
 @dataclass(frozen=True)
 class Value:
-    """A value as it is written, and as a number.
+    """A value as number and as text.
 
     Attributes
     ----------
@@ -316,7 +316,7 @@ class Range:
 
 @dataclass(frozen=True)
 class Removal:
-    """A claim judged with one thing taken away or changed alone: what it is, our value then, and the verdict."""
+    """A claim evaluated with one effect removed: the effect, our value and the verdict."""
 
     what: str
     ours: str
@@ -329,7 +329,7 @@ class Removal:
 
 @dataclass(frozen=True)
 class Claim:
-    """One published claim, judged.
+    """One published claim with its verdict.
 
     Attributes
     ----------

@@ -12,7 +12,7 @@ def rms(values: Array) -> float:
 
 
 def rms_about_mean(values: Array) -> float:
-    """Compute the root mean square of what numbers (n,) differ by from their mean."""
+    """Compute the root mean square deviation of numbers (n,) from their mean."""
     return float(np.std(values))
 
 

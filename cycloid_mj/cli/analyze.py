@@ -77,6 +77,6 @@ def outcome_of(findings: "Findings") -> Outcome:
 
 
 def _first(part: "RowGroup") -> tuple[str, str]:
-    """Choose the figure that stands for its part of the drive."""
+    """Select the figure that represents its part of the drive."""
     row = part.rows[0]
     return row.quantity, f"{row.simulated or row.error} {row.unit if row.unit != '1' else ''}".strip()

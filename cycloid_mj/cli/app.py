@@ -54,7 +54,7 @@ FOLDED = {"profile": ("design", "profile"), "kinematics": ("design", "kinematics
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command, by default that of ``sys.argv``, and give its exit code.
+    """Run one command, by default that of ``sys.argv``, and return its exit code.
 
     A mistake of the user's never raises: it is told in one line on stderr.
     """
@@ -157,7 +157,7 @@ def parse(app: App, words: list[str]) -> tuple[Callable[..., int], BoundArgument
 
 
 def _has_command(paper: "Paper") -> bool:
-    """Tell whether the function of a paper, whose code is not ours, can be a command; warn where it cannot."""
+    """Return whether the function of a paper can be used as a command; warn if it cannot."""
     trial = App()
     try:
         trial.command(paper.command, name=REPRODUCE, help_epilogue=paper.examples)
@@ -189,12 +189,12 @@ def _rename_flag(word: str) -> str:
 
 
 def _workers(bound: BoundArguments) -> int | None:
-    """Return what ``--workers`` says, if the command has that flag."""
+    """Return the value of ``--workers``, or None if the command has no such flag."""
     return next((value.workers for value in bound.arguments.values() if hasattr(value, "workers")), None)
 
 
 def _group_alone(app: App, words: Sequence[str]) -> str:
-    """Name the group of commands, such as ``measure``, that is asked for without any of its commands; else nothing."""
+    """Return the group of commands that is called without a command, such as ``measure``; else an empty text."""
     chain, apps, rest = app.parse_commands(list(words))
     return chain[-1] if chain and not rest and apps[-1].default_command is None else ""
 

@@ -27,7 +27,7 @@ def run_all(
     solver: "Solver" = "mujoco",
     shown: Container[Design] | None = None,
 ) -> None:
-    """Run designs into their logs, as many at a time as there are workers.
+    """Run designs into their logs, in parallel up to the number of workers.
 
     Those that are `shown`, by default all, have in their logs what viewers show, see `run_into_log`.
 
@@ -61,7 +61,7 @@ def run_all(
 
 
 class _Whole:
-    """What all runs have simulated together, and whether they are to stop."""
+    """Simulated time of all runs together, and whether they are to stop."""
 
     def __init__(self, progress: Progress) -> None:
         self.stopped_by = ""
@@ -79,7 +79,7 @@ class _Whole:
 
 
 class _Part(Progress):
-    """Progress of one run: it adds to the whole's, and stops the run like Ctrl-C where the whole is to stop."""
+    """Progress of one run; it stops the run like Ctrl-C when all runs are to stop."""
 
     def __init__(self, whole: _Whole) -> None:
         super().__init__(end=0.0, quiet=True)

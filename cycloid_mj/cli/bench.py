@@ -92,14 +92,14 @@ TE_EXAMPLES = """Examples:
 
 @dataclass(frozen=True, kw_only=True)
 class CalibrationDelivery(Delivery):
-    """Where a calibration goes."""
+    """Output flags of `calibrate`."""
 
     out: Annotated[str | None, out_flag("the calibrated design, JSON, residuals, figure and page", OUT)] = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class BenchDelivery(Delivery):
-    """Where a comparison with a bench goes."""
+    """Output flags of `compare-bench`."""
 
     out: Annotated[str | None, out_flag("the JSON file and the figure", OUT_TE)] = None
 
@@ -184,7 +184,7 @@ def calibrate(
 
 
 def _find_defects(calibration: "Calibration", quiet: bool) -> tuple[str, ...]:
-    """Tell on what the written design stops, and which of its fitted values is why; empty where it serves."""
+    """Return the command that fails on the calibrated design and the values that cause it; empty if none fails."""
     from cycloid_mj.cli.progress import show_activity
 
     most = max(loop.most for loop in calibration.fitted.loops)
@@ -215,7 +215,7 @@ def _find_defects(calibration: "Calibration", quiet: bool) -> tuple[str, ...]:
 
 
 def _first_defect(reducer: Reducer, torque: float) -> str | None:
-    """Return on what a reducer stops: its checks, statics under a torque [N m], or its reduction to a joint."""
+    """Return the first error of checks, statics under a torque [N m] and reduction to a joint; None if all succeed."""
     from cycloid_mj.checks import require_sound
     from cycloid_mj.robot import reduce
     from cycloid_mj.statics.sheet import sheet
@@ -291,6 +291,7 @@ def _calibration_outcome(
 
 
 def _headline(calibration: "Calibration") -> dict[str, str]:
+    """Return the figures of the headline: play, stiffness, friction and residual, then the fitted parameters."""
     from cycloid_mj.base.units import DEGREE
 
     read, modelled = calibration.measured, calibration.modelled

@@ -95,7 +95,7 @@ def build(
 
 
 def _require_room(out: str) -> None:
-    """Raise CycloidError, before the work begins, where no folder can be made; make none yet."""
+    """Raise CycloidError if the output folder cannot be created; do not create it."""
     there = Path(out)
     while not there.exists() and there != there.parent:
         there = there.parent

@@ -74,7 +74,7 @@ DesignsOrLogs = Annotated[
 
 @dataclass(frozen=True)
 class CompareOptions:
-    """How designs are run, and what becomes of the comparison."""
+    """Settings of the runs of a comparison, and its output flags."""
 
     set_: SetFlag = ()
     solver: StudySolverFlag = "planar"
@@ -125,17 +125,17 @@ class CompareOptions:
 
     @property
     def for_runs(self) -> bool:
-        """Whether one of the options is given that only runs obey."""
+        """Whether an option is given that applies to simulations only."""
         return any(getattr(self, each.name) != each.default for each in fields(self) if each.name != "q")
 
     @property
     def first(self) -> Values:
-        """Values of the first design, which hold for all."""
+        """Values of the first design, which are used for all designs."""
         return (TIMESTEP, self.timestep_us), (SPEED, self.speed_rpm), (RAMP, self.ramp_s), (HOLD, self.hold_s)
 
     @property
     def hold_given(self) -> bool:
-        """Whether the user says how long the hold is."""
+        """Whether the user gives the duration of the hold."""
         return self.hold_s is not None or any(change.strip().startswith(HOLD.key) for change in self.set_)
 
 
@@ -249,7 +249,7 @@ def _first_design(names: Sequence[str]) -> str:
 
 
 def _held_for_turns(designs: Sequence[Design]) -> list[Design]:
-    """Return designs under one load with a hold of whole turns after the slowest has settled, fewer at no load."""
+    """Return designs under one load whose hold contains whole turns after the slowest design has settled."""
     from cycloid_mj.comparison import settling_time
 
     if any(design.drive.speed == 0.0 for design in designs):
@@ -289,7 +289,7 @@ def all_cases(designs: Sequence[Design], first: Design, options: CompareOptions)
 
 @dataclass(frozen=True)
 class RunPlan:
-    """The runs of a comparison: its cases, the starts of each, how all are varied, each run's log, and what solves."""
+    """Runs of a comparison: cases, starts, variations, logs and solver."""
 
     starts: "Mapping[Design, Sequence[Design]]"
     variations: "Sequence[Variation]"
@@ -320,6 +320,7 @@ def _plan_runs(cases: Sequence[Design], options: CompareOptions) -> RunPlan:
 
 
 def _from_logs(names: Sequence[str], q: tuple[float, float] | None, place: Destination) -> Outcome:
+    """Return the comparison of logged runs."""
     from cycloid_mj.comparison import compare as compared
 
     trials = [_measure_trial(Path(name), q) for name in names]
@@ -330,6 +331,7 @@ def _from_logs(names: Sequence[str], q: tuple[float, float] | None, place: Desti
 
 
 def _from_runs(plan: RunPlan, q: tuple[float, float] | None, place: Destination, wanted: Delivery) -> Outcome:
+    """Simulate the cases of a plan, and return their comparison."""
     from cycloid_mj.cli.batch import run_all
     from cycloid_mj.comparison import Trial, Variation, sensitivities
     from cycloid_mj.comparison import compare as compared
@@ -366,6 +368,7 @@ def _log_name(design: Design, start: int = 0) -> str:
 
 
 def _measure_trial(log: Path, q: tuple[float, float] | None) -> "tuple[Series, Trial]":
+    """Evaluate the runs of one design under one load."""
     from cycloid_mj.comparison import Trial, measure_run, settle_run
     from cycloid_mj.log import read
 
@@ -377,6 +380,7 @@ def _measure_trial(log: Path, q: tuple[float, float] | None) -> "tuple[Series, T
 
 
 def _pictures(comparison: "Comparison", motions: "Sequence[Series]") -> dict[str, Picture]:
+    """Return the figures of a comparison by name."""
     from cycloid_mj.plots.comparison import comparison_figures
     from cycloid_mj.plots.curvature import curvature_figure
     from cycloid_mj.plots.save import encode_figure

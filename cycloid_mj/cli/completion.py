@@ -20,7 +20,7 @@ class CompletingApp(App):
 
 
 def complete_files(script: str) -> str:
-    """Make a script complete files where it has nothing else to offer.
+    """Return a completion script that offers files where it has no other candidates.
 
     fish and PowerShell do so by themselves; bash and zsh have to be told.
     """

@@ -59,6 +59,7 @@ def datasheet(
 
 
 def _outcome(sheet: "Datasheet", place: Destination) -> Outcome:
+    """Build the outcome of a data sheet."""
     from cycloid_mj.base.result import quantity_frame
     from cycloid_mj.plots.datasheet import datasheet_pages
     from cycloid_mj.plots.save import document

@@ -64,7 +64,7 @@ def claim_destination(
     paged: bool = False,
     resumed: bool = False,
 ) -> Destination:
-    """Claim the names of a command's files.
+    """Claim the output files of a command before its work.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def claim_destination(
 def claim_page(
     wanted: CommonFlags, stem: str, into: Path | None = None, paged: bool = False, resumed: bool = False
 ) -> Path | None:
-    """Claim the name of the page, None where there is none; parameters and errors are those of `claim_destination`."""
+    """Claim the name of the page; None if there is none. Parameters and errors are those of `claim_destination`."""
     if wanted.html is None and not paged:
         return None
     named = wanted.html or ()
@@ -128,7 +128,7 @@ def deliver(outcome: Outcome, place: Destination, wanted: CommonFlags) -> int:
 
 
 def _result(outcome: Outcome) -> dict[str, Any]:
-    """Collect the JSON object of an outcome, with its own warnings after those that were given on the way."""
+    """Return the JSON object of an outcome, with its own warnings after those issued before."""
     noted = with_warnings(dict(outcome.result))
     seen = noted.get("warnings", [])
     own = [one for one in outcome.warnings if one not in seen]
@@ -136,7 +136,7 @@ def _result(outcome: Outcome) -> dict[str, Any]:
 
 
 def deliver_files(title: str, files: Iterable[str | Path], page: Path | None, wanted: CommonFlags) -> int:
-    """Tell of files that a command has made: their paths, one in a line."""
+    """Print the paths of files that a command has written, one per line."""
     paths = list(map(str, files))
     outcome = Outcome(title=title, text=paths, result={"files": paths})
     return deliver(outcome, Destination(title, None, page), wanted)
@@ -235,7 +235,7 @@ def show_outcome(outcome: Outcome, everything: bool) -> None:
 
 
 def _lines(outcome: Outcome) -> int:
-    """Count the lines that all of an outcome takes, if none is broken."""
+    """Count the lines of an outcome when printed in full, without wrapped lines."""
     tables = [len(outcome.headline), *(len(table.rows) for table in outcome.tables)]
     lines = (outcome.failures, outcome.warnings, outcome.notes, outcome.summary)
     return 1 + sum(map(len, lines)) + sum(rows + FRAME_LINES for rows in tables if rows)

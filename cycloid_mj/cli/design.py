@@ -91,6 +91,7 @@ def check(chosen: Annotated[DesignOptions, FLAT], *, delivery: Annotated[Deliver
 def _outcome(
     design: Design, checks: "Checks", summed: "Summary | None", rating: "Rating | None", inherited: Sequence[str]
 ) -> Outcome:
+    """Build the outcome of the checks of a design."""
     numbers = _in_file_units(summed, rating) if summed else None
     return Outcome(
         title=f"checks: {design.name}",
@@ -127,7 +128,7 @@ def _defaults(design: Design, inherited: Sequence[str]) -> str:
 
 
 def _compute_summary(design: Design) -> "Summary | None":
-    """Sum a design up; nothing where its statics have no solution, which a check has told."""
+    """Summarize a design; None if it has no static equilibrium, which a check reports."""
     from cycloid_mj.checks import summary
 
     try:
@@ -137,7 +138,7 @@ def _compute_summary(design: Design) -> "Summary | None":
 
 
 def _compute_rating(design: Design) -> "Rating | None":
-    """Rate a design at its rated torque and speed; nothing where its crank stands still."""
+    """Rate a design at its nominal torque and speed; None if its crank does not turn."""
     from cycloid_mj.life.items import rate_at_rated_load
 
     try:
@@ -147,6 +148,7 @@ def _compute_rating(design: Design) -> "Rating | None":
 
 
 def _in_file_units(summed: "Summary", rating: "Rating | None") -> dict[str, Any]:
+    """Return the summary of a design in the units of the design file."""
     return {
         "ratio": summed.ratio,
         "outer_diameter_mm": 1e3 * summed.outer_diameter,
@@ -165,6 +167,7 @@ def _in_file_units(summed: "Summary", rating: "Rating | None") -> dict[str, Any]
 
 
 def _lines(summed: "Summary", rating: "Rating | None") -> list[str]:
+    """Return the summary of a design as lines of text."""
     angle, play = degrees(summed.pressure_angle), 60.0 * degrees(summed.backlash)
     of = " of each disc" if summed.discs > 1 else ""
     part = "identical parts" if summed.one_part else "different parts"

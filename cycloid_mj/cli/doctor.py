@@ -36,7 +36,7 @@ EXAMPLES = """Examples:
 
 
 class Finding(NamedTuple):
-    """One thing looked at: whether it is well, needed, and what was found or is to be done."""
+    """Result of one test of the installation: name, success, whether it is required, and the version or the remedy."""
 
     name: str
     well: bool
@@ -74,6 +74,7 @@ def doctor(*, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
 
 
 def _versions() -> Iterator[Finding]:
+    """Yield whether each required package is installed, with its version."""
     if find_spec("mujoco"):  # of the package mujoco or, from release 4 on, of mujoco-core alone
         import mujoco
 
@@ -114,7 +115,7 @@ def _self_tested() -> str:
 
 
 def _simulate_self_test() -> str:
-    """Run a millisecond of a reducer with pressed-in pins, and hold its gear against the closed form."""
+    """Simulate a millisecond of a reducer with pressed-in pins, and compare its disc with the closed form."""
     from cycloid_mj.design import PRESETS, override
     from cycloid_mj.dynamics.run import simulate
 

@@ -234,7 +234,7 @@ def export(
 
 
 def _casing(reducer: Reducer, motor: "Motor") -> "Casing | None":
-    """Return the sizes of covers and flanges; warn if they have no room."""
+    """Return the sizes of covers and flanges; warn if they do not fit."""
     from cycloid_mj.parts.export import casing_or_none
 
     sizes, reason = casing_or_none(reducer, motor)

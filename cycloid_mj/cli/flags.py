@@ -115,12 +115,12 @@ FLAT = Parameter(name="*")
 
 
 def whole(_: Any, tokens: Sequence[Token]) -> int:
-    """Return a whole number as it was typed; cyclopts itself would round 1.5 to 2."""
+    """Convert the token of an integer flag; cyclopts itself would round 1.5 to 2."""
     return whole_number(tokens[0].value)
 
 
 def whole_number(text: str) -> int:
-    """Read a whole number; raise ValueError that names the nearest ones where it is none."""
+    """Parse an integer; raise ValueError that names the nearest integers for any other text."""
     try:
         return int(text)
     except ValueError:
@@ -128,7 +128,7 @@ def whole_number(text: str) -> int:
 
 
 def _nearest(text: str) -> str:
-    """Name the whole numbers on both sides of a number; nothing for what is none."""
+    """Return a hint with the nearest integers of a number; empty for other text."""
     try:
         below, above = math.floor(float(text)), math.ceil(float(text))
     except (ValueError, OverflowError):
@@ -159,7 +159,7 @@ WorkersFlag = Annotated[
 
 @dataclass(frozen=True)
 class DesignValue:
-    """A flag's value that stands at `table`.`name` of the design and keeps the limits it has there."""
+    """A flag that sets the value `table`.`name` of the design, with the limits of the design file."""
 
     table: str
     name: str
@@ -204,7 +204,7 @@ class DesignValue:
             raise ValueError(f"must be {self.range} [{self.symbol}]")
 
     def flag(self, text: str, rest: str = "") -> Parameter:
-        """Declare the flag; `text` says what it is, `rest` what follows its limits, if not the design's value."""
+        """Declare the flag: `text` is its meaning, `rest` follows its limits (default: the value of the design)."""
         default = f". Default: {self.key} of the design ({self.unit.from_si(self.field.default):g} for pin)."
         help_text = f"{text} [{self.symbol}], {self.range}{rest or default}"
         return Parameter(metavar="X", help=help_text, validator=self.require)
@@ -231,7 +231,7 @@ Values = Sequence[tuple[DesignValue, float | None]]
 
 
 def load_design(name_or_file: str, changes: Sequence[str], values: Values) -> Design:
-    """Return the design of a command line: file or preset, then ``--set``, then the flags; a preload by its angle.
+    """Return the design of a command line: file or preset, then ``--set``, then other flags; a preload as an angle.
 
     Raises
     ------
@@ -255,7 +255,7 @@ def load_design(name_or_file: str, changes: Sequence[str], values: Values) -> De
 
 @dataclass(frozen=True)
 class DesignOptions:
-    """The design that a command works on, by position or by ``--design``, with what is changed in it."""
+    """The design of a command, by position or by ``--design``, and its changes."""
 
     design: DesignFlag
     _: KW_ONLY
@@ -292,7 +292,7 @@ def out_flag(files: str, usual: str = "") -> Parameter:
 
 @dataclass(frozen=True, kw_only=True)
 class CommonFlags:
-    """How results are given, and how much of them is shown: the flags of every command."""
+    """Output flags of every command."""
 
     html: HtmlFlag = None
     json: JsonFlag = False

@@ -79,6 +79,7 @@ def kinematics(
 
 
 def _motion(design: Design, q: tuple[float, float], until: float | None, step: float | None) -> Columns:
+    """Return the columns of the motion of a point at the sample times."""
     import numpy as np
 
     from cycloid_mj.analysis.series import point_path
@@ -97,7 +98,7 @@ def _motion(design: Design, q: tuple[float, float], until: float | None, step: f
 
 
 def _step(design: Design, step: float | None) -> float:
-    """Time step [s]: the one given, or one degree of crank at full speed."""
+    """Return the time step [s]: the given one, or one degree of crank at full speed."""
     if step is not None:
         return step
     if design.drive.speed == 0.0:
@@ -108,6 +109,7 @@ def _step(design: Design, step: float | None) -> float:
 
 
 def _rows(until: float, step: float) -> int:
+    """Return the number of samples; raise UsageError if there are too many."""
     rows = math.floor(until / step + ROUNDING) + 1
     if rows > MOST_ROWS:
         raise UsageError(

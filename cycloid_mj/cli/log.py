@@ -149,7 +149,7 @@ def parquet(
     """
     from cycloid_mj.log.parquet import write_parquet
 
-    run, (path, page) = _read(log), _select_columns(log, out, ".parquet", delivery)
+    run, (path, page) = _read(log), _claim_output(log, out, ".parquet", delivery)
     write_parquet(run, path, _names(columns))
     return deliver_files(f"columns: {log}", [path], page, delivery)
 
@@ -201,7 +201,7 @@ def rerun(
     from cycloid_mj.log import read
     from cycloid_mj.scene.rerun import write_rerun
 
-    run, (path, page) = read(log), _select_columns(log, out, ".rrd", delivery)
+    run, (path, page) = read(log), _claim_output(log, out, ".rrd", delivery)
     write_rerun(run, Reducer(design_of(run)), path)
     return deliver_files(f"recording: {log}", [path], page, delivery)
 
@@ -220,8 +220,8 @@ def layout(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -
     return deliver(Outcome(title=f"layout: {log}", text=text, result=arrangement), place, delivery)
 
 
-def _select_columns(log: str, out: str | None, ending: str, wanted: CommonFlags) -> tuple[Path, Path | None]:
-    """Claim the name of a file made from a log, by default the log's with another ending, and that of the page."""
+def _claim_output(log: str, out: str | None, ending: str, wanted: CommonFlags) -> tuple[Path, Path | None]:
+    """Claim the name of a file converted from a log, and that of the page."""
     path = Path(log).with_suffix(ending) if out is None else Path(out)
     require_ending(path, ending)
     claim(path, force=wanted.force)
@@ -242,7 +242,7 @@ def _names(columns: str | None) -> list[str] | None:
 
 
 def _scene(log: "Log", rate: float | None) -> "Scene | None":
-    """Build the scene of a log that has a design, at the rate asked for, or at the log's own."""
+    """Build the 3-D scene of a log with a design, at the requested frame rate or that of the log."""
     from cycloid_mj.analysis.series import design_of
     from cycloid_mj.scene import RATE, Scene
 
@@ -257,6 +257,7 @@ def _scene(log: "Log", rate: float | None) -> "Scene | None":
 
 
 def _describe_contents(log: "Log") -> dict[str, Any]:
+    """Return run, topics and attachments of a log as JSON values."""
     run = log.run
     return {
         "bytes": log.size,

@@ -59,7 +59,7 @@ AT_RATED = f". Default: the {RATED}."
 
 @dataclass(frozen=True, kw_only=True)
 class MeasureDelivery(Delivery):
-    """Where a measurement goes, with the logs of its runs."""
+    """Output flags of a measurement and of the logs of its runs."""
 
     out: Annotated[str | None, out_flag("the JSON file, the logs and the figure", OUT)] = None
     figure: Annotated[
@@ -96,9 +96,10 @@ def _in_si(name: str, value: Any) -> Any:
 
 
 def several(name: str, quantity: DesignValue, text: str, default: str) -> Parameter:
-    """Declare a flag for one or more values above 0 that keep a quantity's limits; `text` says what they are."""
+    """Declare a flag for one or more positive values within the limits of a quantity."""
 
     def require(_: Any, values: tuple[float, ...] | None) -> None:
+        """Raise ValueError for a value that is not positive or out of range."""
         for value in values or ():
             if not value > 0.0:
                 raise ValueError(f"each value must be more than 0 [{quantity.symbol}], not {value:g}")
@@ -344,7 +345,7 @@ def commands(sort_key: int) -> App:
 
 
 def _command(name: str, options: type[MeasureOptions]) -> Callable[..., int]:
-    """Make the command of a measure: its design, its own options, and what all measures share."""
+    """Create the command of a measure: its design, its options and the flags that all measures share."""
 
     def one(chosen: PresetOptions = PRESET, *, options: MeasureOptions, delivered: MeasureDelivery) -> int:
         return _measure(name, [chosen.sound(options.values())], options, delivered)
@@ -358,6 +359,7 @@ def _command(name: str, options: type[MeasureOptions]) -> Callable[..., int]:
         options: MeasureOptions,
         delivered: MeasureDelivery,
     ) -> int:
+        """Measure several designs."""
         sound = [DesignOptions(one, set_=set_).sound(options.values()) for one in (*designs, *design) or BOTH]
         return _measure(name, sound, options, delivered)
 
@@ -404,7 +406,7 @@ def _is_drawn(delivered: MeasureDelivery) -> bool:
 
 
 def _deliver(measurement: "Measurement", place: Destination, delivered: MeasureDelivery) -> None:
-    """Write a measurement with the logs of its runs, and print it unless JSON is asked for."""
+    """Write a measurement with the logs of its runs, and print it unless JSON is requested."""
     from cycloid_mj.log import write as write_log
 
     outcome = _outcome(measurement, _pictures(measurement, place.stem) if _is_drawn(delivered) else {})
@@ -425,6 +427,7 @@ def _pictures(measurement: "Measurement", stem: str) -> dict[str, Picture]:
 
 
 def _outcome(measurement: "Measurement", pictures: Mapping[str, Picture]) -> Outcome:
+    """Build the outcome of a measurement."""
     quantities = measurement.quantities.values()
     title = f"{measurement.measure}: {measurement.design.name}"
     return Outcome(

@@ -221,7 +221,7 @@ def _claim_files(stem: str, wanted: NewDelivery) -> Destination:
 def _sized_outcome(
     stem: str, answer: "Answer", changes: tuple[str, ...], place: Destination, wanted: NewDelivery
 ) -> int:
-    """Write the drives that were found, and tell of them."""
+    """Write the design files of the drives of an answer, and print them."""
     files: dict[str, bytes] = {}
     for number, drive in enumerate(answer.drives):
         title = f"{stem}-{drive.title.replace(' ', '-')}" if number else stem
@@ -248,7 +248,7 @@ def _write_designs(
     tables: Sequence[Table] = (),
     summary: Sequence[str] = (),
 ) -> int:
-    """Write design files, and tell of each."""
+    """Write design files, and print their paths."""
     paths = place.paths(files)
     claim(*map(Path, paths), force=wanted.force)
     outcome = Outcome(
@@ -276,7 +276,7 @@ def _refusal(answer: "Answer", asked: "Requirement", ranged: bool) -> dict[str, 
 
 
 def _flags(way: "Way", asked: "Requirement", ranged: bool) -> list[str]:
-    """List the flags that ask for a way out, in the place of those that were given; of a range only the best ratio."""
+    """Return the flags that request an alternative instead of the given ones."""
     from cycloid_mj.base.units import RPM
 
     flags = {

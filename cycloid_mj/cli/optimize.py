@@ -183,6 +183,7 @@ def _best(optimum: "Optimum") -> bytes:
 
 
 def _outcome(optimum: "Optimum", best: Path) -> Outcome:
+    """Build the outcome of an optimisation."""
     from cycloid_mj.explore.optimum import tables
     from cycloid_mj.plots.optimum import tradeoff_figure
     from cycloid_mj.plots.save import encode_figure

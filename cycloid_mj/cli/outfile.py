@@ -33,7 +33,7 @@ Columns = Mapping[str, "npt.NDArray[Any]"]
 
 
 def claim_csv(file: str, force: bool, flag: str = "--csv") -> None:
-    """Claim the name of a table, which `flag` gave, before the work; stdout and devices need none.
+    """Claim the name of a table, given by `flag`, before the work; stdout and devices need no claim.
 
     Raises
     ------
@@ -66,12 +66,12 @@ def write_csv(file: str, columns: Columns) -> None:
 
 
 def csv_bytes(columns: Columns) -> bytes:
-    """Encode what `write_csv` writes, for files that are written together."""
+    """Return the bytes that `write_csv` writes."""
     return "".join(_lines(columns)).encode()
 
 
 def folder(name: str, what: str, files: Iterable[str], force: bool) -> Path:
-    """Return the folder `name`, made if there is none, for `files` that are to be written there after the work.
+    """Return the folder `name`, created if it does not exist, for `files` that are written after the work.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def folder(name: str, what: str, files: Iterable[str], force: bool) -> Path:
 
 
 def new_folder(name: str, what: str) -> Path | None:
-    """Make the folder `name` and give it, or None if something has that name; raise CycloidError if that cannot be."""
+    """Create the folder `name` and return it; None if the name exists. Raise CycloidError if it cannot be created."""
     path = Path(name)
     try:
         if path.exists():
@@ -121,7 +121,7 @@ def _words(values: "npt.NDArray[Any]") -> list[str]:
 
 @contextmanager
 def _written(file: str) -> Iterator[TextIO]:
-    """Open a file that takes its name only once it is whole; a device is written to as it is."""
+    """Open a file that gets its name when it is complete; a device is written directly."""
     path = Path(file)
     try:
         if path.exists() and not path.is_file() and not path.is_dir():

@@ -38,7 +38,7 @@ def flow_help(app: App) -> App:
 
 
 def fold_line(line: str) -> str:
-    """Break a command that is wider than a page between its flags, so that a shell takes it as one."""
+    """Break a command that is wider than a page between its flags, with shell continuations."""
     if len(line) <= WIDEST:
         return line
     first, *flags = re.split(r" (?=--|&& )", line)

@@ -54,14 +54,14 @@ BLAS_THREADS = {"OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"}
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command, by default that of ``sys.argv``, and give its exit code; see `cycloid_mj.cli.app`."""
+    """Run one command, by default that of ``sys.argv``, and return its exit code; see `cycloid_mj.cli.app`."""
     from cycloid_mj.cli import app
 
     return app.main(argv)
 
 
 def first_start(words: Sequence[str]) -> bool:
-    """Tell whether a command has its modules to compile before it says anything: an install may bring no bytecode."""
+    """Return whether Python has to compile the modules of a command first: an installation can lack bytecode."""
     if sys.dont_write_bytecode or not words or SILENT & set(words):
         return False
     return not Path(cache_from_source(str(LOADED))).exists()

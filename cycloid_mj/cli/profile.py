@@ -83,6 +83,7 @@ def _gear(reducer: Reducer, points: int | None) -> Columns:
 
 
 def _ring(reducer: Reducer, points: int | None) -> Columns:
+    """Return the columns of the outline of an internal gear."""
     from cycloid_mj.geometry.envelope import sample_ring
 
     design = reducer.design
@@ -96,6 +97,7 @@ def _ring(reducer: Reducer, points: int | None) -> Columns:
 
 
 def _curvature(reducer: Reducer, crank_angles: int | None) -> Columns:
+    """Return the columns of the relative curvature of the contact lines."""
     import numpy as np
 
     from cycloid_mj.geometry.contact_lines import contact_lines, mesh_period, pressure

@@ -18,7 +18,7 @@ SECONDS_BETWEEN_LINES, SECONDS_BETWEEN_COUNTS = 10.0, 5.0
 
 @contextmanager
 def show_activity(words: str, quiet: bool = False) -> Iterator[None]:
-    """Write what is being done, and now and then that it goes on; nothing if it is to be quiet."""
+    """Print the current activity, and from time to time that it continues; nothing if `quiet`."""
     if quiet:
         yield
         return
@@ -38,7 +38,7 @@ def _goes_on(words: str, over: Event) -> None:
 
 
 class Progress:
-    """Progress of a run on stderr, before its first sample and after its last, too; a context manager.
+    """Progress of a run on stderr, from its preparation to its evaluation; a context manager.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ class Progress:
         self._waiting.enter_context(show_activity(JUDGING, self._quiet))
 
     def _line(self, simulated: float) -> str:
-        """Tell how far it is, and the time left by the pace since the first sample: what came before was no run."""
+        """Return the progress and the estimated time left, from the pace since the first sample."""
         line = f"{simulated / self._end:4.0%}  {simulated:.3f} of {self._end:g} s simulated"
         start, first = self._first or (0.0, simulated)
         if simulated <= first:
@@ -102,12 +102,12 @@ class Progress:
 
 
 def seconds_left(start: float, share: float) -> float:
-    """Compute the time [s] that the rest of some work will take, of which a share is done since `start`."""
+    """Estimate the remaining time [s] of work of which a share is done since `start`."""
     return (monotonic() - start) * (1.0 / share - 1.0) if share > 0.0 else float("inf")
 
 
 def count_progress(what: str, quiet: bool) -> Callable[[int, int], None]:
-    """Return what writes, not too often, how many pieces of work are done, of how many, and the time left."""
+    """Return a callback that prints how many items are done and the time left, at most every few seconds."""
     start = monotonic()
     last = [start]
 

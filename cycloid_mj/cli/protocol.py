@@ -118,6 +118,7 @@ def protocol(
 
 
 def _outcome(sheet: "Protocol") -> Outcome:
+    """Build the outcome of a test protocol."""
     from cycloid_mj.base.result import plain
     from cycloid_mj.bench.protocol import LINES
     from cycloid_mj.plots.bench import protocol_figure

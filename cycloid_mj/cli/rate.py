@@ -90,6 +90,7 @@ def rate(
 
 
 def _outcome(rating: "Rating", place: Destination) -> Outcome:
+    """Build the outcome of a rating."""
     from cycloid_mj.report.rating import rating_page
 
     weakest, failing = rating.weakest, rating.failing
@@ -115,6 +116,7 @@ def _outcome(rating: "Rating", place: Destination) -> Outcome:
 def _duty(
     design: Design, load_nm: float | None, speed_rpm: float | None, duty: Path | None, peak_nm: float | None
 ) -> "Duty":
+    """Return the duty cycle of the flags: torque and speed, or the rows of a file."""
     from cycloid_mj.base.units import RPM
     from cycloid_mj.life.duty import constant_duty, read_duty
 

@@ -164,6 +164,7 @@ def _outcome(
     lossy: "StepTrial | None",
     drives: "Population | None",
 ) -> Outcome:
+    """Build the outcome of the reduction to a joint."""
     from cycloid_mj.base.result import plain, quantity_frame, quantity_table
     from cycloid_mj.report.joint import joint_page
     from cycloid_mj.robot.bam import bam
@@ -213,7 +214,7 @@ def _outcome(
 
 
 def inaccurate(asked: "StepTrial", timestep_ms: float | None, integrator: str | None) -> list[str]:
-    """Say how far a scene is off, and what to do: of what was given, what to leave out."""
+    """Return a message on the error of a scene and its remedy: the flags to omit or change."""
     if asked.accurate:
         return []
     given = {"--timestep-ms": timestep_ms, "--integrator": integrator}

@@ -62,7 +62,7 @@ SolverFlag = Annotated[
 
 @dataclass(frozen=True, kw_only=True)
 class SimulateDelivery(Delivery):
-    """Where the log of a run goes."""
+    """Output flags of a run."""
 
     out: Annotated[
         str | None,
@@ -145,7 +145,7 @@ def simulate(
 
 
 def review_of(log: Path) -> Path:
-    """Return the path of the review beside a log."""
+    """Return the path of the review page next to a log."""
     return log.with_name(f"{log.stem}-review.html")
 
 
@@ -213,7 +213,7 @@ def _command(words: Sequence[str], comment: str) -> str:
 
 @dataclass(frozen=True)
 class Ran:
-    """A run that is in its log.
+    """A logged run.
 
     Attributes
     ----------
@@ -245,7 +245,7 @@ class Ran:
 
 
 def require_possible(design: Design, solver: "Solver" = "mujoco") -> None:
-    """Raise UsageError for a run that is too long or stands still, DesignError for an unsound design."""
+    """Raise UsageError for a run that is too long or does not turn, DesignError for an unsound design."""
     reducer = Reducer(design)
     if design.drive.speed == 0.0:
         raise UsageError("drive.speed_rpm is 0, so the crank would not turn: give --speed-rpm")
@@ -263,7 +263,7 @@ def require_possible(design: Design, solver: "Solver" = "mujoco") -> None:
 
 
 def logs_folder(usual: str, out: str | None, names: Sequence[str], force: bool) -> Path:
-    """Return the folder for the files `names`: the one asked for, or the first of `usual`, `usual`-2, ... that is new.
+    """Return the folder of the files `names`: the requested one, or the first unused of `usual`, `usual`-2, ...
 
     Making the folder claims it: of two commands at once each gets its own.
 
@@ -297,7 +297,7 @@ def run_into_log(
     shown: bool = True,
     keep_run: bool = False,
 ) -> Ran:
-    """Run a design into the first log of `names` that no other run has taken meanwhile.
+    """Run a design into the first log of `names` that no other run has taken.
 
     One that is not to be `shown` has its samples and the design alone: no frames, no model, no findings.
     """
@@ -342,7 +342,7 @@ def run_into_log(
 
 
 def _first(names: Iterable[Path], opened: Callable[[Path], "LogWriter"]) -> "LogWriter":
-    """Open the first log of `names` that is not taken; raise LogTakenError if all are."""
+    """Open the first unused log of `names`; raise LogTakenError if all are taken."""
     from cycloid_mj.log import LogTakenError
 
     taken: LogError = LogError("no file name is free for the log: choose another folder with --out")

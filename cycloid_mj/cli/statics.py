@@ -69,6 +69,7 @@ def statics(
 
 
 def _outcome(static: "Sheet", figures: Mapping[str, Quantity]) -> Outcome:
+    """Build the outcome of the statics of a design."""
     from cycloid_mj.base.result import quantity_frame
     from cycloid_mj.figures import values_json
     from cycloid_mj.statics.sheet import COMPARED, known_difference

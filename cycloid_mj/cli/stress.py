@@ -264,7 +264,7 @@ def _springs(reducers: Sequence[Reducer], load: float | None, mounts: "Mounts | 
 
 
 def _figures(asked: Sequence[str], place: Destination) -> tuple[Drawn, ...]:
-    """List the figures to draw: those asked for, or those of the page if there is one."""
+    """Return the figures to draw: the requested ones, or those of the page."""
     if not asked:
         return ("map", "turn") if place.page else ()
     return tuple(name for name in FIGURES if name in asked or "all" in asked)
@@ -295,7 +295,7 @@ def _require_apart(designs: Sequence[Design]) -> None:
 
 
 def _plan_cost(designs: Sequence[Design], parts: Sequence[str], settings: "StudySettings", quiet: bool) -> list[Grids]:
-    """Mesh the parts asked for of every design, and say what the study of them will need."""
+    """Mesh the requested parts of every design, and print the time and memory that the study needs."""
     from cycloid_mj.stress.cost import cost, total
     from cycloid_mj.stress.study import study_grids
 
@@ -312,6 +312,7 @@ def _plan_cost(designs: Sequence[Design], parts: Sequence[str], settings: "Study
 
 
 def _read(logs: Sequence[str], designs: Sequence[str]) -> list[Logged]:
+    """Read the logs of designs."""
     from cycloid_mj.analysis.series import design_of
     from cycloid_mj.log import read
     from cycloid_mj.stress.turn import require_same
@@ -330,7 +331,7 @@ def _read(logs: Sequence[str], designs: Sequence[str]) -> list[Logged]:
 def _study_parts(
     runs: Sequence[Logged], planned: Sequence[Grids], settings: "StudySettings", quiet: bool
 ) -> "list[StressStudy]":
-    """Study every design that has a part of those asked for, and tell how far it is."""
+    """Compute the stress of the requested parts of every design, with progress."""
     from cycloid_mj.stress.cost import cost
     from cycloid_mj.stress.study import stress_study
 
@@ -352,7 +353,7 @@ def _study_parts(
 
 
 def _parts_by_design(designs: Sequence[Design], parts: Sequence[str]) -> list[list[str]]:
-    """List the parts asked for that each design has; raise UsageError for one that none has."""
+    """Return the requested parts of each design; raise UsageError for a part that no design has."""
     from cycloid_mj.stress.loads import part_names, require_part
 
     for part in parts:
@@ -362,7 +363,7 @@ def _parts_by_design(designs: Sequence[Design], parts: Sequence[str]) -> list[li
 
 
 class _Watch:
-    """Tells each part as it begins, with an estimate of the time left, from what each of them costs [s]."""
+    """Progress over parts, with the time left from the estimated cost of each part [s]."""
 
     def __init__(self, costs: Sequence[float], quiet: bool) -> None:
         self._costs = costs

@@ -30,7 +30,7 @@ COLUMNS = (
 
 
 def outcome_of(studies: "Sequence[StressStudy]", place: Destination, figures: Sequence[Drawn] = ()) -> Outcome:
-    """Turn studies of stress into an outcome whose files go to a place, with the figures asked for."""
+    """Build the outcome of stress studies, with the requested figures."""
     from cycloid_mj.base.frame import framed
     from cycloid_mj.figures import values_json
     from cycloid_mj.stress.figures import of_study
@@ -148,6 +148,7 @@ def _tables(findings: "Iterable[StressFindings]") -> Iterator[Table]:
 
 
 def _notes(findings: "Sequence[StressFindings]") -> Iterator[str]:
+    """Return the notes below the tables of a stress study."""
     from cycloid_mj.stress.findings import ASSUMPTIONS
     from cycloid_mj.stress.table import part_notes
 
@@ -170,7 +171,7 @@ def _claim_tables(judged: "Mapping[str, Sequence[Claim]]") -> Iterator[Table]:
 
 
 def _claim_notes(judged: "Mapping[str, Sequence[Claim]]", referred: bool) -> Iterator[str]:
-    """Yield what decides a paper's claims, or why none of them is judged though the paper has these designs."""
+    """Yield what decides the claims of a paper, or why they are not evaluated for these designs."""
     for source, claims in judged.items():
         if not claims and referred:
             yield f"not compared with the paper ({source}): its stresses are without load; use --load-nm 0"

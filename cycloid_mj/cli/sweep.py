@@ -186,6 +186,7 @@ def _points(vary: tuple[str, ...], table: Path | None, sample: str | None, point
 
 
 def _outcome(swept: "Sweep", quantities: tuple[str, ...], place: Destination) -> Outcome:
+    """Build the outcome of a sweep."""
     from cycloid_mj.explore.ranks import tables
     from cycloid_mj.explore.sweeps import PARQUET, TABLE
     from cycloid_mj.plots.explored import sweep_figure

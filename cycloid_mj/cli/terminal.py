@@ -27,7 +27,7 @@ def say(text: str) -> None:
 
 
 def say_json(value: Any) -> None:
-    """Write one JSON object, warnings included; what is no number there (JSON has no NaN) becomes null."""
+    """Print one JSON object with its warnings; NaN and infinities become null."""
     say(json_text(value))
 
 
@@ -52,7 +52,7 @@ def tell_error(error: CycloidError) -> None:
 
 
 def note(text: str) -> None:
-    """Write a message as `tell` does, unless the command was asked to be quiet."""
+    """Print a message as `tell` does, unless ``--quiet`` is given."""
     logging.getLogger(__name__).info("%s", text)
 
 
@@ -72,7 +72,7 @@ def say_groups(
     groups: Sequence[tuple[str, Sequence[Sequence[str]]]],
     words: Container[int] = (),
 ) -> None:
-    """Write a table whose rows stand in groups, each under its name; a group without a name has no heading."""
+    """Print a table with grouped rows, each group under its name; a group without a name has no heading."""
     from rich.console import Console
     from rich.table import Table
 
@@ -104,7 +104,7 @@ def _write(text: str) -> None:
 
 
 def finite(value: Any) -> Any:
-    """Replace what is no number by null: JSON has no NaN."""
+    """Replace NaN and infinities by None, because JSON has neither."""
     if isinstance(value, dict):
         return {key: finite(item) for key, item in value.items()}
     if isinstance(value, list):
@@ -114,7 +114,7 @@ def finite(value: Any) -> Any:
 
 @contextmanager
 def warnings_kept(show: Callable[[str], None] | None) -> Iterator[None]:
-    """Keep the warnings issued inside this ``with`` block, in whichever thread; show each once, if there is a `show`.
+    """Collect warnings issued inside this ``with`` block in any thread, and show each once with `show`.
 
     Python's own way with warnings of other kinds stays as it is.
     """
@@ -140,7 +140,7 @@ def warnings_kept(show: Callable[[str], None] | None) -> Iterator[None]:
 
 
 def with_warnings(content: dict[str, Any]) -> dict[str, Any]:
-    """Collect a command's JSON object with the warnings kept so far, ``warnings``, unless it has that key already."""
+    """Return the JSON object of a command with the collected warnings, unless it has the key ``warnings``."""
     seen = _seen.get(None)
     return content if seen is None or "warnings" in content else content | {"warnings": list(seen)}
 

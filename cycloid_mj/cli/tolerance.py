@@ -130,6 +130,7 @@ def tolerance(
 
 
 def _outcome(tolerances: "Tolerances") -> Outcome:
+    """Build the outcome of a tolerance study."""
     from cycloid_mj.cli.outfile import csv_bytes
     from cycloid_mj.design import dump
     from cycloid_mj.plots.save import encode_figure

@@ -65,6 +65,7 @@ def _run(parts: "tuple[ValidationPart, ...]", quick: bool, workers: int) -> "lis
 
 
 def _outcome(rows: "list[ValidationRow]", quick: bool, wall: float) -> Outcome:
+    """Build the outcome of a validation."""
     from cycloid_mj.base.frame import framed
     from cycloid_mj.base.validation import RowOutcome
     from cycloid_mj.validate.suite import STEP_NAMES

@@ -19,7 +19,7 @@ from cycloid_mj.cli.page import commands
 
 
 def describe_error(error: CycloptsError) -> str:
-    """Return one line that names the flag, what was got and what is allowed."""
+    """Return one line that names the flag, the given value and the allowed values."""
     command = " ".join(("cycloid-mj", *(error.command_chain or ())))
     what = " ".join(_describe(error).split()).rstrip(".")
     return f"{what}{' S' if what.endswith('?') else '; s'}ee {command} --help"
@@ -53,6 +53,7 @@ def _choices(hint: Any) -> tuple[str, ...]:
 
 
 def _describe(error: CycloptsError) -> str:
+    """Describe an error of cyclopts by its type."""
     argument = error.argument
     if isinstance(error, UnknownCommandError) and error.app is not None:
         return _unknown_command((error.unused_tokens or [""])[0], error.app)
@@ -87,7 +88,7 @@ def _within_groups(word: str) -> list[str]:
 
 
 def _missing(flag: str, unused: Sequence[str], place: str) -> str:
-    """Name the option that a missing one may have been meant by; `place` is its name by position, if it has one."""
+    """Return a message on a missing value, or on the misspelt flag that may be its cause."""
     misspelt = get_close_matches(flag, [word.split("=")[0] for word in unused if word.startswith("--")], n=1)
     if misspelt and misspelt[0] != flag:
         return _unknown_option(misspelt[0], [flag])
@@ -99,7 +100,7 @@ def _unknown_option(word: str, meant: Sequence[str]) -> str:
 
 
 def _unknown_command(word: str, app: App) -> str:
-    """Name the commands that a wrong word may stand for, or all that there are."""
+    """Return a message on an unknown command, with the nearest commands or all commands."""
     known = commands(app)
     if word.startswith("-"):
         return f"unknown option {word}; options come after a command"

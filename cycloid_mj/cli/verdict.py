@@ -51,7 +51,7 @@ def ratio_columns(designs: Sequence[str]) -> tuple[str, ...]:
 
 
 def ratios(values: Sequence[float]) -> list[str]:
-    """Format the ratio of each further value to the first; "-" where there is none."""
+    """Return the ratio of each further value to the first; "-" if it is undefined."""
     first, *others = values
     return [_number(other / first if first else math.nan) for other in others]
 
@@ -59,7 +59,7 @@ def ratios(values: Sequence[float]) -> list[str]:
 def outcome_of(
     comparison: "Comparison", judged: RunsJudged, pictures: Mapping[str, Picture], place: Destination
 ) -> Outcome:
-    """Turn a comparison, and a paper's verdicts on it, into an outcome; warn of what is doubtful in its runs.
+    """Build the outcome of a comparison, including the verdicts of a paper; warn about doubtful runs.
 
     The pictures go to a place.
     """
@@ -112,13 +112,13 @@ def _number(value: float) -> str:
 
 
 def _differences(comparison: "Comparison") -> str:
-    """Tell in what the designs differ."""
+    """Return the keys in which the designs differ."""
     differing = (f"{key} ({', '.join(map(_value, each))})" for key, each in comparison.differences.items())
     return f"{', '.join(comparison.designs)} differ in: {'; '.join(differing) or 'nothing'}"
 
 
 def _value(value: object) -> str:
-    """Format a value of a design in words: a number with six digits, which is more than a design is made to."""
+    """Format a value of a design, a number with six digits."""
     if value is None:
         return "not given"
     return f"{value:.6g}" if isinstance(value, float) else str(value)

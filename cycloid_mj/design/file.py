@@ -61,7 +61,7 @@ def resolve(named: Named, changes: Sequence[str] | Mapping[str, Any] = ()) -> De
 
 
 def preset(name: str) -> Design | None:
-    """Return the preset of a name, in capital or small letters; None where there is none, or a file has that name."""
+    """Return the preset of a name, ignoring case; None if there is none, or if a file has that name."""
     if name in PRESETS or os.path.exists(name):
         return PRESETS.get(name)
     return PRESETS.get(name.casefold())
@@ -215,7 +215,7 @@ def _field_of(section: type[Section] | None, key: str, path: str, prefix: str) -
 
 
 def _pair(change: str) -> tuple[str, Any]:
-    """Take a ``table.key=value`` apart."""
+    """Split ``table.key=value``."""
     path, equals, value = change.partition("=")
     if not equals or not _keys(path.strip()):
         raise UsageError(f"--set {change!r} is not a change: give table.key=value, e.g. --set load.torque_nm=36")
@@ -229,7 +229,7 @@ def _keys(path: str) -> list[str]:
 
 
 def _plain(value: Any) -> Any:
-    """Convert a value of numpy's to one of Python's."""
+    """Convert a NumPy value to a Python value."""
     return value.tolist() if hasattr(value, "tolist") else value
 
 
@@ -259,7 +259,7 @@ def _summary(section: type[Section]) -> str:
 
 
 def _line(name: str, field: FieldInfo, value: Any, reason: str = "") -> str:
-    """One commented line; the source is told only of a value that is still the preset's."""
+    """Return one commented line; the source is stated only for a value that is the default."""
     source = reason or (source_of(field) if value == field.default else "")
     note = f" ({source})" if source else ""
     return f"{file_key(name, field)} = {_toml(_to_file(field, value))}  # {field.description}{note}"
@@ -293,7 +293,7 @@ def _fields(section: Section) -> Iterator[tuple[str, FieldInfo, Any]]:
 
 
 def _tables(section: Section, chosen: Container[str] | None = None) -> Iterator[tuple[str, Any]]:
-    """Yield a section, or what is chosen of it by name, as the keys and values of its file."""
+    """Yield keys and values of a section, or of selected names, in the units of the file."""
     for name, field, value in _fields(section):
         if chosen is not None and name not in chosen:
             continue
@@ -304,7 +304,7 @@ def _tables(section: Section, chosen: Container[str] | None = None) -> Iterator[
 
 
 def _values_except(design: Design, named: Container[str]) -> dict[str, Any]:
-    """Collect the values of a design in SI, but for those named: they need no way through the units of a file."""
+    """Return the values of a design in SI, except for the given names."""
     return {
         name: {key: item for key, _, item in _fields(value)} if isinstance(value, Section) else value
         for name, _, value in _fields(design)
@@ -348,7 +348,7 @@ def _to_si(
 
 
 def _canonical(word: str, choices: Sequence[str]) -> str:
-    """Return the one of some words that differs from `word` in capital and small letters at most, else `word`."""
+    """Return the choice that equals `word` except for case, else `word`."""
     return next((choice for choice in choices if choice.casefold() == word.casefold()), word)
 
 
@@ -362,7 +362,7 @@ def _number_to_si(unit: Unit, value: Any) -> Any:
 
 
 def _expand_sparse_lists(values: dict[str, Any], where: str) -> dict[str, Any]:
-    """Write out lists given as ``{3 = 5.0}``, the third value 5 and the others 0."""
+    """Expand lists given as ``{3 = 5.0}``: the third value 5 and the others 0."""
     for table, section in values.items():
         inner = section_of(Design.model_fields[table])
         fields = inner.model_fields if inner else {}
@@ -399,7 +399,7 @@ def _validate(kind: type[S], values: dict[str, Any], where: str) -> S:
 
 
 def _nearest(key: str, known: list[str], prefix: str, root: type[Section] = Design) -> str:
-    """Name the key meant: with another unit, the same word in another table, else the most alike, here or anywhere."""
+    """Suggest a key: the same with another unit, the same in another table, or the most similar."""
     stems = (key, key.rsplit("_", 1)[0])
     other_unit = next(
         filter(None, ([prefix + name for name in known if name.rsplit("_", 1)[0] == stem] for stem in stems)), []

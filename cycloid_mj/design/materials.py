@@ -22,7 +22,7 @@ HARDNESS_PRESSURE = 9.807 / 3.45
 
 @dataclass(frozen=True)
 class Entry:
-    """One material of the library.
+    """A material of the library.
 
     Attributes
     ----------

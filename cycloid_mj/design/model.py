@@ -680,6 +680,7 @@ class Material(Section):
     @field_validator("name")
     @classmethod
     def _known(cls, name: str) -> str:
+        """Refuse a name that is not in the library."""
         if name and name not in MATERIALS:
             near = get_close_matches(name.casefold(), BY_CASEFOLD, n=1)
             meant = f'did you mean "{BY_CASEFOLD[near[0]]}"? ' if near else ""
@@ -844,13 +845,13 @@ class Design(Section, Presented):
     settings: Settings = Settings()
 
     def __repr__(self) -> str:
-        """Tell the design in one line; the design file, `design.dump`, tells all of it."""
+        """Return the key facts in one line; `design.dump` writes the complete file."""
         return f"Design({', '.join(f'{key} {value}' for key, value in self._facts())})"
 
     __str__ = __repr__
 
     def _repr_html_(self) -> str:
-        """Tell the design as a table of a notebook."""
+        """Return the key facts as a table for a notebook."""
         rows = "".join(f"<tr><th>{escape(key)}</th><td>{escape(value)}</td></tr>" for key, value in self._facts())
         return f"<table>{rows}</table>"
 
@@ -862,6 +863,7 @@ class Design(Section, Presented):
         return framed([*_rows(self, "")], ("key", "value", "unit", "meaning"), {})
 
     def _facts(self) -> tuple[tuple[str, str], ...]:
+        """Return key facts as pairs of name and value."""
         ring = self.ring
         kind = "internal gear" if ring.kind == "nonpin" else f"{ring.pins.replace('_', ' ')} pins"
         return (
@@ -896,7 +898,7 @@ class Design(Section, Presented):
             raise as_design_error(error, type(self), "but") from error
 
     def steady(self, settled: float, turns: float, samples: float = 0.0, **changes: Mapping[str, Any]) -> Self:
-        """Return the design for a run at full speed from its start, with other values, in SI, as in `but`.
+        """Return the design for a run at full speed from the start, with changes in SI, as in `but`.
 
         Parameters
         ----------
@@ -916,7 +918,7 @@ class Design(Section, Presented):
     @model_validator(mode="before")
     @classmethod
     def _parts_as_the_rest(cls, value: Any) -> Any:
-        """Let a part's table without a name of its own start from what all parts are made of."""
+        """Fill the material table of a part that has no name from the table `material`."""
         unnamed = [f"{part}_material" for part in PARTS]
         tables = {key: value[key] for key in unnamed if isinstance(value.get(key), Mapping)}
         base = value.get("material", {})
@@ -925,11 +927,11 @@ class Design(Section, Presented):
         return {**value, **{key: {**base, **table} for key, table in tables.items() if "name" not in table}}
 
     def material_of(self, part: str) -> Material:
-        """Return what a part is made of: one of `PARTS`."""
+        """Return the material of a part of `PARTS`."""
         return getattr(self, f"{part}_material") or self.material
 
     def material_table(self, part: str) -> str:
-        """Return the table of the design file that says what a part is made of."""
+        """Return the table of the design file that sets the material of a part."""
         return f"{part}_material" if getattr(self, f"{part}_material") else "material"
 
     def partners(self, pair: str) -> tuple[Material, Material]:
@@ -939,7 +941,7 @@ class Design(Section, Presented):
 
     @property
     def rated_torque(self) -> float:
-        """Torque at the output that the rated input torque holds without loss [N m]."""
+        """Nominal output torque: rated input torque times the ratio, without losses [N m]."""
         return self.drive.torque * self.reduction
 
     @property
@@ -949,7 +951,7 @@ class Design(Section, Presented):
 
     @property
     def ratio(self) -> int:
-        """Turns of the crank for one of the output: -(N - 1) of the carrier, which turns against it, N of the ring."""
+        """Crank turns per output turn: -(N - 1) for the carrier, N for the ring as output."""
         return self.ring.teeth if self.output.turns_ring else -self.lobes
 
     @property
@@ -1007,7 +1009,7 @@ class Design(Section, Presented):
 
     @property
     def socket_play(self) -> float:
-        """Room [m] that the housing leaves around a pin of ``pin_radius``; a pressed-in pin has none.
+        """Clearance of the housing around a pin of ``pin_radius`` [m]; 0 for a pressed-in pin.
 
         A sleeve turns clear of the housing, which holds its pin at both ends: `SLEEVE_ROOM` of its radius (assumed).
         """
@@ -1016,7 +1018,7 @@ class Design(Section, Presented):
         return self.clearance.pin_socket if self.ring.has_sockets else 0.0
 
     def friction_of(self, pair: str) -> float:
-        """Compute the friction coefficient of a kind of mating pair [1]; rollers have one of their own."""
+        """Compute the friction coefficient of a kind of mating pair [1], reduced for rollers."""
         output = self.output
         rolling = {"cam": self.gear.bearing == "rolling", "output": output.has_needles}
         coefficient = float(getattr(self.friction, f"{pair}_rolling" if rolling.get(pair) else pair))
@@ -1041,7 +1043,7 @@ class Design(Section, Presented):
 
     @model_validator(mode="after")
     def _impact_stands_alone(self) -> Self:
-        """Refuse, beside the contact law IMPACT, another stiffness or damping of contacts, and parts that bend."""
+        """Refuse other stiffness or damping of contacts, and flexible structures, with the contact law IMPACT."""
         if self.contact.law != "impact":
             return self
         set_keys = [f"stiffness.{kind}_n_m" for kind, value in self.stiffness if value]
@@ -1083,7 +1085,7 @@ def _as_tuple(value: Any) -> Any:
 
 
 def material_limits(design: Design) -> tuple[str, ...]:
-    """Tell up to which temperature the plastics of a design may be used, and that they creep; of metals nothing."""
+    """Return the temperature limits and creep of the plastics of a design; empty for metals."""
     by_material: dict[Material, list[str]] = {}
     for part in PARTS:
         by_material.setdefault(design.material_of(part), []).append(part)

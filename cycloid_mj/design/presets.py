@@ -143,7 +143,7 @@ _REASONS: Mapping[str, Mapping[str, str]] = {
 
 
 def reasons(name: str, design: Design) -> dict[str, str]:
-    """Collect why values of a design from the preset `name` are as they are, by ``table.name``; not of changed ones."""
+    """Return the reasons of unchanged values of the preset `name`, by ``table.name``."""
     name = name.casefold()
     return {
         key: reason

@@ -207,7 +207,7 @@ def dowel_diameters() -> tuple[float, ...]:
 
 
 def pins(diameter: float, reach: float) -> tuple[Dowel, int] | None:
-    """Find the pin of a diameter [m] for a reach [m], and how many stand in line; nothing where none has that diameter.
+    """Find stock pins of a diameter [m] for a length [m], and their number in line; None if there are none.
 
     The shortest that reaches so far: its end stands in the cover. Pin gauges are cut to length.
     """
@@ -246,7 +246,7 @@ def bar_diameters() -> tuple[float, ...]:
 
 @cache
 def needle_bearings() -> tuple[StockBearing, ...]:
-    """List needle roller bearings without inner ring, the smallest first: drawn cups, and beyond them machined ones."""
+    """List needle roller bearings without inner ring by size: drawn cups, then machined ones."""
     cups = [
         StockBearing(f"HK{bore:02g}{width:02g}", *_si(bore, out, width), dynamic * KN, static * KN)
         for bore, out, width, dynamic, static in _rows(_DRAWN_CUPS, 5)

@@ -98,7 +98,7 @@ def quantity(default: Any, text: str, unit: Unit = NONE, source: str = ASSUMED, 
 
 
 def choice(default: str, text: str, source: str = ASSUMED, **shape: Any) -> Any:
-    """Declare one value of the design that is a word; its ``pattern`` and ``max_length`` where any may be given.
+    """Declare a text value of the design, with ``pattern`` and ``max_length`` for free text.
 
     A pattern that itself counts up to the length takes as long to compile as the rest of the design.
     """

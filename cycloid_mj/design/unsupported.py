@@ -40,10 +40,10 @@ _VALUES: Mapping[tuple[str, str], str] = {
 
 
 def unsupported_key(key: str) -> str:
-    """Return why a layout is not supported that the unknown ``table.key`` or table stands for; else an empty text."""
+    """Return why the layout of an unknown ``table.key`` or table is not supported; else an empty text."""
     return next((reason for reason, keys in _KEYS.items() if key in keys), "")
 
 
 def unsupported_value(key: str, value: str) -> str:
-    """Return why a layout is not supported that a word at ``table.key`` stands for; else an empty text."""
+    """Return why the layout of a word at ``table.key`` is not supported; else an empty text."""
     return _VALUES.get((key, value.casefold()), "")

@@ -47,7 +47,7 @@ REQUIREMENTS = {
 
 
 def as_design_error(error: ValidationError, root: type[BaseModel], where: str) -> DesignError:
-    """Return the error that names each wrong value of a design: key, value and what is allowed, in the file's units.
+    """Return the error that names each wrong value of a design: key, value and allowed values, in file units.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def literal_choices(field: FieldInfo) -> tuple[str, ...]:
 
 
 def _sentence(details: ErrorDetails, root: type[BaseModel]) -> str:
-    """Describe one wrong value: its key, the value, what is allowed and what the key means."""
+    """Describe one wrong value: key, value, allowed values and meaning."""
     keys, field = _locate(details, root)
     key = ".".join(keys)
     if not keys or field is None:
@@ -109,7 +109,7 @@ def _locate(details: ErrorDetails, root: type[BaseModel]) -> tuple[list[str], Fi
 
 
 def _describe_allowed(details: ErrorDetails, field: FieldInfo, unit: Unit) -> str:
-    """Describe what a declared value must be: its range, its words, or its type."""
+    """Describe the allowed values: a range, words, or a type."""
     got, choices = details["input"], literal_choices(field)
     if details["type"] == "literal_error" and choices:
         near = get_close_matches(got.casefold(), choices, n=1) if isinstance(got, str) else []
@@ -140,7 +140,7 @@ def _bounds(field: FieldInfo) -> Iterator[tuple[str, float]]:
 
 
 def _requirement(details: ErrorDetails, unit: Unit) -> str:
-    """Describe what a value must be, by the type of its error."""
+    """Describe the allowed values by the type of an error."""
     if details["type"] in ("value_error", "assertion_error"):
         return str(details.get("ctx", {}).get("error", "")) or _plain(details["msg"])
     if (words := REQUIREMENTS.get(details["type"])) is not None:

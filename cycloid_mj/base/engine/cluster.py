@@ -62,7 +62,7 @@ def _piece(work: Callable[[T], R], item: T) -> tuple[Versions, R]:
 
 @contextmanager
 def _client(scheduler: str) -> Iterator[Any]:
-    """Connect with a scheduler; what is under way is cancelled when the block ends."""
+    """Connect to a scheduler; cancel unfinished work when the block ends."""
     if not re.fullmatch(r"(\w+://)?\S+:\d+", scheduler):
         raise UsageError(f"--scheduler {scheduler!r} is not an address: expected HOST:PORT, e.g. 10.0.0.1:8786")
     try:
@@ -85,7 +85,7 @@ def _client(scheduler: str) -> Iterator[Any]:
 
 @contextmanager
 def _silent_loggers() -> Iterator[None]:
-    """Silence Dask, each of whose loggers has a level of its own: what matters is raised."""
+    """Silence the loggers of Dask; errors are raised."""
     levels = {name: logging.getLogger(name).level for name in [*logging.root.manager.loggerDict] if _of_dask(name)}
     for name in levels:
         logging.getLogger(name).setLevel(logging.CRITICAL + 1)
@@ -102,7 +102,7 @@ def _of_dask(name: str) -> bool:
 
 @contextmanager
 def _connect(scheduler: str) -> Iterator[None]:
-    """Turn what Dask raises where the scheduler is gone into a RunError."""
+    """Convert errors of Dask about a lost scheduler to RunError."""
     try:
         yield
     except (OSError, CancelledError) as problem:

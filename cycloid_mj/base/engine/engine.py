@@ -61,13 +61,13 @@ class Engine:
 
     @property
     def local_workers(self) -> int:
-        """How many workers there are on this machine: one for what is itself a piece of work."""
+        """Number of workers on this machine; 1 inside a worker."""
         return 1 if _within_a_piece.get() else self.workers or _most_workers.get() or cores()
 
     def stream(
         self, work: Callable[[T], R], items: Iterable[T], lost: Lost[R] | None = None
     ) -> Iterator[tuple[int, R]]:
-        """Do a piece of work for each item; give the place of each item with its result, in the order they are done.
+        """Apply a function to each item; yield the index of each item with its result, in the order of completion.
 
         Work for processes or a cluster is a function of a module (or a `functools.partial` of one), so that it can be
         sent; items and results should be small. The results do not depend on where they were made. The first error of
@@ -101,7 +101,7 @@ class Engine:
         return in_processes(piece, items, self.local_workers, lost)
 
     def each(self, work: Callable[[T], R], items: Iterable[T], progress: Progress = silent) -> list[R]:
-        """Do the same, and give all results in the order of the items."""
+        """Apply a function to each item; return the results in the order of the items."""
         items = list(items)
         results: dict[int, R] = {}
         for place, result in self.stream(work, items):
@@ -113,17 +113,17 @@ class Engine:
 def each_in_threads(
     work: Callable[[T], R], items: Iterable[T], progress: Progress = silent, workers: int = 0
 ) -> list[R]:
-    """Do a piece of work for each item, several at a time in threads; give the results in order; see `Engine`."""
+    """Apply a function to each item in threads; return the results in order; see `Engine`."""
     return Engine(workers, "threads").each(work, items, progress)
 
 
 def all_in_threads(tasks: Mapping[K, Callable[[], R]], progress: Progress = silent) -> dict[K, R]:
-    """Run tasks as `each_in_threads` does; give what each gave by its key. The longest had better come first."""
+    """Run tasks in threads; return their results by key. Put the longest task first."""
     return dict(zip(tasks, each_in_threads(lambda task: task(), tasks.values(), progress), strict=True))
 
 
 def _piece(work: Callable[[T], R], item: T) -> R:
-    """Do a piece of work; what it would share among workers in its turn, it does alone: the cores are taken."""
+    """Apply the function to one item; nested work runs serially, because all cores are in use."""
     token = _within_a_piece.set(True)
     try:
         return work(item)

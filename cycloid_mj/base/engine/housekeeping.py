@@ -23,7 +23,7 @@ def serve_parent() -> None:
 
 
 def _end_with(parent: int) -> None:
-    """End where the parent does: on Windows its sentinel alone tells, as the number of the parent stays."""
+    """End this process when its parent ends; on Windows only a sentinel shows that."""
     sentinel = getattr(multiprocessing.parent_process(), "sentinel", None)
     while os.getppid() == parent:
         if sentinel is None:

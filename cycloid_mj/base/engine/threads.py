@@ -15,7 +15,7 @@ R = TypeVar("R")
 
 
 def in_threads(work: Callable[[T], R], items: Iterable[T], workers: int) -> Iterator[tuple[int, R]]:
-    """Do a piece of work for each item; give the places of the items with their results, as they are done.
+    """Apply a function to each item in threads; yield index and result in the order of completion.
 
     The first error, or Ctrl-C, ends it: pieces not begun are left, those under way stop where they next give way.
     """
@@ -31,7 +31,7 @@ def in_threads(work: Callable[[T], R], items: Iterable[T], workers: int) -> Iter
 
 
 class _AtWork:
-    """Pieces that are under way, and how to stop them."""
+    """Items in progress, and how to stop them."""
 
     def __init__(self) -> None:
         self._under_way = 0
@@ -52,7 +52,7 @@ class _AtWork:
                 self._changed.notify_all()
 
     def stop(self) -> None:
-        """Have every piece stop where it next gives way; come back when all have ended."""
+        """Stop every item at its next `check_interrupt`; return when all have ended."""
         self._stopped.set()
         with self._changed:
             self._changed.wait_for(lambda: not self._under_way)
