@@ -146,7 +146,7 @@ def test_header_and_checks_state_the_same_life() -> None:
     reducer = Reducer(with_load(PRESETS["printed"].but(shaft={"mounting": "overhang"})))
     failed = {one["name"]: one["what"] for one in summary.checks(reducer)["failed"]}
     assert [*failed] == ["momentary torque", "life"]
-    assert f"life is {summary.life(reducer)['life']} by" in failed["life"]
+    assert f"life is {summary.life(reducer)['life']} (" in failed["life"]
     for name, ways in summary.remedies(reducer).items():
         assert [*ways[0]["changes"]] == ["load.torque_nm"]
         for way in ways:
