@@ -123,6 +123,7 @@ def comparable(cases: Sequence[Design]) -> dict[str, Design]:
 
 
 def _require_every_case(cases: Sequence[Design], names: Sequence[str]) -> None:
+    """Raise UsageError where a design lacks a load, or has it twice."""
     present = [(case.name, case.load.torque) for case in cases]
     for name in names:
         for load in sorted({load for _, load in present}):
@@ -152,6 +153,7 @@ def _same_solver(trials: Sequence[Trial]) -> str:
 
 
 def _require_alike(first: Reducer, case: Reducer, but: Sequence[str]) -> None:
+    """Raise UsageError where conditions differ, except for the keys in `but`."""
     wanted, shared = conditions(first), conditions(case)
     for key in wanted | shared:
         if shared.get(key) != wanted.get(key) and key not in but:

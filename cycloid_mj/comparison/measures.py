@@ -64,6 +64,7 @@ def measure_run(motion: Series, log: str | None = None) -> Measures:
 
 
 def _fluctuation(motion: Series) -> Fluctuation:
+    """Compute the fluctuations over the full crank turns of the hold."""
     parts = full_turns(motion)
     rows = slice(parts[0].start, parts[-1].stop)
     within = [slice(part.start - rows.start, part.stop - rows.start) for part in parts]

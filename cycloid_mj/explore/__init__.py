@@ -1,4 +1,4 @@
-"""What becomes of a design as its values change: sweeps, tolerances and which to tighten first, the best of all."""
+"""Studies of many designs: sweeps, tolerances with error budget, and optimisation."""
 
 from cycloid_mj.explore.optimizer import optimize
 from cycloid_mj.explore.optimum import Optimum

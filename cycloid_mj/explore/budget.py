@@ -108,7 +108,7 @@ def shares(
     f = _Sets(values["A"][rows], values["B"][rows], np.array([values[name][rows] for name in names]))
     if np.ptp(np.concatenate([f.first, f.second])) == 0.0:
         return tuple(Share(name, 0.0, 0.0, (0.0, 0.0)) for name in names)
-    terms = _terms(f, [_standardised(zones, departure, rows) for departure in departures])
+    terms = _terms(f, [_standardise(zones, departure, rows) for departure in departures])
     first = terms.first.mean(axis=1) / terms.variance.mean()
     total, low, high = _ratio_interval(terms.total, terms.variance)
     found = [
@@ -138,7 +138,7 @@ class _Terms(NamedTuple):
     total: Array
 
 
-def _standardised(zones: Mapping[str, Zone], departures: Mapping[str, Array], rows: Integers) -> list[Array]:
+def _standardise(zones: Mapping[str, Zone], departures: Mapping[str, Array], rows: Integers) -> list[Array]:
     """Compute departures by tolerance as numbers of mean 0 and variance 1, shape (rows, numbers) each."""
     scaled = []
     for key, zone in zones.items():

@@ -25,7 +25,7 @@ _OPERATIONS: Mapping[type[ast.AST], Callable[..., float]] = {
 
 @dataclass(frozen=True)
 class Rule:
-    """How a key follows without a formula.
+    """Rule by which a key follows without a formula.
 
     Attributes
     ----------

@@ -154,6 +154,7 @@ def _checks(reducer: Reducer, _: MeasureSettings) -> Measured:
 
 
 def _summed_up(reducer: Reducer) -> Measured:
+    """Collect the quantities of the summary of `design check`."""
     from cycloid_mj.checks import summary
 
     figures = summary(reducer)

@@ -175,6 +175,7 @@ def _sheet(reducer: Reducer) -> Sheet | None:
 
 
 def _search(task: Problem, work: "_Work", evaluations: int, starts: int, seed: int) -> None:
+    """Search for the best point, or in turn for several points of the front."""
     if len(task.objectives) == 1:
         (objective,) = task.objectives
         cost = partial(_cost, objective)
@@ -249,6 +250,7 @@ class _Work:
         return rows
 
     def _is_known(self, index: int, point: Point) -> bool:
+        """Return whether the row of a point is recorded; raise CycloidError where it is that of another point."""
         row = self._rows.by_index.get(index)
         if row is None:
             return False
@@ -273,6 +275,7 @@ class _Rows:
 
 @contextmanager
 def _recorded_rows(task: Problem, evaluations: int, starts: int, seed: int, out: str | Path | None) -> Iterator[_Rows]:
+    """Open the rows of a search, in the folder `out` or in memory, as a context."""
     if out is None:
         rows: dict[int, PointResult] = {}
         yield _Rows(rows, rows.__setitem__)

@@ -288,6 +288,7 @@ class Optimum(Tabular):
         return self.active_bounds
 
     def _checked_json(self, checked: BestChecks) -> dict[str, Any]:
+        """Convert the checks of the best design to JSON values."""
         dynamics = checked.dynamics
         return {
             "statics": {key: quantity.value for key, quantity in checked.sheet.quantities.items()}

@@ -177,6 +177,7 @@ def parse_axis(key: str, wanted: Wanted) -> Axis:
 
 
 def _range(key: str, field: FieldInfo, wanted: str, parts: Sequence[str]) -> Axis:
+    """Parse a range ``lo:hi`` or ``lo:hi:n``."""
     option = f"--vary {key}={wanted}"
     try:
         low, high, count = float(parts[0]), float(parts[1]), int(parts[2]) if len(parts) == 3 else 0

@@ -1,4 +1,4 @@
-"""One point of a sweep: the design with the point's values, and its measured quantities or the error."""
+"""A point of a sweep: the design with the point's values, and its measured quantities or the error."""
 
 import time
 import warnings
@@ -16,7 +16,7 @@ from cycloid_mj.reducer import Reducer
 
 @dataclass(frozen=True)
 class Task:
-    """What to evaluate at each point.
+    """Task of each point: the design, its keys and measures.
 
     Attributes
     ----------

@@ -62,7 +62,7 @@ Cost = Callable[[PointResult], float]
 
 
 class EvolutionSearch:
-    """One evolution strategy over the ranges, at one combination of the choices.
+    """Evolution strategy over the ranges, at one combination of the choices.
 
     Attributes
     ----------
@@ -224,7 +224,7 @@ class _Run:
         return list(product(*(choice.values for choice in self._task.choices)))
 
     def select_start(self, search: EvolutionSearch, starts: int) -> None:
-        """Let a search compete with others from random starts, and give the best of them the rest of the budget."""
+        """Run a search and others from random starts, and continue the best of them with the rest of the budget."""
         shape = max(starts, 1), len(self._task.ranges)
         random_starts = np.random.default_rng([*self._seed, len(self._combinations)]).random(shape)
         others = [

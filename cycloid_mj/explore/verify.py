@@ -58,6 +58,7 @@ def verify_design(reducer: Reducer, solver: Solver = "planar") -> DynamicsCheck:
 
 
 def _dynamics(reducer: Reducer, solver: Solver) -> dict[str, float]:
+    """Run a design over a crank turn under its rated torque; return its figures by key."""
     design = reducer.design
     loaded = steady_design(reducer).but(load={"torque": design.rated_torque})
     run = run_steady(loaded, SETTLING_TIME, design.ring.teeth, solver)

@@ -1,4 +1,4 @@
-"""What engineers measure of a reducer, by simulation, beside the closed form where there is one.
+"""Measures of a reducer by simulation, with closed forms where they exist.
 
 Each measure is one function from a design to a `Measurement`, and one row of `MEASURES`.
 """

@@ -1,4 +1,4 @@
-"""The reducer turned by its output: from rest, at speed with the crank free, and against the rated crank torque."""
+"""Back-driving: the output torque from rest, with a free crank."""
 
 import math
 from dataclasses import dataclass
@@ -97,7 +97,7 @@ class BreakAway:
 
     @property
     def resolved(self) -> bool:
-        """Whether the torque is more than its own error: pins that cross wide play strike the crank on its way."""
+        """Whether the torque exceeds its error: pins that cross wide clearances strike the crank."""
         return self.torque > self.error
 
     @property
@@ -107,29 +107,29 @@ class BreakAway:
 
     @property
     def note(self) -> str:
-        """What the torque says, or why it says nothing."""
+        """Explanation of the torque, or of a missing value."""
         if self.spread is None:
             largest = max(start.largest for start in self.starts)
             turns = f", but from {len(self.turning)} of {len(self.starts)} starts" if self.turning else ""
             return f"{SELF_LOCKING} with no torque on the crank, by up to {largest:g} N m on the output{turns}"
         if not self.resolved:
             return (
-                f"below {max(self.torque, 0.0) + self.error:.2g} N m: less than its own error, as the discs' weight "
-                f"and parts that cross their play move the crank as well; {self._over_starts}"
+                f"below {max(self.torque, 0.0) + self.error:.2g} N m: less than its error, as the weight of the discs "
+                f"and parts that cross their clearance also move the crank; {self._over_starts}"
             )
         return (
-            f"{self._over_starts}; none to speak of: friction is in proportion to the load, and there is only the "
-            "parts' weight"
+            f"{self._over_starts}; small, as friction is in proportion to the load, which is only the weight of "
+            "the parts"
         )
 
     @property
     def _over_starts(self) -> str:
         count, turning = len(self.starts), len(self.turning)
         if count == 1:
-            return "of one start, as no gravity acts"
+            return "one start, as there is no gravity"
         stuck = f"; from the other {count - turning} the crank stays at rest" if turning < count else ""
         words = self.spread.words if self.spread else ""
-        return f"{words} N m over {turning} starts round the crank's turn{stuck}"
+        return f"{words} N m over {turning} starts around the crank turn{stuck}"
 
     def as_json(self) -> dict[str, Any]:
         """Convert what the starts spread to JSON values."""
@@ -140,11 +140,11 @@ class BreakAway:
 
 
 def break_away(reducer: Reducer, solver: Solver = "planar") -> BreakAway:
-    """Let the output torque grow from zero on a reducer at rest, its crank free, from several independent starts.
+    """Increase the output torque from zero on a reducer at rest with free crank, from several independent starts.
 
     Contacts have the stiffness of the rated load, or they would creep under the growing one. Friction without a load is
-    that of the parts' own weight and inertia; what is in proportion to the load is in the efficiency of back-driving.
-    The crank's speed follows T t^2/2 - T0 t: the straight line of its acceleration meets zero at the torque T0.
+    that by weight and inertia of the parts; friction in proportion to the load is part of the back-driving efficiency.
+    The crank's speed follows T t^2/2 - T0 t: its acceleration, a straight line, is zero at the torque T0.
     """
     return BreakAway(
         tuple(each_in_threads(lambda start: _from_rest(Reducer(start), solver), independent_starts(reducer)))
@@ -152,7 +152,7 @@ def break_away(reducer: Reducer, solver: Solver = "planar") -> BreakAway:
 
 
 def _from_rest(reducer: Reducer, solver: Solver) -> FromRest:
-    """Let it grow from one start."""
+    """Increase the torque from one start, to a larger share where the crank stays at rest."""
     for growth in GROWTHS:
         found = _under(reducer, growth * reducer.design.rated_torque, solver)
         if found.torque + found.error < found.largest:
@@ -161,7 +161,7 @@ def _from_rest(reducer: Reducer, solver: Solver) -> FromRest:
 
 
 def _under(reducer: Reducer, largest: float, solver: Solver) -> FromRest:
-    """Let the output torque grow to a `largest` one [N m]."""
+    """Run with an output torque that rises to `largest` [N m]."""
     forward = -braking(reducer)
     compiled = model_for(solver, reducer.at_rated_load, held="")
     light = largest / (6.0 * reducer.design.reduction * compiled.crank_inertia)

@@ -203,6 +203,7 @@ def _closed_forms(reducer: Reducer, cranks: list[float]) -> dict[str, Known]:
 def _quantities(
     by_kind: dict[str, list[StopPair]], checked: dict[str, StopPair], closed: dict[str, Known]
 ) -> Iterator[Quantity]:
+    """Yield the backlash by all clearances with its extremes, by each alone, and the sum of these."""
     parts = []
     for name, presses in by_kind.items():
         values, known = np.array([pair.backlash for pair in presses]), closed.get(name)
@@ -243,6 +244,7 @@ def _arcminutes(error: float | None) -> float | None:
 
 
 def _curves(reducer: Reducer, by_kind: dict[str, list[StopPair]], closed: dict[str, Known]) -> tuple[Curve, ...]:
+    """Return the backlash over the crank angle, by runs and closed forms."""
     drawn = []
     axes = "crank angle [deg]", "backlash [arcmin]"
     for name, presses in by_kind.items():
@@ -257,6 +259,7 @@ def _curves(reducer: Reducer, by_kind: dict[str, list[StopPair]], closed: dict[s
 
 
 def _assumptions(reducer: Reducer, runs: list[Run], solver: Solver) -> tuple[str, ...]:
+    """List the assumptions of the runs."""
     torque = PRESS * reducer.design.rated_torque
     return (
         f"the crank is locked; the output is pressed against its stops by {torque:.2g} and {2.0 * torque:.2g} N m, and "
@@ -273,6 +276,7 @@ def _assumptions(reducer: Reducer, runs: list[Run], solver: Solver) -> tuple[str
 
 
 def _by_angle(by_kind: dict[str, list[StopPair]], closed: dict[str, Known]) -> list[dict[str, Any]]:
+    """Convert the stops at each crank angle to JSON values."""
     return [
         {
             "crank_angle_deg": math.degrees(pair.crank),

@@ -204,7 +204,7 @@ def step_of(run: Run) -> float:
 
 
 def steps_text(runs: Iterable[Run]) -> str:
-    """Tell the steps that runs were made with, in microseconds, longest first."""
+    """Format the time steps of runs in microseconds, the longest first."""
     return " and ".join(f"{1e6 * step:.3g} us" for step in sorted({step_of(run) for run in runs}, reverse=True))
 
 

@@ -11,7 +11,7 @@ from cycloid_mj.geometry import envelope
 from cycloid_mj.reducer import Reducer
 
 CARRYING_SHARE = 0.01
-"""A contact carries where its force is at least this share of the largest of its kind."""
+"""Share of the largest force of its kind from which a contact counts as loaded."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,9 +27,9 @@ class ContactPressures:
     vector
         Forces on the gear (on the pin, in its socket) [N], shape (n, contacts, 2).
     pressure
-        Hertz's peak pressure [Pa], shape (n, contacts), as if he held everywhere.
+        Hertz's peak pressure [Pa], shape (n, contacts), computed for conformal contacts as well.
     holds
-        Whether Hertz holds, shape (n, contacts): not where the contact is conformal.
+        Whether Hertz's theory applies, shape (n, contacts): not to conformal contacts.
     """
 
     kind: str
@@ -56,18 +56,18 @@ class ContactPressures:
 
     @property
     def carries(self) -> Mask:
-        """Whether a contact carries, shape (n, contacts)."""
+        """Mask of the loaded contacts, shape (n, contacts)."""
         return np.asarray(self.force > CARRYING_SHARE * self.peak_force)
 
     @property
     def mean_force(self) -> float:
-        """Mean force of the contacts that carry [N]; 0 where none does."""
+        """Mean force of the loaded contacts [N]; 0 where there is none."""
         carried = self.force[self.carries]
         return float(carried.mean()) if carried.size else 0.0
 
     @property
     def carrying(self) -> float:
-        """Contacts that carry, on average [1]."""
+        """Mean number of loaded contacts [1]."""
         return float(self.carries.sum(axis=1).mean())
 
     @property
@@ -81,13 +81,13 @@ class ContactPressures:
 
     @property
     def peak_pressure(self) -> float:
-        """The largest Hertz pressure [Pa]; not a number where the contact that has it is conformal."""
+        """The largest Hertz pressure [Pa]; NaN where its contact is conformal."""
         worst = int(np.argmax(self.pressure))
         return float(self.pressure.flat[worst]) if self.holds.flat[worst] else math.nan
 
 
 def contact_pressures(run: Run, reducer: Reducer) -> dict[str, ContactPressures]:
-    """Collect the contacts of a run's samples by kind of pair."""
+    """Compute forces and pressures of all contacts of a run, by kind of pair."""
     crank = run["crank_angle"]
     angle = crank - 2.0 * math.pi * np.floor(crank[0] / (2.0 * math.pi))
     contacts = {}

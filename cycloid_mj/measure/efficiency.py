@@ -76,7 +76,9 @@ def efficiency(
         design=steady.design,
         condition=f"up to {max(torques):.4g} N m and {max(map(abs, speeds)) / RPM:.0f} rpm, {SOLVERS[solver]}",
         quantities=keyed(
-            _rated(steady, efficiency_map), _losses(efficiency_map.rated), _driven(steady, efficiency_map)
+            _rated_quantities(steady, efficiency_map),
+            _losses(efficiency_map.rated),
+            _drag_quantities(steady, efficiency_map),
         ),
         curves=_curves(efficiency_map),
         tables=(
@@ -101,7 +103,8 @@ def efficiency(
     )
 
 
-def _rated(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
+def _rated_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
+    """List efficiency and residual at the rated point."""
     ours, load = 1e2 * efficiency_map.rated.powers.efficiency, efficiency_map.rated.torque
     ideal, wang = ideal_efficiency(reducer, load), wang_efficiency(reducer)
     error = 1e2 * efficiency_map.error
@@ -167,7 +170,7 @@ def _losses(rated: Point) -> list[Quantity]:
     ]
 
 
-def _driven(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
+def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
     """List the no-load torque, and the torques that drive the output backwards."""
     design = reducer.design
     ratio, rest = design.reduction, efficiency_map.rest
@@ -233,7 +236,7 @@ def _tables(efficiency_map: EfficiencyMap) -> tuple[Table, ...]:
     """Tabulate the map with the losses at each of its points."""
     rows: list[tuple[str | float, ...]] = []
     for point in efficiency_map.grid:
-        efficiency, shift, left = (1e2 * value for value in _judged(point))
+        efficiency, shift, left = (1e2 * value for value in _efficiency_cells(point))
         numbers = [efficiency, shift, *_shares(point).values(), left]
         rows.append((f"{point.speed / RPM:g}", point.torque, *(round(number, 4) for number in numbers)))
     header = ("speed [rpm]", "torque [N m]", "efficiency", "num. error", *_shares(efficiency_map.grid[0]), "residual")
@@ -245,7 +248,7 @@ def _details(point: Point) -> dict[str, float]:
     return {"torque_nm": point.torque, "speed_rpm": point.speed / RPM, **point.powers.loss_shares()}
 
 
-def _judged(point: Point) -> tuple[float, float, float]:
+def _efficiency_cells(point: Point) -> tuple[float, float, float]:
     return point.powers.efficiency, point.shift, point.powers.residual
 
 
@@ -289,6 +292,7 @@ def _line(panel: str, name: str, points: Sequence[Point], y: Sequence[float], la
 
 
 def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:
+    """List the assumptions of the runs."""
     design = reducer.design
     pins = round(periods * design.output.pins / design.lobes, 2)
     kinds = reducer.mechanism.kinds

@@ -152,7 +152,7 @@ def run_map(
     tasks |= {key: partial(forward, massless(one), rated, speed, SPREAD_PERIODS, solver) for key, one in varied.items()}
     points = all_in_threads(tasks, progress)
     told = [key for key in tasks if key not in slow_ends(assumed)]
-    warn(design.name, creeping_in({_named(key, points[key], assumed): points[key].reducer for key in told}))
+    warn(design.name, creeping_in({_run_name(key, points[key], assumed): points[key].reducer for key in told}))
     rates = {key: points[key].powers.efficiency for key in varied}
     return EfficiencyMap(
         grid=tuple(points.get(place, points["rated"]) for place in grid),
@@ -197,7 +197,7 @@ def _point(torque: float, speed: float, run: Run, reducer: Reducer) -> Point:
     return Point(torque, speed, mean_powers(run), mean_powers(first_half(run)), run, reducer)
 
 
-def _named(key: Hashable, point: Point, assumed: Sequence[Input]) -> str:
+def _run_name(key: Hashable, point: Point, assumed: Sequence[Input]) -> str:
     """Return the name of a run: its load and speed, or its varied input."""
     if isinstance(key, Design):
         return next(one.names[key] for one in assumed if key in one.ends)

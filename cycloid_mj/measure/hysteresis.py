@@ -1,11 +1,11 @@
-"""The hysteresis loop of a reducer at a locked crank, and what is read from it.
+"""Hysteresis loop of a reducer at a locked crank, and its characteristic values.
 
 The torque on the output is T sin^5(2 pi t/period): it passes zero so slowly that the parts come to rest on the other
-side of the play before the torque matters. The first quarter only leads to the loop.
+side of the clearance before the torque matters. The first quarter leads to the loop.
 
 Lost motion, as the industry defines it, is the turn between the middles of the two branches at +3 % and -3 % of the
-rated torque; stiffness is the slope from 50 to 100 %; backlash is taken as the turn between the unloading branches,
-drawn on to zero torque.
+rated torque; stiffness is the slope from 50 to 100 %; backlash is the turn between the unloading branches,
+extrapolated to zero torque.
 """
 
 import math
@@ -28,26 +28,26 @@ from cycloid_mj.statics.windup import LOST_MOTION_SHARE, STRAIGHT
 
 POWER = 5
 TO_ZERO = (0.005, 0.015)
-"""Stretch of the unloading branch, as shares of the rated torque, that is drawn on to zero."""
+"""Part of the unloading branch that is extrapolated to zero, relative to the rated torque."""
 
 WINDOW = 0.2
-"""Half width of the stretch that a reading is taken from, as a share of the torque there."""
+"""Half width of the range of a reading, relative to its torque."""
 
 ARRIVAL = 0.003
-"""Share of the rated torque at which a reducer without friction has just crossed its play: a tenth of 3 %."""
+"""Torque at which a reducer without friction has crossed its clearance, relative to the rated one: a tenth of 3 %."""
 
 SLOWNESS = 40.0
 """Least period of the loop in periods of the lowest vibration of output and gear on the reducer's stiffness."""
 
 SAMPLES = 2000
-"""Of one period."""
+"""Samples of a period."""
 
 LEAD = 0.25
 
 
 @dataclass(frozen=True, eq=False)
 class HysteresisLoop:
-    """One period of the loop, from one peak of the torque to the next.
+    """A period of the loop, from one peak of the torque to the next.
 
     Attributes
     ----------
@@ -93,7 +93,7 @@ class HysteresisLoop:
 
     @property
     def backlash(self) -> float:
-        """Turn between the unloading branches, drawn on to zero torque [rad]."""
+        """Turn between the unloading branches, extrapolated to zero torque [rad]."""
         low, high = (float(np.polyval(self._line(*TO_ZERO, False, side), 0.0)) for side in (-1, 1))
         return high - low
 
@@ -109,7 +109,7 @@ class HysteresisLoop:
 
     @property
     def dissipated(self) -> float:
-        """Work that friction and contacts took over the period, as logged [J]; what they store is back at its end."""
+        """Work of friction and contacts over the period by the log [J]; stored energy is released at its end."""
         within = self.run.select(self.run.time >= LEAD / (1.0 + LEAD) * self.run.time[-1])
         names = [name for name in within.columns if name.endswith((FRICTION_POWER, NORMAL_POWER))]
         return float(np.trapezoid(within.block(names).sum(axis=1), within.time))

@@ -107,9 +107,9 @@ def loads(
     contacts, fine = contact_pressures(run, loaded), contact_pressures(finer, loaded)
     coarse = contact_pressures(run.select(slice(0, len(finer))), loaded)
     limits, lasting = (_limits(contacts, loaded, allowed) for allowed in (YIELD_PRESSURE, SHAKEDOWN_PRESSURE))
-    missed = {kind: _missed(loaded, contact) for kind, contact in contacts.items()}
+    missed = {kind: _peak_excess(loaded, contact) for kind, contact in contacts.items()}
     weakest = min(limits, key=lambda kind: limits[kind], default="")
-    capacities = [_undecided("capacity", FIRST_YIELD), _undecided("capacity_shakedown", SHAKEDOWN)]
+    capacities = [_no_capacity("capacity", FIRST_YIELD), _no_capacity("capacity_shakedown", SHAKEDOWN)]
     if weakest:
         ratios = (one[weakest].peak_pressure / coarse[weakest].peak_pressure for one in (contacts, fine))
         # pressure goes with the root of the force
@@ -145,13 +145,13 @@ def loads(
             "nominal_torque_nm": reducer.design.rated_torque,
             "rated_torque_nm": reducer.design.rated_torque,  # the former key, for one release
             "weakest": weakest,
-            "capacity_by_kind_nm": _scaled(limits, torque),
-            "shakedown_by_kind_nm": _scaled(lasting, torque),
+            "capacity_by_kind_nm": _scale_limits(limits, torque),
+            "shakedown_by_kind_nm": _scale_limits(lasting, torque),
         },
     )
 
 
-def _missed(reducer: Reducer, one: ContactPressures) -> float:
+def _peak_excess(reducer: Reducer, one: ContactPressures) -> float:
     """Compute the relative excess of a kind's largest force over the turn above that of the samples, by ideal sharing.
 
     It is 0 where the samples cover the turn.
@@ -160,7 +160,7 @@ def _missed(reducer: Reducer, one: ContactPressures) -> float:
     return max(0.0, ideal_peak(reducer, one.kind, turn) / ideal_peak(reducer, one.kind, one.angle) - 1.0)
 
 
-def _undecided(key: str, name: str) -> Quantity:
+def _no_capacity(key: str, name: str) -> Quantity:
     """Return a capacity without a value: no contact determines it."""
     return Quantity(key, name, math.nan, "N m", note=UNDECIDED)
 
@@ -187,7 +187,7 @@ def _capacity(
         run = run_steady(guess, SETTLING_TIME, CHECKED, solver)
         factor = _limits(contact_pressures(run, reducer), reducer, allowed).get(weakest)
         if factor is None:
-            return _undecided(key, name)
+            return _no_capacity(key, name)
         before, torque = torque, torque * factor
         if abs(torque - before) < CAPACITY_RTOL * torque:
             break
@@ -278,14 +278,14 @@ def _limits(kinds: Kinds, reducer: Reducer, allowed: float) -> dict[str, float]:
     }
 
 
-def _scaled(limits: Mapping[str, float], torque: float) -> dict[str, float]:
+def _scale_limits(limits: Mapping[str, float], torque: float) -> dict[str, float]:
     return {kind: torque * factor for kind, factor in limits.items()}
 
 
 def _curves(kinds: Kinds, reducer: Reducer) -> tuple[Curve, ...]:
     single = [curve for kind in kinds.values() if kind.kind != "cam" for curve in _contacts(kind, reducer)]
     cams = [curve for disc, phase in enumerate(reducer.phases) for curve in _cam(kinds["cam"], disc, phase)]
-    return (*single, *cams, *_around(kinds[reducer.design.tooth_pair], reducer))
+    return (*single, *cams, *_ring_curves(kinds[reducer.design.tooth_pair], reducer))
 
 
 def _contacts(one: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
@@ -301,7 +301,7 @@ def _contacts(one: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
     panel = f"{one.kind}: force on {len(places)} of the {len(loaded)} that carry, of {len(peaks)}"
     degrees = np.degrees(one.angle)
     if one.kind == reducer.design.tooth_pair:
-        ideal, of = _shared(reducer, one.angle)[:, most], _contact_name(reducer, len(peaks), most)
+        ideal, of = _ideal_forces(reducer, one.angle)[:, most], _contact_name(reducer, len(peaks), most)
         yield Curve(panel, "ideal sharing", degrees, ideal, _CRANK, _FORCE, "theory", of)
     for index in places:
         yield Curve(panel, _contact_name(reducer, len(peaks), index), degrees, one.force[:, index], _CRANK, _FORCE)
@@ -323,7 +323,7 @@ def _cam(one: ContactPressures, disc: int, phase: float) -> Iterator[Curve]:
     yield Curve(panel, name, degrees, towards, _CRANK, "direction [deg]")
 
 
-def _around(teeth: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
+def _ring_curves(teeth: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
     """Yield the forces of a disc around the ring at the largest force, with ideal sharing."""
     count, row = reducer.design.ring.teeth, int(np.argmax(teeth.force.max(axis=1)))
     ring = int(np.argmax(teeth.force[row])) // count  # of a disc or, of a ring in two halves, of one of them
@@ -331,12 +331,12 @@ def _around(teeth: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
     about = np.degrees(2.0 * math.pi * np.arange(count + 1) / count)
     panel = f"{teeth.kind} at {math.degrees(teeth.peak_angle):.0f} deg of crank"
     panel += f", disc {disc + 1}" if reducer.design.gear.discs > 1 else ""
-    ideal = _shared(reducer, teeth.angle)[row, of_ring]
+    ideal = _ideal_forces(reducer, teeth.angle)[row, of_ring]
     for name, forces in (("simulated", teeth.force[row, of_ring]), ("ideal", ideal)):
         yield Curve(panel, name, about, np.append(forces, forces[0]), "", _FORCE, "polar")
 
 
-def _shared(reducer: Reducer, crank: Array) -> Array:
+def _ideal_forces(reducer: Reducer, crank: Array) -> Array:
     """Compute the forces of ideal sharing on the teeth [N], shape (n, D mates), at crank angles [rad], shape (n,)."""
     design, halves = reducer.design, reducer.design.ring.halves
     torque = reducer.share * math.copysign(design.load.torque, design.drive.speed) / (design.gear.discs * halves)
@@ -346,6 +346,7 @@ def _shared(reducer: Reducer, crank: Array) -> Array:
 
 
 def _assumptions(reducer: Reducer) -> tuple[str, ...]:
+    """List the assumptions of the runs."""
     design = reducer.design
     bearing = (
         f"the cam turns in a full-complement roller bearing of {design.contact.cam_rollers} rollers "

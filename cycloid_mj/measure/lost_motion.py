@@ -97,6 +97,7 @@ def _statics(reducer: Reducer, cranks: list[float], rated: float) -> list[Windup
 
 
 def _assumptions(measured: LostMotionLoops, period: float, solver: Solver) -> tuple[str, ...]:
+    """List the assumptions of the loops."""
     steps = [bench.steps_text(loop.run for loop in loops) for loops in (measured.service, measured.ideal)]
     checks = [bench.steps_text([loops[0].run]) for loops in (measured.service_checks, measured.ideal_checks)]
     beyond = () if measured.statics else (LEFT_OUT,)

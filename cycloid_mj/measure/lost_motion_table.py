@@ -105,6 +105,7 @@ def stiffness(loop: HysteresisLoop) -> float:
 
 
 def _motions(measured: LostMotionLoops) -> Iterator[Quantity]:
+    """Yield lost motion and backlash, as designed and without friction and weight."""
     solved = [windup.lost_motion / ARCMINUTE for windup in measured.statics]
     known = _rigid(measured)
     rigid = known.turn if known is not None else ()
@@ -134,6 +135,7 @@ def _rigid(measured: LostMotionLoops) -> Known | None:
 
 
 def _stiffness(measured: LostMotionLoops) -> Iterator[Quantity]:
+    """Yield the torsional stiffness and the compliances of its parts."""
     unit = "N m/arcmin"
     solved = [ARCMINUTE / one.compliance(one.turn) for one in measured.statics]
     name = "torsional stiffness, 50 to 100 % of rated torque"
@@ -159,6 +161,7 @@ def loop_series(reducer: Reducer, loop: HysteresisLoop) -> dict[str, float]:
 
 
 def _friction(measured: LostMotionLoops) -> list[Quantity]:
+    """List width, work and shift of the loop."""
     pair = measured.service, measured.service_checks
     damped = float(np.mean([loop.width for loop in measured.ideal])) / ARCMINUTE
     viscous = (

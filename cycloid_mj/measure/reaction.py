@@ -1,4 +1,4 @@
-"""What the housing feels: the forces of ring and bearings, their moments, and the unbalance of gears and shaft."""
+"""Forces of ring and bearings on the housing, their moments, and the unbalance of discs and shaft."""
 
 from dataclasses import dataclass
 
@@ -25,7 +25,7 @@ from cycloid_mj.statics.bearings import Reactions, spatial
 
 @dataclass(frozen=True)
 class Unbalance:
-    """Unbalance of what goes round with the crank.
+    """Unbalance of the parts that rotate with the crank.
 
     Attributes
     ----------

@@ -138,6 +138,7 @@ def curves(by_variant: Mapping[FrictionVariant, float], published: Sequence[Publ
 
 
 def _of_ring(reducer: Reducer, quick: bool) -> list[FrictionVariant]:
+    """List the rows of one support of the pins."""
     design = reducer.design
     pins, pairs = pins_of(reducer), sliding_pairs(reducer)
     rows = [FrictionVariant(pins, OWN, design.friction_of(design.tooth_pair), design)]

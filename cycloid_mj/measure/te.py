@@ -123,6 +123,7 @@ def _statics(reducer: Reducer, case: TraceCondition, turns: int) -> ErrorCurves:
 
 
 def _assumptions(reducer: Reducer, turns: int) -> tuple[str, ...]:
+    """List the assumptions of the runs."""
     design = reducer.design
     lobes = design.lobes
     ring, holes = base_orders(reducer)

@@ -46,7 +46,11 @@ def quantities(reducer: Reducer, traces: Found, finer: Finer, statics: Statics, 
         for shaft in ("gear", "output")
         for name, (words, _) in _LEVELS.items()
     ]
-    return [*levels, *_shifts(reducer, traces, finer, statics), *_caused(reducer, traces, finer, statics, turns)]
+    return [
+        *levels,
+        *_shifts(reducer, traces, finer, statics),
+        *_cause_quantities(reducer, traces, finer, statics, turns),
+    ]
 
 
 def curves(reducer: Reducer, traces: Found, statics: Statics) -> tuple[Curve, ...]:
@@ -86,7 +90,7 @@ def separates_orders(reducer: Reducer, turns: int) -> bool:
 
 
 def details(reducer: Reducer, traces: Found, turns: int) -> dict[str, Any]:
-    """Give the strongest orders of each case with their causes, the causes, and whether the turns part all orders."""
+    """Return the strongest orders of each case with their causes, the causes, and whether the turns part all orders."""
     return {
         "turns": turns,
         "turns_that_part_orders": reducer.design.lobes,
@@ -131,7 +135,9 @@ def _shifts(reducer: Reducer, traces: Found, finer: Finer, statics: Statics) -> 
             yield Quantity(f"{shaft}_{key}", name, value, "arcsec", error, reference, STATICS)
 
 
-def _caused(reducer: Reducer, traces: Found, finer: Finer, statics: Statics, turns: int) -> Iterator[Quantity]:
+def _cause_quantities(
+    reducer: Reducer, traces: Found, finer: Finer, statics: Statics, turns: int
+) -> Iterator[Quantity]:
     """Yield the rms value of each cause's orders, and its strongest order."""
     count = f"{turns} of {reducer.design.lobes} crank turns"
     beside = (

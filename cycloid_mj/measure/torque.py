@@ -97,7 +97,9 @@ def torque(
     beside = with_friction(published, steady, by_row, None if quick else rate_error(ours, finer), solver)
     called = _RUNS | {row: row.name for row in rows} | {end: name for one in assumed for end, name in one.names.items()}
     slow = spread.slow_ends(assumed)
-    by_name = {called[key]: _loaded(one) for key, (one, _) in tested.items() if key not in slow} | {"crank held": held}
+    by_name = {called[key]: _at_rated_torque(one) for key, (one, _) in tested.items() if key not in slow} | {
+        "crank held": held
+    }
     by_name |= {
         sensitivity.common_name(one.friction): _with_common(steady, one.friction)
         for one in beside
@@ -124,14 +126,14 @@ def torque(
     )
 
 
-def _loaded(reducer: Reducer) -> Reducer:
+def _at_rated_torque(reducer: Reducer) -> Reducer:
     """Return the drive with the contact stiffness of the rated output torque without losses."""
     return reducer.working_at(reducer.design.rated_torque)
 
 
 def _untold_test(reducer: Reducer, periods: int, solver: Solver) -> BrakedRun:
     """Run the rated test without the warning about incomplete friction, which `torque` issues for all tests at once."""
-    with suppress_warnings(tuple(creeping(_loaded(reducer)))):
+    with suppress_warnings(tuple(creeping(_at_rated_torque(reducer)))):
         return rated_test(reducer, periods, solver)
 
 
@@ -194,6 +196,7 @@ def _with_common(reducer: Reducer, friction: float) -> Reducer:
 def _quantities(
     reducer: Reducer, ours: BrakedRun, finer: BrakedRun | None, at_held_crank: float, by_input: Sequence[InputEffect]
 ) -> list[Quantity]:
+    """List the quantities of the rated test."""
     ideal = reducer.design.rated_torque
     powers, closed = ours.powers, ideal_efficiency(reducer, ours.output)
     error = rate_error(ours, finer)
@@ -268,6 +271,7 @@ def _curves(reducer: Reducer, ours: BrakedRun) -> tuple[Curve, ...]:
 
 
 def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:
+    """List the assumptions of the runs."""
     design = reducer.design
     friction = ", ".join(f"{pair} {design.friction_of(pair):g}" for pair in sensitivity.sliding_pairs(reducer))
     pins = round(periods * design.output.pins / design.lobes, 2)

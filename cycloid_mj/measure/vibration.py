@@ -118,12 +118,12 @@ def vibration(
     )
 
 
-def _signals(reducer: Reducer) -> tuple[str, ...]:
+def _signal_keys(reducer: Reducer) -> tuple[str, ...]:
     """List the keys of a design's signals."""
     return (*_SIGNALS, *(_OF_PLANES if reducer.design.gear.discs > 1 else _OF_COUNTERWEIGHT))
 
 
-def _shown(reducer: Reducer) -> tuple[str, ...]:
+def _spectrum_keys(reducer: Reducer) -> tuple[str, ...]:
     """List the keys of the signals whose spectra are drawn."""
     return (*SHOWN, *(_OF_PLANES if reducer.design.gear.discs > 1 else ()))
 
@@ -135,7 +135,7 @@ def _levels(
     closed, still = reducer.design.gear.eccentricity * reducer.design.drive.speed**2, float(np.hypot(*weight(reducer)))
     for one in at_speed:
         check = checks.get(one.load)
-        for key in _signals(reducer):
+        for key in _signal_keys(reducer):
             name, unit = _ALL[key]
             value, error = one.rms(key), _error(one, check, methodcaller("rms", key))
             error = None if error is None else max(error, abs(one.rms_of_half(key) - value))
@@ -143,7 +143,7 @@ def _levels(
             note = _NOTE if key == "housing" else ""
             words = f"rms {name} below {5e-4 * one.rate:.3g} kHz, {one.load}"
             yield Quantity(f"{key}_rms_{one.load}", words, value, unit, error, reference, source, note)
-        for key in _shown(reducer):
+        for key in _spectrum_keys(reducer):
             name, _ = _ALL[key]
             words = f"share of the power of the {name} above {5e-4 * one.rate:.3g} kHz, {one.load}"
             error = _error(one, check, methodcaller("above", key))
@@ -199,7 +199,7 @@ def _mean_force(run: VibrationRun) -> float:
 def _sweep(reducer: Reducer, levels: Sequence[VibrationRun]) -> Iterator[Curve]:
     """Yield the levels over speed, with the closed form of the unbalance."""
     bare = unbalance(reducer).bare
-    for key in _signals(reducer):
+    for key in _signal_keys(reducer):
         name, unit = _ALL[key]
         panel = f"rms of the {name}"
         loads = dict.fromkeys(level.load for level in levels)
@@ -215,7 +215,7 @@ def _sweep(reducer: Reducer, levels: Sequence[VibrationRun]) -> Iterator[Curve]:
 
 def _spectra(reducer: Reducer, at_speed: Sequence[VibrationRun]) -> Iterator[Curve]:
     """Yield the spectra at the design's speed: of vectors, the root of both components' squares."""
-    for key in _shown(reducer):
+    for key in _spectrum_keys(reducer):
         name, unit = _ALL[key]
         for one in at_speed:
             turns_per_second = abs(one.speed) / (2.0 * np.pi)
@@ -247,5 +247,5 @@ def _band_assumption(one: VibrationRun) -> str:
 
 
 def _row(reducer: Reducer, run: VibrationRun) -> dict[str, Any]:
-    levels = {f"{key}_rms": run.rms(key) for key in _signals(reducer)}
+    levels = {f"{key}_rms": run.rms(key) for key in _signal_keys(reducer)}
     return {"speed_rpm": run.rpm, "load": run.load, "orbit_m_s2": run.orbit, **levels}

@@ -1,7 +1,7 @@
-"""Runs for the vibration: one speed and load each, with what sways there about its closed form or mean.
+"""Runs of the vibration measure: one speed and load each, with signals relative to their closed form or mean.
 
-Contacts shake the parts far above the rate that a log has room for: a run is sampled several times as fast, and what
-would fold down is taken away before one sample in so many is kept.
+Contacts cause vibration far above the log rate: a run is oversampled, low-pass filtered against aliasing, and
+decimated.
 """
 
 from collections.abc import Mapping
@@ -25,18 +25,18 @@ from cycloid_mj.measure.trace import RISE, SETTLING, preload_cycle
 from cycloid_mj.reducer import Reducer
 
 OVERSAMPLING = 10
-"""Samples taken for each one that is kept, or as many as there are steps."""
+"""Samples taken for each stored sample, limited by the time step."""
 
 END_SAMPLES = 12
-"""Samples after the window, which the filter and the differences reach into."""
+"""Samples after the window for the filter and the differences."""
 
 ACCELERATIONS = ("gear_centre", "output", "momentum")
-"""Signals that are differences of velocities: means from a sample to the next."""
+"""Signals that are differences of velocities: means between samples."""
 
 
 @dataclass(frozen=True, eq=False)
 class VibrationRun:
-    """What sways at one speed and load, over whole crank turns, up to half of the rate that it is kept at.
+    """Vibration at one speed and load over full crank turns, up to half of the stored rate.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ class VibrationRun:
         return rms(self.signals[key])
 
     def above(self, key: str) -> float:
-        """Compute the share of a signal's power that lies above half of the rate; 0 where nothing sways."""
+        """Compute the share of a signal's power above half of the rate; 0 without vibration."""
         return max(0.0, 1.0 - (self.rms(key) / self.whole_rms[key]) ** 2) if self.whole_rms[key] else 0.0
 
     def rms_of_half(self, key: str) -> float:
@@ -90,7 +90,7 @@ class VibrationRun:
         return rms(self.signals[key][: len(self.crank) // 2])
 
     def rotating(self, key: str) -> float:
-        """Compute the size of the part of a signal of vectors that goes round with the crank."""
+        """Compute the size of the part of a vector signal that rotates with the crank."""
         x, y = self.signals[key].T
         return float(abs(np.mean((x + 1j * y) * np.exp(-1j * np.sign(self.speed) * self.crank))))
 
@@ -159,7 +159,7 @@ def _tilting(run: Run, reducer: Reducer) -> dict[str, Array]:
 
 
 def _swaying(key: str, signal: Array) -> Array:
-    """Compute an acceleration's departures as they are, a force less its mean."""
+    """Return accelerations unchanged, and forces minus their mean."""
     return signal if key in ("gear_centre", "output") else signal - signal.mean(axis=0)
 
 

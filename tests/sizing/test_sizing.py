@@ -321,7 +321,7 @@ def test_a_drive_whose_backlash_is_not_found_is_not_told_as_the_most_that_goes(m
 
 def test_no_room_for_a_gear_is_said_with_a_size_that_goes() -> None:
     refused = answered(Requirement(119, 0.02, 0.1, process="printed"))
-    assert "no gear with a ratio of 119 fits into 20 mm" in refused.refusal
+    assert "no disc with a ratio of 119 fits into 20 mm" in refused.refusal
     assert refused.most == 0.0
 
 
