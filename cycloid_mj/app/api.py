@@ -119,7 +119,7 @@ def forces(content: Content) -> dict[str, Any]:
     """Return the forces over the crank turn with the number ``turn``."""
     number = content.get("turn", 0)
     if type(number) is not int or not 0 <= number <= MAX_TURN:
-        raise UsageError(f"turn {number!r} is out of range: an integer from 0 to {MAX_TURN}")
+        raise UsageError(f"turn {number!r} is out of range: it must be an integer from 0 to {MAX_TURN}")
     return turn.forces(_reducer(content), number)
 
 

@@ -246,7 +246,7 @@ def _check_columns(samples: int, columns: Mapping[str, Array], units: Mapping[st
         if name not in units:
             raise LogError(f"column {name!r} has no unit: add it to units ('1' for a plain number)")
     if surplus := [name for name in units if name not in columns]:
-        raise LogError(f"units has {surplus[0]!r}, which is no column: {_unknown_column(surplus[0], list(columns))}")
+        raise LogError(f"units has {surplus[0]!r}, which is not a column: {_unknown_column(surplus[0], list(columns))}")
 
 
 def _topics(topics: Mapping[str, Sequence[str]], columns: Mapping[str, Array]) -> dict[str, tuple[str, ...]]:
@@ -254,7 +254,9 @@ def _topics(topics: Mapping[str, Sequence[str]], columns: Mapping[str, Array]) -
     names_by_topic = {topic: tuple(names) for topic, names in topics.items()}
     listed = [name for names in names_by_topic.values() for name in names]
     if unknown := [name for name in listed if name not in columns]:
-        raise LogError(f"topics has {unknown[0]!r}, which is no column: {_unknown_column(unknown[0], list(columns))}")
+        raise LogError(
+            f"topics has {unknown[0]!r}, which is not a column: {_unknown_column(unknown[0], list(columns))}"
+        )
     if len(set(listed)) < len(listed):
         twice = next(name for name in listed if listed.count(name) > 1)
         raise LogError(f"topics has column {twice!r} twice: give it one topic")

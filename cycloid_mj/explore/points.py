@@ -146,7 +146,9 @@ def _field(key: str) -> FieldInfo:
     """Return the declaration of a key that holds one value."""
     field = declaration_of(key)
     if field.annotation not in (int, float, bool, str) and not _words(field):
-        raise UsageError(f"{key} is a list or a table; only single values can be varied")
+        raise UsageError(
+            f"{key} is a list or a table; only single values can be varied: choose a number, a word or a switch"
+        )
     return field
 
 

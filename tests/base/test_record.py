@@ -131,7 +131,7 @@ def test_travels_to_other_processes(travel):
         ({"time": np.array([0, 1, 2, np.nan, 3, 4, 5.0])}, "nan s at sample 3"),
         ({"time": np.array([0, 1, 2, 3, 4, 5, np.inf])}, "inf s at sample 6"),
         ({"units": {"gear_angle": "rad", "gear_speed": "rad/s"}}, "'pin_force' has no unit"),
-        ({"units": UNITS | {"pin_forse": "N"}}, "'pin_forse', which is no column.* nearest: pin_force"),
+        ({"units": UNITS | {"pin_forse": "N"}}, "'pin_forse', which is not a column.* nearest: pin_force"),
     ],
 )
 def test_refuses_what_does_not_fit(changes, message):
@@ -180,7 +180,7 @@ def test_a_run_keeps_its_topics():
     assert make_run().topics == {"/reducer": tuple(UNITS)}
     assert forced_run(topics={"/forces": []}).topics == {"/forces": tuple(run.columns)}
     with pytest.raises(
-        LogError, match=r"topics has 'cam_friction_powr', which is no column.*nearest: cam_friction_power"
+        LogError, match=r"topics has 'cam_friction_powr', which is not a column.*nearest: cam_friction_power"
     ):
         forced_run(topics={"/reducer": ["cam_friction_powr"]})
     with pytest.raises(LogError, match="topics has column 'cam_force_x' twice"):

@@ -495,8 +495,8 @@ def _hub(room: float, most: float, least: float) -> stock.StockBearing:
         if bearing.outside <= 2.0 * room and 2.0 * least <= bearing.bore <= 2.0 * most:
             return bearing
     raise DesignError(
-        f"no bearing in stock fits the output's hub: its bore is to be {2e3 * least:.4g} to {2e3 * most:.4g} mm, its "
-        f"outside at most {2e3 * room:.4g} mm; take a larger diameter, or a thinner shaft (shaft.radius_mm)"
+        f"no bearing in stock fits the output's hub: its bore must be {2e3 * least:.4g} to {2e3 * most:.4g} mm, its "
+        f"outside at most {2e3 * room:.4g} mm; choose a larger diameter or a thinner shaft (shaft.radius_mm)"
     )
 
 

@@ -108,7 +108,9 @@ def _kernel(name: str) -> Iterator[Any]:
     except Exception as error:
         if isinstance(error, CycloidError):
             raise
-        raise CycloidError(f"OpenCASCADE cannot make the {name}: {error}; check the design") from error
+        raise CycloidError(
+            f"OpenCASCADE cannot build the solid {name}: {error}; check the design with `cycloid-mj design check`"
+        ) from error
     finally:
         gmsh.model.remove()
         if fresh:
