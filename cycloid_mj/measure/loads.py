@@ -111,23 +111,13 @@ def loads(
     weakest = min(limits, key=lambda kind: limits[kind], default="")
     capacities = [_no_capacity("capacity", FIRST_YIELD), _no_capacity("capacity_shakedown", SHAKEDOWN)]
     if weakest:
-        ratios = (one[weakest].peak_pressure / coarse[weakest].peak_pressure for one in (contacts, fine))
-        # pressure goes with the root of the force
-        unsure = missed[weakest] + sum(2.0 * abs(ratio - 1.0) for ratio in ratios)
+        unsure = missed[weakest] + _pressure_error(contacts[weakest], coarse[weakest], fine[weakest])
         capacities = [
-            _capacity(
-                "capacity", loaded, weakest, torque * limits[weakest], YIELD_PRESSURE, FIRST_YIELD, unsure, solver
-            ),
-            _capacity(
-                "capacity_shakedown",
-                loaded,
-                weakest,
-                torque * lasting[weakest],
-                SHAKEDOWN_PRESSURE,
-                SHAKEDOWN,
-                unsure,
-                solver,
-            ),
+            _capacity(key, loaded, weakest, torque * factors[weakest], allowed, name, unsure, solver)
+            for key, factors, allowed, name in (
+                ("capacity", limits, YIELD_PRESSURE, FIRST_YIELD),
+                ("capacity_shakedown", lasting, SHAKEDOWN_PRESSURE, SHAKEDOWN),
+            )
         ]
     progress(whole, whole)
     by_kind = (_of_kind(loaded, contacts[kind], coarse[kind], fine[kind], missed[kind]) for kind in contacts)
@@ -149,6 +139,15 @@ def loads(
             "shakedown_by_kind_nm": _scale_limits(lasting, torque),
         },
     )
+
+
+def _pressure_error(contacts: ContactPressures, coarse: ContactPressures, fine: ContactPressures) -> float:
+    """Compute the relative error of the force by that of the largest pressure, which is proportional to its root.
+
+    The pressures of all samples and of those with half the time step are compared with the first mesh periods.
+    """
+    ratios = (each.peak_pressure / coarse.peak_pressure for each in (contacts, fine))
+    return sum(2.0 * abs(ratio - 1.0) for ratio in ratios)
 
 
 def _peak_excess(reducer: Reducer, one: ContactPressures) -> float:
