@@ -1,7 +1,7 @@
 """Calibration: the design that fits measured loops, the uncertainty of its values, and what remains undetermined."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from operator import attrgetter
 from typing import Any
@@ -205,7 +205,7 @@ class Calibration(Presented):
     @property
     def misfits(self) -> tuple[str, ...]:
         """Stretches that the fitted model cannot follow, and the model that does better; a sentence each."""
-        best, sentences = self.preferred, [item.sentence for item in self.stretches if not item.followed]
+        best, sentences = self.preferred, list(self._worst_stretches())
         if best is None or best.key == WRITTEN:
             return tuple(sentences)
         own = next(item for item in self.candidates if item.key == WRITTEN)
@@ -220,6 +220,16 @@ class Calibration(Presented):
             f"--fit {','.join(best.values)}"
         )
         return (*sentences, better + (remedy if best.key == "load" else ""))
+
+    def _worst_stretches(self) -> Iterator[str]:
+        """Yield the worst stretch of each loop that the fitted model cannot follow, a sentence each."""
+        for loop in self.fitted.loops:
+            stretches = [item for item in self.stretches if item.loop == loop.name]
+            missed = [item for item in stretches if not item.followed]
+            if missed:
+                worst = max(missed, key=attrgetter("share"))
+                limit = f"{len(missed)} of {len(stretches)} stretches differ by more than {MODEL_ERROR:.0%}"
+                yield f"{worst.sentence} ({limit})"
 
     @property
     def measure_next(self) -> tuple[str, ...]:
