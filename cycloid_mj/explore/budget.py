@@ -21,6 +21,8 @@ class SobolSettings:
     min_samples
         Samples of each set below which there is no budget. From 64 on the 95 % intervals of a nearly linear figure
         contain the exact share in 90 % or more of the studies (`tests/explore/test_budget.py`).
+    min_drawn
+        Samples of each set that are drawn at least, so that some may jam.
     max_samples
         Samples of each set at most: a share is then known to 0.03.
     folds
@@ -30,6 +32,7 @@ class SobolSettings:
     """
 
     min_samples: int = 64
+    min_drawn: int = 80
     max_samples: int = 512
     folds: int = 4
     max_columns: float = 0.25
@@ -62,7 +65,7 @@ class Share:
 
 def budget_samples(samples: int) -> int:
     """Return the size of each set of the budget in a study of so many samples; 0 where it is too small for a budget."""
-    return min(samples, SOBOL.max_samples) if samples >= SOBOL.min_samples else 0
+    return min(max(samples, SOBOL.min_drawn), SOBOL.max_samples) if samples >= SOBOL.min_samples else 0
 
 
 def budget_blocks(zones: Mapping[str, Zone], samples: int) -> dict[str, Batch]:
