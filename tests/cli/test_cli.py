@@ -926,9 +926,9 @@ def test_what_cannot_be_read_or_written_is_one_line_and_exit_code_1(argv, words,
 @pytest.mark.parametrize(
     ("argv", "words"),
     [
-        (("statics", "none.toml"), ("no design 'none.toml'",)),
-        (("statics", "."), (". is a folder: give a design",)),
-        (("design", "check", "."), (". is a folder: give a design",)),
+        (("statics", "none.toml"), ("unknown design 'none.toml'",)),
+        (("statics", "."), (". is a folder: choose a design",)),
+        (("design", "check", "."), (". is a folder: choose a design",)),
         (("analyze", "none.mcap"), ("no log none.mcap",)),
         (("analyze", "."), (". is a folder: choose a log",)),
         (("log", "plot", "none.mcap"), ("no log none.mcap",)),
