@@ -61,8 +61,8 @@ def _contact_and_sliding() -> None:
 
 def _statics() -> None:
     from cycloid_mj.design import Design
-    from cycloid_mj.statics.samples import alike, solve_samples
+    from cycloid_mj.statics.samples import identical_samples, solve_samples
     from cycloid_mj.statics.sheet import sheet
 
     sheet(Reducer(Design()))
-    solve_samples(Reducer(Design()), alike(Reducer(Design()), 1), [1.0], 2)
+    solve_samples(Reducer(Design()), identical_samples(Reducer(Design()), 1), [1.0], 2)

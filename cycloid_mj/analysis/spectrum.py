@@ -197,7 +197,7 @@ def between_samples(values: Array, places: Array) -> Array:
     return np.asarray(total / weights)
 
 
-def thinned(values: Array, every: int, means: bool = False) -> Array:
+def decimate(values: Array, every: int, means: bool = False) -> Array:
     """Decimate samples by a factor `every` after a low-pass filter that prevents aliasing.
 
     Parameters
@@ -225,7 +225,7 @@ def thinned(values: Array, every: int, means: bool = False) -> Array:
 
 
 def low_pass(every: int, means: bool = False) -> Array:
-    """Compute the filter of `thinned`, shape (20 every + 1,): its response by frequency, under a Kaiser window.
+    """Compute the filter of `decimate`, shape (20 every + 1,): its response by frequency, under a Kaiser window.
 
     The frequency response is sampled finely and transformed back, as SciPy's ``firwin2`` does; importing
     ``scipy.signal`` takes longer than the filtering.

@@ -10,7 +10,7 @@ from cycloid_mj.explore.sampling import Batch, apply_departures, draw_departures
 from cycloid_mj.explore.zone import Zone
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.limits import tightest
-from cycloid_mj.statics.samples import alike
+from cycloid_mj.statics.samples import identical_samples
 
 JAM_SHARE = 0.01
 """A sample jams where a preload is more than this share of the same pair's largest force under the rated torque, or
@@ -95,7 +95,7 @@ def explain_jams(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: M
 def _interference(reducer: Reducer, drawn: Mapping[str, Array]) -> tuple[list[float], dict[str, float]]:
     """Return the smallest interference of each sample over its positions [m], and the mean share of each pair in it."""
     count = len(next(iter(drawn.values()))) if drawn else 1
-    samples = apply_departures(reducer, alike(reducer, count), drawn)
+    samples = apply_departures(reducer, identical_samples(reducer, count), drawn)
     depths, shares = [], dict[str, float]()
     for row in range(count):
         drive = unchecked_design_of_sample(reducer, samples, row)

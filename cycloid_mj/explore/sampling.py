@@ -12,7 +12,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.explore.zone import Zone, wave_zones, zone
 from cycloid_mj.geometry import profile
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.samples import Samples, alike
+from cycloid_mj.statics.samples import Samples, identical_samples
 
 BLOCK_SAMPLES = 512
 """Samples drawn from one stream of random numbers per tolerance; changing this changes all draws."""
@@ -123,7 +123,9 @@ def list_batches(samples: int) -> list[Batch]:
 
 def draw_samples(reducer: Reducer, zones: Mapping[str, Zone], seed: int, batch: Batch) -> Samples:
     """Draw the samples of a batch."""
-    return apply_departures(reducer, alike(reducer, batch.count), draw_departures(reducer, zones, seed, batch))
+    return apply_departures(
+        reducer, identical_samples(reducer, batch.count), draw_departures(reducer, zones, seed, batch)
+    )
 
 
 def draw_departures(reducer: Reducer, zones: Mapping[str, Zone], seed: int, batch: Batch) -> dict[str, Array]:

@@ -39,7 +39,7 @@ from cycloid_mj.figures import SAMPLED, Figure, compute_sampled, figure
 from cycloid_mj.figures.sampled import ANGLES, condition
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import require_one_ring
-from cycloid_mj.statics.samples import Samples, alike
+from cycloid_mj.statics.samples import Samples, identical_samples
 
 THREADS = Engine(kind="threads")
 """Samples are balanced by compiled code that releases Python's lock."""
@@ -442,7 +442,7 @@ class _Study:
         stopped = len(main) == 1 and jams_too_often(jams)
         parts = [draw_departures(self.reducer, self.zones, self.seed, batch) for batch in main]
         departures = {key: np.concatenate([part[key] for part in parts]) for key in self.zones}
-        samples = apply_departures(self.reducer, alike(self.reducer, jams.size), departures)
+        samples = apply_departures(self.reducer, identical_samples(self.reducer, jams.size), departures)
         can_be_written = has_design_file(self.reducer, samples)
         budget, no_budget = ((), "") if stopped else self._budget(done, figures[self.budget_key][~jams])
         return Tolerances(

@@ -14,7 +14,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import ARCMINUTE, ARCSECONDS
 from cycloid_mj.figures.figure import Figure, Need
 from cycloid_mj.reducer import Reducer, once
-from cycloid_mj.statics.samples import SampleFigures, Samples, alike, backlash, solve_samples
+from cycloid_mj.statics.samples import SampleFigures, Samples, backlash, identical_samples, solve_samples
 
 ANGLES = 360
 """Crank angles at which every sample is solved."""
@@ -64,7 +64,7 @@ def condition(reducer: Reducer) -> str:
 @once
 def _as_designed(reducer: Reducer, state: State) -> SampleFigures:
     """Solve a single sample without random deviations in a state."""
-    return solve_states(reducer, alike(reducer, 1), [state])[state]
+    return solve_states(reducer, identical_samples(reducer, 1), [state])[state]
 
 
 def _figure(key: str, name: str, unit: str, definition: str, sampled: Sampled) -> Figure:

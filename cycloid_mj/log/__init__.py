@@ -34,8 +34,19 @@ They follow from the columns, so a log loses nothing without them: `write` compu
 
 from cycloid_mj.log.encoding import FORMAT, ColumnGroup
 from cycloid_mj.log.place import LogTakenError
-from cycloid_mj.log.reader import Log, Shown, load, read
+from cycloid_mj.log.reader import Log, ViewerTopic, load, read
 from cycloid_mj.log.viewer import Viewer
 from cycloid_mj.log.writer import LogWriter, write
 
-__all__ = ["FORMAT", "ColumnGroup", "Log", "LogTakenError", "LogWriter", "Shown", "Viewer", "load", "read", "write"]
+__all__ = [
+    "FORMAT",
+    "ColumnGroup",
+    "Log",
+    "LogTakenError",
+    "LogWriter",
+    "Viewer",
+    "ViewerTopic",
+    "load",
+    "read",
+    "write",
+]

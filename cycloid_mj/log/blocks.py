@@ -71,13 +71,13 @@ class BlockWriter:
         self._counts: dict[int, int] = defaultdict(int)
         self._first, self._last = 0, 0
         self._begin_chunk()
-        self._put(MAGIC)
-        self._put(_written(Header("", library)))
+        self._write(MAGIC)
+        self._write(_encode(Header("", library)))
 
     def add_schema(self, name: str, data: bytes) -> int:
         """Add the schema of a protobuf message and return its number."""
         self._schemas.append(Schema(id=len(self._schemas) + 1, data=data, encoding="protobuf", name=name))
-        self._fill(_written(self._schemas[-1]))
+        self._fill(_encode(self._schemas[-1]))
         return self._schemas[-1].id
 
     def add_channel(self, topic: str, schema: int, metadata: Mapping[str, str]) -> int:
@@ -87,12 +87,12 @@ class BlockWriter:
             id=number, topic=topic, message_encoding="protobuf", schema_id=schema, metadata=dict(metadata)
         )
         self._channels.append(channel)
-        self._fill(_written(channel))
+        self._fill(_encode(channel))
         return number
 
     def add_attachment(self, name: str, media_type: str, data: bytes) -> None:
         """Add a file without a time stamp."""
-        record = _written(Attachment(create_time=0, log_time=0, name=name, media_type=media_type, data=data))
+        record = _encode(Attachment(create_time=0, log_time=0, name=name, media_type=media_type, data=data))
         index = AttachmentIndex(
             offset=self._stream.tell(),
             length=len(record),
@@ -103,15 +103,15 @@ class BlockWriter:
             media_type=media_type,
         )
         self._indexes[Opcode.ATTACHMENT_INDEX].append(index)
-        self._put(record)
+        self._write(record)
 
     def add_metadata(self, name: str, entries: Mapping[str, str]) -> None:
         """Add a metadata record."""
-        record = _written(Metadata(name=name, metadata=dict(entries)))
+        record = _encode(Metadata(name=name, metadata=dict(entries)))
         self._indexes[Opcode.METADATA_INDEX].append(
             MetadataIndex(offset=self._stream.tell(), length=len(record), name=name)
         )
-        self._put(record)
+        self._write(record)
 
     def add_message(self, message: ChannelMessage) -> None:
         """Add one message."""
@@ -123,7 +123,7 @@ class BlockWriter:
             message.time,
             message.time,
         )
-        self._list(message.channel)
+        self._register(message.channel)
         self._places[message.channel].append((message.time, self._filled))
         self._counts[message.channel] += 1
         self._fill(head + message.content)
@@ -158,7 +158,7 @@ class BlockWriter:
             starts[done:row] = self._filled + width * np.arange(row - done)
             self._fill(data[width * done : width * row])
             if row > done:
-                self._list(*channels)
+                self._register(*channels)
             for message in between.get(row, ()):
                 self.add_message(message)
             done = row
@@ -177,7 +177,7 @@ class BlockWriter:
     def finish(self) -> None:
         """Write the end of the file; the stream stays open."""
         self._end_chunk()
-        self._put(_written(DataEnd(self._crc)))
+        self._write(_encode(DataEnd(self._crc)))
         start = self._stream.tell()
         statistics = Statistics(
             attachment_count=len(self._indexes[Opcode.ATTACHMENT_INDEX]),
@@ -193,15 +193,15 @@ class BlockWriter:
         groups = {Opcode.SCHEMA: self._schemas, Opcode.CHANNEL: self._channels, Opcode.STATISTICS: [statistics]}
         summary, offsets = b"", []
         for opcode, records in (groups | self._indexes).items():
-            group = b"".join(map(_written, records))
+            group = b"".join(map(_encode, records))
             offsets.append(
                 SummaryOffset(group_opcode=opcode, group_start=start + len(summary), group_length=len(group))
             )
             summary += group
         where = start + len(summary)
-        summary += b"".join(map(_written, offsets))
+        summary += b"".join(map(_encode, offsets))
         crc = zlib.crc32(_FOOTER.pack(Opcode.FOOTER, _FOOTER_LENGTH, start, where), zlib.crc32(summary))
-        self._put(summary + _written(Footer(summary_start=start, summary_offset_start=where, summary_crc=crc)) + MAGIC)
+        self._write(summary + _encode(Footer(summary_start=start, summary_offset_start=where, summary_crc=crc)) + MAGIC)
 
     def _begin_chunk(self) -> None:
         self._parts: list[bytes] = []
@@ -209,7 +209,7 @@ class BlockWriter:
         self._entries: dict[int, list[npt.NDArray[np.void]]] = defaultdict(list)
         self._places: dict[int, list[tuple[int, int]]] = defaultdict(list)
 
-    def _list(self, *channels: int) -> None:
+    def _register(self, *channels: int) -> None:
         """List channels in the index of the chunk, in the order of their first messages, as mcap's writer does."""
         for channel in channels:
             self._entries.setdefault(channel, [])
@@ -218,7 +218,7 @@ class BlockWriter:
         self._parts.append(content)
         self._filled += len(content)
 
-    def _put(self, content: bytes) -> None:
+    def _write(self, content: bytes) -> None:
         self._crc = zlib.crc32(content, self._crc)
         self._stream.write(content)
 
@@ -242,12 +242,12 @@ class BlockWriter:
             uncompressed_crc=zlib.crc32(data),
             uncompressed_size=len(data),
         )
-        start, record = self._stream.tell(), _written(chunk)
-        self._put(record)
+        start, record = self._stream.tell(), _encode(chunk)
+        self._write(record)
         behind = self._stream.tell()
         indexes = {channel: _message_index(channel, found) for channel, found in entries.items()}
         starts = np.cumsum([0, *map(len, indexes.values())])
-        self._put(b"".join(indexes.values()))
+        self._write(b"".join(indexes.values()))
         index = ChunkIndex(
             message_start_time=first,
             message_end_time=last,
@@ -265,7 +265,7 @@ class BlockWriter:
         self._begin_chunk()
 
 
-def _written(record: Any) -> bytes:
+def _encode(record: Any) -> bytes:
     """Encode a record of the package mcap."""
     builder = RecordBuilder()
     record.write(builder)

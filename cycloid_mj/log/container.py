@@ -152,7 +152,7 @@ def messages(record: Record, path: Path) -> Messages:
     with reading(path, f"malformed chunk at byte {record.offset}"):
         chunk = Chunk.read(_stream(record.content))
         _check_message_count(chunk)
-        data = inflated(chunk.data, chunk.compression, chunk.uncompressed_size)
+        data = decompress(chunk.data, chunk.compression, chunk.uncompressed_size)
         if zlib.crc32(data) != chunk.uncompressed_crc:
             raise ValueError("its CRC is wrong")
         return _messages(data)
@@ -199,7 +199,7 @@ def _pieces(chunk: Chunk) -> Iterator[bytes]:
             yield piece
 
 
-def inflated(data: bytes, compression: str, size: int) -> bytes:
+def decompress(data: bytes, compression: str, size: int) -> bytes:
     """Decompress a chunk of `size` bytes, without allocating more.
 
     Raises

@@ -57,14 +57,14 @@ class LogFile:
         try:
             if path.exists() and not self._replaces:
                 raise FileExistsError
-            self._old = _locked(path) if self._replaces else None
-            self.at, self.stream = self._opened()
+            self._old = _open_locked(path) if self._replaces else None
+            self.at, self.stream = self._open_new()
         except BlockingIOError:
             raise LogError(
                 f"another run is writing log {path}: wait until it ends, or choose another folder (--out)"
             ) from None
         except FileExistsError:
-            raise _taken(path) from None
+            raise _taken_error(path) from None
         except OSError as problem:
             self._let_go()
             raise unwritable(path, problem) from problem
@@ -99,7 +99,7 @@ class LogFile:
             self.stream.close()
         self._let_go()
 
-    def _opened(self) -> tuple[Path, BinaryIO]:
+    def _open_new(self) -> tuple[Path, BinaryIO]:
         if self.hidden:
             at = hidden_path(self.path)
             return at, at.open("xb")
@@ -118,7 +118,7 @@ class LogFile:
         try:
             self.path.open("xb").close()
         except FileExistsError:
-            raise _taken(self.path) from None
+            raise _taken_error(self.path) from None
 
     def _let_go(self) -> None:
         if self._old:
@@ -132,7 +132,7 @@ def _partial_names(path: Path) -> Iterator[Path]:
         yield path.with_name(f"{path.stem}.partial-{number}{path.suffix}")
 
 
-def _locked(path: Path) -> BinaryIO:
+def _open_locked(path: Path) -> BinaryIO:
     """Open and lock the log to be replaced; raise BlockingIOError if another run writes or replaces it."""
     while True:
         stream = path.open("rb")
@@ -162,7 +162,7 @@ def _lock(stream: BinaryIO) -> None:
             raise
 
 
-def _taken(path: Path) -> LogError:
+def _taken_error(path: Path) -> LogError:
     if path.is_file():
         return LogTakenError(f"log {path} already exists: choose another name, or overwrite it with --force")
     return LogError(f"cannot write log {path}: it is not a regular file; choose the name of a file, such as run.mcap")

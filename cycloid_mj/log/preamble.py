@@ -24,7 +24,7 @@ def preamble(provenance: Mapping[str, str], attachments: Iterable[str]) -> dict[
     return {PACKAGE: entries, PROVENANCE: stored}
 
 
-def lost(metadata: Metadata, attachments: Iterable[str]) -> list[str]:
+def missing_contents(metadata: Metadata, attachments: Iterable[str]) -> list[str]:
     """Return what a truncated log lacks; logs of earlier versions can show only that their provenance is missing."""
     package, stored = metadata[PACKAGE], metadata.get(PROVENANCE)
     missing = []

@@ -18,7 +18,7 @@ from cycloid_mj.base.overwrite_guard import note_input
 from cycloid_mj.base.record import Run
 from cycloid_mj.log import container
 from cycloid_mj.log.encoding import FORMAT, PACKAGE, TIME, ColumnGroup, group_of
-from cycloid_mj.log.preamble import PROVENANCE, lost
+from cycloid_mj.log.preamble import PROVENANCE, missing_contents
 from cycloid_mj.log.viewer import RATE
 
 Bytes = npt.NDArray[np.uint8]
@@ -30,7 +30,7 @@ GROWTH = 1.1
 
 
 @dataclass(frozen=True)
-class Shown:
+class ViewerTopic:
     """A topic for viewers: name of its schema, number of messages, and frames per second if the log states them."""
 
     schema: str
@@ -55,7 +55,7 @@ class Log:
     """
 
     run: Run
-    viewers: Mapping[str, Shown]
+    viewers: Mapping[str, ViewerTopic]
     whole: bool
     size: int
 
@@ -89,7 +89,7 @@ class _Samples:
             column[self._kept : kept] = records[name]
         self.count, self._kept = end, kept
 
-    def locked(self, samples: int) -> list[Array]:
+    def finish(self, samples: int) -> list[Array]:
         """Return times and columns, cut to so many samples and read-only, so that a `Run` need not copy them."""
         left = samples if self._rows is None else int(np.count_nonzero(self._rows < samples))
         for column in self._columns:
@@ -144,7 +144,7 @@ def load(path: str | os.PathLike[str], without: Collection[str] = (), rows: Inte
     """Read the run of a log together with facts about the file; see `read`."""
     path, contents = Path(path), _Contents(without, rows)
     try:
-        with _opened(path) as stream:
+        with _open(path) as stream:
             whole = _scan(stream, path, contents)
             size = stream.seek(0, os.SEEK_END)
     except OSError as problem:
@@ -157,11 +157,11 @@ def load(path: str | os.PathLike[str], without: Collection[str] = (), rows: Inte
         raise LogError(
             f"log {path} contains no samples: the run was stopped before the first chunk was written; run it again"
         )
-    run = _joined(contents, samples, whole, path)
+    run = _join(contents, samples, whole, path)
     return Log(run, _viewers(contents), whole, size)
 
 
-def _opened(path: Path) -> BinaryIO:
+def _open(path: Path) -> BinaryIO:
     if not path.exists():
         raise NoLogError(f"no log {path}: {_alternatives(path)}")
     if not path.is_file():
@@ -192,7 +192,7 @@ def _scan(stream: BinaryIO, path: Path, contents: _Contents) -> bool:
             contents.attachments[name] = content
         elif record.opcode == Opcode.CHUNK:
             _identify(contents, path)
-            _take(contents, container.messages(record, path), path)
+            _add_messages(contents, container.messages(record, path), path)
         whole = record.opcode == Opcode.DATA_END
     _identify(contents, path)
     return whole
@@ -209,7 +209,7 @@ def _identify(contents: _Contents, path: Path) -> None:
         )
 
 
-def _take(contents: _Contents, messages: container.Messages, path: Path) -> None:
+def _add_messages(contents: _Contents, messages: container.Messages, path: Path) -> None:
     """Add the messages of a chunk that belong to groups of columns."""
     contents.schemas.update(messages.schemas)
     contents.channels.update(messages.channels)
@@ -227,13 +227,13 @@ def _take(contents: _Contents, messages: container.Messages, path: Path) -> None
             contents.samples[id].add(group, messages.of[id], path)
 
 
-def _viewers(contents: _Contents) -> dict[str, Shown]:
+def _viewers(contents: _Contents) -> dict[str, ViewerTopic]:
     viewers = {}
     for id, channel in contents.channels.items():
         if "units" not in channel.metadata:
             schema = contents.schemas.get(channel.schema_id)
             rate = _number(channel.metadata.get(RATE, ""))
-            viewers[channel.topic] = Shown(schema.name if schema else "", contents.counts[id], rate)
+            viewers[channel.topic] = ViewerTopic(schema.name if schema else "", contents.counts[id], rate)
     return viewers
 
 
@@ -251,10 +251,10 @@ def _check_count(contents: _Contents, sizes: list[int], path: Path) -> None:
         raise container.corrupt(path, f"it should have {written} samples and has {min(sizes)}")
 
 
-def _joined(contents: _Contents, samples: int, whole: bool, path: Path) -> Run:
+def _join(contents: _Contents, samples: int, whole: bool, path: Path) -> Run:
     """Join the first samples of all groups, which must share their times and have distinct columns."""
     groups = contents.groups
-    tables = {id: contents.samples[id].locked(samples) for id in groups}
+    tables = {id: contents.samples[id].finish(samples) for id in groups}
     time, *others = (table[0] for table in tables.values())
     if any((other != time).any() for other in others):
         raise container.corrupt(path, "the sampling times of its topics differ")
@@ -268,7 +268,7 @@ def _joined(contents: _Contents, samples: int, whole: bool, path: Path) -> Run:
     note, complete = end.get("note", ""), end.get("complete") == "true"
     if not whole:
         cut = f"the log is truncated: {samples} samples, up to {time[-1]:.9g} s, could be read"
-        gone = lost(contents.metadata, contents.attachments)
+        gone = missing_contents(contents.metadata, contents.attachments)
         note, complete = "; ".join(filter(None, (note, cut, *gone))), False
     try:
         provenance = contents.metadata.get(PROVENANCE, {})

@@ -76,14 +76,14 @@ class LogWriter:
         hidden: bool = False,
     ) -> None:
         self.samples = 0
-        self._groups = _checked(groups)
+        self._groups = _check_groups(groups)
         self._on_disk = 0
         self._last = -np.inf
         self._open = True
         size = sum(group.zeros.size for group in self._groups)
         self._chunk = max(1, chunk_size // size)
         first = preamble(provenance or {}, attachments or {})
-        self._place, self._mcap = _started(Path(path), force, hidden, first, attachments or {})
+        self._place, self._mcap = _open_log(Path(path), force, hidden, first, attachments or {})
         self._channels = [
             self._mcap.add_channel(group.topic, self._mcap.add_schema(group.message, group.schema()), group.metadata())
             for group in self._groups
@@ -122,7 +122,7 @@ class LogWriter:
         self._check(time, values)
         messages = [group.encode(time, values[group.topic]) for group in self._groups]
         nanoseconds = np.rint(time * 1e9).astype(np.uint64)
-        shown = self._shown(time, values)
+        shown = self._viewer_messages(time, values)
         start = 0
         while start < time.size:
             stop = min(time.size, start + self._chunk - self.samples % self._chunk)
@@ -137,7 +137,7 @@ class LogWriter:
         try:
             self._mcap.flush()
         except OSError as problem:
-            raise self._failed(problem) from problem
+            raise self._write_error(problem) from problem
         self._on_disk = self.samples
 
     def close(self, note: str = "", complete: bool = True, attachments: Mapping[str, bytes] | None = None) -> None:
@@ -179,7 +179,7 @@ class LogWriter:
         with suppress(LogError):
             self.close(note=f"{type(error).__name__}: {error}".removesuffix(": "), complete=False)
 
-    def _shown(self, time: Array, values: Mapping[str, Array]) -> dict[int, list[Message]]:
+    def _viewer_messages(self, time: Array, values: Mapping[str, Array]) -> dict[int, list[Message]]:
         """Return the messages for viewers of k samples, by their time [ns]."""
         rows = due(time, self._last, self._viewer.rate) if self._viewer else ()
         if not (self._viewer and len(rows)):
@@ -198,7 +198,7 @@ class LogWriter:
     ) -> None:
         """Append samples that fit into the current chunk, each after the messages for viewers of its time."""
         between = {
-            row: [self._numbered(message) for message in shown[time]]
+            row: [self._number(message) for message in shown[time]]
             for row, time in enumerate(nanoseconds.tolist())
             if time in shown
         }
@@ -206,11 +206,11 @@ class LogWriter:
             self._mcap.add_samples(self._channels, nanoseconds, self.samples, messages, between)
             self.samples += len(nanoseconds)
         except OSError as problem:
-            raise self._failed(problem) from problem
+            raise self._write_error(problem) from problem
         if self.samples % self._chunk == 0:
             self.flush()
 
-    def _numbered(self, message: Message) -> ChannelMessage:
+    def _number(self, message: Message) -> ChannelMessage:
         """Return a viewers' message with its channel and its number there."""
         topic, time, content = message
         self._frames[topic] += 1
@@ -240,7 +240,7 @@ class LogWriter:
             self._mcap.finish()
             self._place.finish(complete or self._place.hidden)
         except OSError as problem:
-            raise self._failed(problem) from problem
+            raise self._write_error(problem) from problem
         except LogTakenError:
             self._abandon()
             raise
@@ -250,7 +250,7 @@ class LogWriter:
         self._open = False
         self._place.drop()
 
-    def _failed(self, problem: OSError) -> LogError:
+    def _write_error(self, problem: OSError) -> LogError:
         if self._place.hidden:
             self._abandon()
             return LogError(
@@ -290,7 +290,7 @@ def write(run: Run, path: str | os.PathLike[str], viewer: Viewer | None = None, 
         log.close(run.note, run.complete)
 
 
-def _started(
+def _open_log(
     path: Path,
     force: bool,
     hidden: bool,
@@ -300,7 +300,7 @@ def _started(
     """Open the log and write everything before the samples; leave no file if that fails."""
     place = LogFile(path, force, hidden)
     try:
-        return place, _begun(place.stream, first, attachments)
+        return place, _write_preamble(place.stream, first, attachments)
     except BaseException as problem:
         place.drop()
         if isinstance(problem, OSError):
@@ -308,7 +308,7 @@ def _started(
         raise
 
 
-def _begun(stream: BinaryIO, first: Metadata, attachments: Mapping[str, bytes]) -> BlockWriter:
+def _write_preamble(stream: BinaryIO, first: Metadata, attachments: Mapping[str, bytes]) -> BlockWriter:
     """Write metadata and attachments to the disk."""
     mcap = BlockWriter(stream, PACKAGE)
     for name, entries in first.items():
@@ -335,7 +335,7 @@ def _viewer_channels(mcap: BlockWriter, viewer: Viewer) -> dict[str, int]:
     return {topic: mcap.add_channel(topic, schemas[name], metadata) for topic, (name, _) in viewer.schemas.items()}
 
 
-def _checked(groups: Groups) -> list[ColumnGroup]:
+def _check_groups(groups: Groups) -> list[ColumnGroup]:
     """Return the groups in order; raise LogError if there is none or a column occurs twice."""
     if not groups:
         raise LogError("a log needs at least one group of columns: {'/topic': [(column, unit), ...]}")

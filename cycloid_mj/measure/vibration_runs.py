@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cycloid_mj.analysis import series
-from cycloid_mj.analysis.spectrum import thinned
+from cycloid_mj.analysis.spectrum import decimate
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import GEAR, PEAK_FORCE, SHAFT, column, gears, planar_speeds
 from cycloid_mj.base.record import Run
@@ -129,7 +129,7 @@ def run_vibration(
     }
     if reducer.design.gear.discs > 1:
         taken |= _tilting(run, reducer)
-    kept = {key: thinned(signal, every, key in ACCELERATIONS) for key, signal in taken.items()}
+    kept = {key: decimate(signal, every, key in ACCELERATIONS) for key, signal in taken.items()}
     first = int(np.searchsorted(run.time[::every], settling))
     rows = slice(first, first + round(turns * 2.0 * np.pi / abs(speed) / (every * step)))
     fine = slice(every * rows.start, every * rows.stop)
@@ -138,7 +138,7 @@ def run_vibration(
         speed=speed,
         crank=np.abs(run["crank_angle"][::every][rows]),
         signals={key: _swaying(key, signal[rows]) for key, signal in kept.items()},
-        orbit=rms(thinned(orbit, every, means=True)[rows]),
+        orbit=rms(decimate(orbit, every, means=True)[rows]),
         rate=1.0 / (every * step),
         whole_rms={key: rms(_swaying(key, signal[fine])) for key, signal in taken.items()},
         sampled_rate=1.0 / step,

@@ -25,7 +25,7 @@ SHORTEST_VARINT = 4
 """Bytes of nanoseconds from which on they are exchanged: shorter ones, of 2 ms after each second, are rare."""
 
 
-def encoded(build: Build, values: Array, stamps: Integers) -> list[bytes]:
+def encode_messages(build: Build, values: Array, stamps: Integers) -> list[bytes]:
     """Return the messages of k rows of doubles (k, d) with time stamps (k,) [ns].
 
     `build` has to write every double of its argument that is not zero exactly once, and may write the time stamp any
@@ -46,7 +46,7 @@ def encoded(build: Build, values: Array, stamps: Integers) -> list[bytes]:
             for one in rows.tolist():
                 messages[one] = build(values[one].tolist(), int(stamps[one]))
             continue
-        filled = _filled(build, present[row], values[rows], int(seconds[row]), int(lengths[row]), nanoseconds[rows])
+        filled = _fill(build, present[row], values[rows], int(seconds[row]), int(lengths[row]), nanoseconds[rows])
         size, content = filled.shape[1], filled.tobytes()
         for number, one in enumerate(rows.tolist()):
             messages[one] = content[number * size : (number + 1) * size]
@@ -59,7 +59,7 @@ def varint(value: int) -> bytes:
     return bytes([*(group | 0x80 for group in groups[:-1]), groups[-1]])
 
 
-def _filled(
+def _fill(
     build: Build, present: npt.NDArray[np.bool_], values: Array, second: int, length: int, nanoseconds: Integers
 ) -> Bytes:
     """Return messages (k, size) of rows whose fields have one presence and whose nanoseconds have one length."""

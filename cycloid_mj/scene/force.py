@@ -118,15 +118,15 @@ def contact_forces(
     """
     acting = {name: kind for name, kind in _pairs(columns).items() if kind in kinds}
     place, discs = poses(reducer, columns), gears(reducer.design.gear.discs)
-    true = _measured(reducer, place)
-    shown = true if drawn is None else _drawn(reducer, drawn)
+    true = _measured_centres(reducer, place)
+    shown = true if drawn is None else _drawn_centres(reducer, drawn)
     parts = [columns[column(name, part)] for name in acting for part in WRENCH]
     count = columns["crank_angle"].size
     wrench = usable(np.reshape(parts, (len(acting), len(WRENCH), count)).transpose(2, 0, 1))
     felt = [pin(number_of(name)) if kind in _ON_PINS else discs[disc_of(name)] for name, kind in acting.items()]
     origin = np.reshape([place[part][:, :2] for part in felt], (len(acting), count, 2)).transpose(1, 0, 2)
     along = _direction(wrench[..., :2])
-    aside = _aside(wrench, along, true.surface(acting, along) - origin)
+    aside = _lateral_shift(wrench, along, true.surface(acting, along) - origin)
     return ContactForces(tuple(acting), tuple(acting.values()), shown.surface(acting, along) + aside, wrench[..., :2])
 
 
@@ -213,7 +213,7 @@ class _Inner:
         return surface
 
 
-def _measured(reducer: Reducer, place: Mapping[str, Array]) -> _Inner:
+def _measured_centres(reducer: Reducer, place: Mapping[str, Array]) -> _Inner:
     nominal = ring_places(reducer)
     ring = moved(place[HOUSING][:, np.newaxis], nominal)
     if pin(1) in place:
@@ -222,7 +222,7 @@ def _measured(reducer: Reducer, place: Mapping[str, Array]) -> _Inner:
     return _Inner(ring, cams(reducer, place[SHAFT]), pins, drawn_radii(reducer))
 
 
-def _drawn(reducer: Reducer, drawn: Drawing) -> _Inner:
+def _drawn_centres(reducer: Reducer, drawn: Drawing) -> _Inner:
     return _Inner(drawn.ring, cams(reducer, drawn.shaft), drawn.output_pins, drawn.radii)
 
 
@@ -237,7 +237,7 @@ def _direction(force: Array) -> Array:
     return np.divide(force, size, out=np.zeros_like(force), where=size > 0)
 
 
-def _aside(wrench: Array, along: Array, arm: Array) -> Array:
+def _lateral_shift(wrench: Array, along: Array, arm: Array) -> Array:
     """Compute the shift (..., 2) [m] of the point at `arm` from a wrench's origin onto its line of action.
 
     It is limited to `MAX_SHIFT`: the moment of a force near zero, or of two contacts, does not determine a point.

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from cycloid_mj.scene.shading import shaded
+from cycloid_mj.scene.shading import shade
 from cycloid_mj.scene.shape import Piece
 
 MEDIA_TYPE = "model/gltf-binary"
@@ -26,7 +26,7 @@ def glb(pieces: Sequence[Piece]) -> bytes:
     """Encode the file of a part: its meshes [m], in the part's frame, with their colours."""
     file = _File()
     for piece in pieces:
-        mesh = shaded(piece.mesh)
+        mesh = shade(piece.mesh)
         file.add(piece, mesh.vertices.astype("<f4"), mesh.normals.astype("<f4"), mesh.faces.astype("<u4"))
     return file.encode()
 

@@ -26,7 +26,7 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.names import pin
 from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.scene.encoding import Build, encoded, varint
+from cycloid_mj.scene.encoding import Build, encode_messages, varint
 from cycloid_mj.scene.force import (
     ARROW,
     FORCE_COLOURS,
@@ -157,7 +157,7 @@ class Scene:
                 moved.x, moved.y, turned.z, turned.w = values[4 * number : 4 * number + 4]
             return bytes(message.SerializeToString(deterministic=True))
 
-        return encoded(build, values.reshape(len(stamps), -1), stamps)
+        return encode_messages(build, values.reshape(len(stamps), -1), stamps)
 
     def _forces(self, acting: ContactForces, rows: Integers, stamps: Integers) -> list[bytes]:
         """Return the updates of the arrows of some rows: an entity for each kind of pairs, an arrow for each force."""
@@ -171,7 +171,7 @@ class Scene:
                 kind, tails[of_rows][loaded], angles[of_rows][loaded], lengths[of_rows][loaded]
             )
             ends = np.cumsum(loaded.sum(axis=1)).tolist()
-            heads = encoded(self._entity(kind), np.zeros((len(rows), 0)), stamps)
+            heads = encode_messages(self._entity(kind), np.zeros((len(rows), 0)), stamps)
             for number, (start, end, head) in enumerate(zip([0, *ends], ends, heads, strict=False)):
                 entity = head + b"".join(arrows[start:end])
                 updates[number] += ENTITIES_TAG + varint(len(entity)) + entity
@@ -212,7 +212,7 @@ class Scene:
             arrow.color.r, arrow.color.g, arrow.color.b, arrow.color.a = FORCE_COLOURS[kind]
             return bytes(entity.SerializeToString(deterministic=True))
 
-        return encoded(build, np.column_stack([tails, *columns]), np.zeros(len(tails), np.int64))
+        return encode_messages(build, np.column_stack([tails, *columns]), np.zeros(len(tails), np.int64))
 
     @cached_property
     def _heights(self) -> tuple[float, ...]:

@@ -79,7 +79,7 @@ def _pin_poses(reducer: Reducer, columns: Mapping[str, Array], ring: Array) -> A
         force = np.array(
             [[_on_discs(reducer, columns, number, axis) for axis in (FORCE_X, FORCE_Y)] for number in numbers]
         )
-        away[..., :2] = _pressed(reducer, turned(force.swapaxes(1, 2), -ring))
+        away[..., :2] = _pressed_displacements(reducer, turned(force.swapaxes(1, 2), -ring))
     centres = turned(places[:, np.newaxis] + away[..., :2], ring)
     return usable(np.concatenate([centres, away[..., 2:] + ring[:, np.newaxis]], axis=-1))
 
@@ -91,7 +91,7 @@ def _on_discs(reducer: Reducer, columns: Mapping[str, Array], number: int, axis:
     return np.sum([columns.get(pair, np.zeros_like(columns["crank_angle"])) for pair in pairs], axis=0)
 
 
-def _pressed(reducer: Reducer, force: Array) -> Array:
+def _pressed_displacements(reducer: Reducer, force: Array) -> Array:
     """Compute the displacements of massless pins [m]: by their clearance, against the `force` [N] on the discs."""
     size = np.maximum(np.linalg.norm(force, axis=-1, keepdims=True), np.finfo(float).tiny)
     return -reducer.design.pin_play * force / size

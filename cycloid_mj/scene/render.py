@@ -61,7 +61,7 @@ def render(
     set_sample(model, data, run, sample)
     camera = mujoco.MjvCamera()
     aim(camera, model, *view)
-    return _drawn(model, data, camera, size, _arrows(run, reducer, sample))
+    return _render(model, data, camera, size, _arrows(run, reducer, sample))
 
 
 def render_part(
@@ -84,10 +84,10 @@ def render_part(
     camera.lookat[:] = data.geom_xpos[seen].mean(axis=0)
     away = np.linalg.norm(data.geom_xpos[seen] - camera.lookat, axis=1)
     camera.distance = PART_DISTANCE * float((away + model.geom_rbound[seen]).max())
-    return _drawn(model, data, camera, size, [])
+    return _render(model, data, camera, size, [])
 
 
-def _drawn(model: Any, data: Any, camera: Any, size: tuple[int, int], arrows: list[dict[str, Any]]) -> Image:
+def _render(model: Any, data: Any, camera: Any, size: tuple[int, int], arrows: list[dict[str, Any]]) -> Image:
     width, height = size
     if not (MIN_PIXELS <= width <= MAX_PIXELS and MIN_PIXELS <= height <= MAX_PIXELS):
         raise UsageError(

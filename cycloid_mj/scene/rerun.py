@@ -16,7 +16,7 @@ from cycloid_mj.parts.parts import Colour
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene.force import ARROW, FORCE_COLOURS, THICKNESS, ContactForces, arrow_heights, on_gear
 from cycloid_mj.scene.pose import poses
-from cycloid_mj.scene.shading import shaded
+from cycloid_mj.scene.shading import shade
 from cycloid_mj.scene.shape import Piece, shapes
 
 TIMELINE = "time"
@@ -71,12 +71,12 @@ def _log_parts(rr: Any, recording: Any, reducer: Reducer, time: Any, place: Mapp
 
 
 def _mesh(rr: Any, piece: Piece) -> Any:
-    mesh, shade = shaded(piece.mesh), _bytes(piece.colour)
+    mesh, colour = shade(piece.mesh), _bytes(piece.colour)
     return rr.Mesh3D(
         vertex_positions=mesh.vertices,
         vertex_normals=mesh.normals,
         triangle_indices=mesh.faces,
-        albedo_factor=shade,
+        albedo_factor=colour,
     )
 
 

@@ -24,7 +24,7 @@ class ShadedMesh:
     faces: Faces
 
 
-def shaded(mesh: Mesh) -> ShadedMesh:
+def shade(mesh: Mesh) -> ShadedMesh:
     """Return a watertight mesh with its vertices split at creases, and normals weighted by the angles of the faces."""
     corners = mesh.vertices[mesh.faces]
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

@@ -34,7 +34,7 @@ def show_model(model: Any) -> None:
     """
     viewer = _viewer()
     with installed():
-        _opened(viewer.launch, model)
+        _open(viewer.launch, model)
 
 
 def show_run(run: Run, slow: float) -> None:
@@ -51,7 +51,7 @@ def show_run(run: Run, slow: float) -> None:
     data = mujoco.MjData(model)
     set_sample(model, data, run, 0)
     start = time.monotonic()
-    with _opened(_viewer().launch_passive, model, data) as window:
+    with _open(_viewer().launch_passive, model, data) as window:
         aim(window.cam, model)
         while window.is_running():
             played = (time.monotonic() - start) / slow
@@ -67,7 +67,7 @@ def _viewer() -> Any:
     return mujoco.viewer
 
 
-def _opened(open_window: Any, *args: Any) -> Any:
+def _open(open_window: Any, *args: Any) -> Any:
     try:
         return open_window(*args)
     except Exception as problem:

@@ -21,7 +21,7 @@ def ideal_cam(reducer: Reducer, crank_angle: Array) -> Array:
 
 
 def _cam(reducer: Reducer, crank: Array, phase: float) -> Array:
-    ring, pins, turned = _shared(reducer, crank, phase)
+    ring, pins, turned = _share_load(reducer, crank, phase)
     force = ideal_loads.cam_force(ring, pins, turned + phase, body_force(reducer, crank, phase))
     return np.asarray(np.hypot(*force.T))
 
@@ -30,11 +30,11 @@ def _peak(reducer: Reducer, kind: str, crank: Array, phase: float) -> float:
     """Compute the largest force of a kind of contact on the disc at a `phase` of the crank [N]."""
     if kind == "cam":
         return float(_cam(reducer, crank, phase).max())
-    ring, pins, _ = _shared(reducer, crank, phase)
+    ring, pins, _ = _share_load(reducer, crank, phase)
     return float((pins if kind == "output" else ring.forces).max())
 
 
-def _shared(reducer: Reducer, crank: Array, phase: float) -> tuple[ideal_loads.LoadSharing, Array, Array]:
+def _share_load(reducer: Reducer, crank: Array, phase: float) -> tuple[ideal_loads.LoadSharing, Array, Array]:
     """Return ideal forces of ring and output pins on the disc at a `phase`, and crank angles in the ring's frame."""
     design = reducer.design
     gear, output, turned = reducer.tooth_profile, design.output, reducer.member.against_ring(crank)

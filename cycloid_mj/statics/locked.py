@@ -131,7 +131,7 @@ def locked_course(curve: LockedCurve, elements: SlipElements, torque: Array) -> 
     ends = [0, *turning.tolist(), len(torque)]
     lines = locked_branches(curve, elements, course[ends].tolist())
     stretches = zip(pairwise(ends), lines, strict=True)
-    return np.concatenate([np.interp(course[a + 1 : b + 1], *_rising(line)) for (a, b), line in stretches])
+    return np.concatenate([np.interp(course[a + 1 : b + 1], *_increasing(line)) for (a, b), line in stretches])
 
 
 def locked_branches(
@@ -143,16 +143,16 @@ def locked_branches(
     inverted.
     """
     largest = max(map(abs, ends)) + float(elements.limits.sum())
-    turn, carried = _extended(curve, largest / (1.0 - load.share))
+    turn, carried = _extend(curve, largest / (1.0 - load.share))
     with announce_compilation():
-        lines: list[tuple[Array, Array]] = _bent(
+        lines: list[tuple[Array, Array]] = _compute_vertices(
             turn, carried, elements.limits, elements.stiffness, load.share, load.slips, np.array(ends)
         )
     return lines
 
 
 @njit(cache=True)
-def _bent(
+def _compute_vertices(
     turn: Array, carried: Array, limits: Array, stiffness: Array, share: float, load_slip: Array, ends: Array
 ) -> list[tuple[Array, Array]]:
     slip = limits / stiffness
@@ -183,11 +183,11 @@ def _bent(
     return lines
 
 
-def _rising(line: tuple[Array, Array]) -> tuple[Array, Array]:
+def _increasing(line: tuple[Array, Array]) -> tuple[Array, Array]:
     return line if line[0][-1] >= line[0][0] else (line[0][::-1], line[1][::-1])
 
 
-def _extended(curve: LockedCurve, far: float) -> tuple[Array, Array]:
+def _extend(curve: LockedCurve, far: float) -> tuple[Array, Array]:
     """Draw a curve on to a torque at either end: turns and torques, both rising strictly."""
     slopes = [np.diff(curve.turn)[end] / np.diff(curve.torque)[end] for end in (0, -1)]
     ends = [

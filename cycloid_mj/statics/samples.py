@@ -90,7 +90,7 @@ class Samples:
         return len(self.cam)
 
 
-def alike(reducer: Reducer, count: int) -> Samples:
+def identical_samples(reducer: Reducer, count: int) -> Samples:
     """Return samples that all equal the design with its errors; use `replace` for their deviations."""
     design = reducer.design
     errors, clearance, change = reducer.deviations, design.clearance, design.modification
@@ -105,12 +105,12 @@ def alike(reducer: Reducer, count: int) -> Samples:
     return Samples(**{name: np.broadcast_to(value, (count, *np.shape(value))) for name, value in one.items()})
 
 
-def drawn(reducer: Reducer, count: int, seed: int) -> Samples:
+def draw_samples(reducer: Reducer, count: int, seed: int) -> Samples:
     """Draw samples with the standard deviations of the design's `errors`: normal, with a random stream per kind.
 
     Errors that the design lists part by part, and that of the eccentricity, are the same in all samples.
     """
-    errors, same = reducer.design.errors, alike(reducer, count)
+    errors, same = reducer.design.errors, identical_samples(reducer, count)
 
     def normal(stream: int, sigma: float, listed: Sequence[float], nominal: Array) -> Array:
         draws = np.random.default_rng([seed, stream]).standard_normal(nominal.shape)
@@ -203,7 +203,7 @@ def solve_samples(
     load = np.array([springs.load(of * torque) for torque in torques])
     out = np.zeros((len(torques), len(samples), FIGURES))
 
-    def balanced(first: int, last: int) -> None:
+    def solve_chunk(first: int, last: int) -> None:
         given = springs.contacts, effects, deviations, load
         room = room_for(springs.contacts)
         balance = balance_few_samples if len(samples) <= MAX_UNCOMPILED else balance_samples
@@ -215,10 +215,10 @@ def solve_samples(
         for first, last in pairwise(bounds):
             check_interrupt()
             with announce_compilation():
-                balanced(first, last)
+                solve_chunk(first, last)
     else:
         with announce_compilation(), ThreadPoolExecutor(threads) as pool:
-            list(pool.map(balanced, bounds[:-1], bounds[1:]))
+            list(pool.map(solve_chunk, bounds[:-1], bounds[1:]))
     out[~(out[..., -1] <= RESIDUAL_RTOL)] = np.nan
     solved, twist = [], wind_up(reducer)
     for torque, found in zip(torques, out, strict=True):

@@ -16,7 +16,7 @@ from cycloid_mj.reducer.gaps import arc_gaps
 from cycloid_mj.statics import loads, springs_of
 from cycloid_mj.statics.friction_path import Losses, rubbing_of
 from cycloid_mj.statics.kernel import KernelSprings, Rubbing, follow_path, state, state_after
-from cycloid_mj.statics.samples import alike, solve_samples
+from cycloid_mj.statics.samples import identical_samples, solve_samples
 from cycloid_mj.validate import rig
 from cycloid_mj.validate.displaced import DisplacedSprings, cam_offsets, slip_force
 
@@ -127,7 +127,7 @@ def sample_rows() -> list[ValidationRow]:
     design, count = design_with_errors(TWO), len(TURN)
     stiffness = dict.fromkeys(design.pair_kinds, 3e8)  # a sample's springs are those of the design without its errors
     design = design.but(stiffness=stiffness)
-    figures = solve_samples(Reducer(design), alike(Reducer(design), 1), [rig.RATED_LOAD], count)[0]
+    figures = solve_samples(Reducer(design), identical_samples(Reducer(design), 1), [rig.RATED_LOAD], count)[0]
     springs = springs_of(Reducer(design), TURN, friction=False)
     contact_loads, load = loads(Reducer(design), springs, rig.RATED_LOAD), springs.load(rig.RATED_LOAD)
     z, force = [], []

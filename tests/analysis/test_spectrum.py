@@ -8,11 +8,11 @@ from cycloid_mj.analysis.spectrum import (
     BAND,
     LOWEST,
     between_samples,
+    decimate,
     density,
     low_pass,
     periodic_orders,
     tapered_orders,
-    thinned,
 )
 from cycloid_mj.base.errors import UsageError
 
@@ -128,7 +128,7 @@ def test_a_window_of_mesh_periods_does_for_what_repeats_with_the_mesh():
 def test_periodic_orders_refuse_what_they_would_misread():
     even = 2.0 * np.pi * np.arange(100) / 100
     for crank in (even[:90], even + 1e-3 * np.sin(even), 2.0 * np.pi * np.arange(107) / 106.5):
-        with pytest.raises(UsageError, match="even division"):
+        with pytest.raises(UsageError, match="do not divide full cycles"):
             periodic_orders(crank, np.ones(len(crank)))
 
 
@@ -145,10 +145,10 @@ def test_values_between_samples_are_those_of_the_signal(share):
 def test_thinning_keeps_the_band_and_takes_away_what_folds_into_it(every, share):
     times = np.arange(4000.0)
     rows = slice(10, -10)
-    inside = thinned(np.cos(2.0 * np.pi * share / every * times), every)[rows]
+    inside = decimate(np.cos(2.0 * np.pi * share / every * times), every)[rows]
     assert np.sqrt(2.0) * inside.std() == pytest.approx(1.0, abs=0.01)
     if every > 1:
-        folding = thinned(np.cos(2.0 * np.pi * (1.0 - share) / every * times), every)[rows]
+        folding = decimate(np.cos(2.0 * np.pi * (1.0 - share) / every * times), every)[rows]
         assert np.abs(folding).max() < 0.01
 
 
@@ -157,7 +157,7 @@ def test_thinning_makes_good_what_means_between_samples_lose(every):
     times = np.arange(4000.0)
     omega = 2.0 * np.pi * 0.39 / every
     means = np.diff(np.sin(omega * times)) / omega
-    found = thinned(np.column_stack([means, means]), every, means=True)[10:-10]
+    found = decimate(np.column_stack([means, means]), every, means=True)[10:-10]
     assert np.sqrt(2.0) * found.std(axis=0) == pytest.approx([1.0, 1.0], abs=0.005)
 
 

@@ -23,7 +23,7 @@ from cycloid_mj.design import PRESETS, Design, dump, loads, override
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.mjcf.model import xml
 from cycloid_mj.log import LogWriter, read
-from cycloid_mj.log.container import LARGEST_CHUNK, inflated
+from cycloid_mj.log.container import LARGEST_CHUNK, decompress
 
 RUN = ["drive.ramp_s=0", "drive.hold_s=0.08", "load.torque_nm=36"]
 DESIGNS = {name: override(PRESETS[name], RUN) for name in ("pin", "nonpin")}
@@ -77,7 +77,7 @@ def test_chunk_that_holds_more_than_it_says_is_not_inflated(compression, says, t
     if compression:
         tracemalloc.start()
         with pytest.raises(ValueError, match="is not the stated"):
-            inflated(data, compression, 1000)
+            decompress(data, compression, 1000)
         peak = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
         assert peak < 10**6

@@ -14,7 +14,7 @@ from cycloid_mj.figures import FIGURES, Need, figure, figures_of
 from cycloid_mj.figures.sampled import OF_SAMPLES, STATES, solve_states
 from cycloid_mj.figures.statics import OF_STATICS
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.samples import alike
+from cycloid_mj.statics.samples import identical_samples
 from cycloid_mj.statics.sheet import sheet
 
 PIN = Reducer(PRESETS["pin"])
@@ -41,7 +41,7 @@ def test_the_rows_of_statics_are_the_numbers_of_the_sheet(name: str) -> None:
 
 
 def test_a_figure_of_samples_is_that_of_one_made_as_designed() -> None:
-    states = solve_states(PIN, alike(PIN, 3), STATES)
+    states = solve_states(PIN, identical_samples(PIN, 3), STATES)
     for row in OF_SAMPLES:
         assert row.sampled
         value = row.sampled.value(*(states[state] for state in row.sampled.states))
@@ -51,7 +51,7 @@ def test_a_figure_of_samples_is_that_of_one_made_as_designed() -> None:
 def test_backlash_of_samples_is_that_of_the_sheet() -> None:
     row = figure("backlash_arcmin")
     assert row.sampled
-    states = solve_states(PIN, alike(PIN, 1), row.sampled.states)
+    states = solve_states(PIN, identical_samples(PIN, 1), row.sampled.states)
     assert row.sampled.value(*states.values())[0] == pytest.approx(row.value(PIN), rel=2e-3)
 
 

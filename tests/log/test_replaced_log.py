@@ -174,7 +174,7 @@ def test_forced_run_that_ends_early_keeps_the_old_log(here, at_the_end, error, w
     assert code == exit_code
     assert err.count("\n") == 1
     assert words in err
-    assert "the 2 samples up to then are in mine/pin.partial.mcap; the log before is still mine/pin.mcap" in err
+    assert "the 2 samples up to then are in mine/pin.partial.mcap; the previous log mine/pin.mcap is unchanged" in err
     assert Path("mine/pin.mcap").read_bytes() == before
     partial = read("mine/pin.partial.mcap")
     assert (len(partial), partial.complete) == (2, False)

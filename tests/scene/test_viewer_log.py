@@ -31,7 +31,7 @@ from cycloid_mj.parts import carried, mass_properties, parts
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene import RATE, Scene, contact_forces, frame_rate, poses, ring_places
-from cycloid_mj.scene.encoding import encoded
+from cycloid_mj.scene.encoding import encode_messages
 from cycloid_mj.scene.glb import glb
 from cycloid_mj.scene.layout import layout
 from cycloid_mj.scene.messages import FORCES, FRAMES, PARTS, ROOT
@@ -528,8 +528,8 @@ def test_messages_encoded_at_once_are_those_of_the_library():
     values[rng.random(values.shape) < 0.05] = -0.0
     values[0], values[1, 0] = 0.0, np.nan
     expected = [build(row.tolist(), int(stamp)) for row, stamp in zip(values, stamps, strict=True)]
-    assert encoded(build, values, stamps) == expected
-    assert encoded(build, values[:0], stamps[:0]) == []
+    assert encode_messages(build, values, stamps) == expected
+    assert encode_messages(build, values[:0], stamps[:0]) == []
 
 
 def test_strict_readers_take_a_log_of_a_run(tmp_path):

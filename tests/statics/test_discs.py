@@ -17,7 +17,7 @@ from cycloid_mj.reducer.bending import beam_flexibility
 from cycloid_mj.reducer.bodies import are_one_part
 from cycloid_mj.statics import Loads, loads, springs_of
 from cycloid_mj.statics.bearings import reactions
-from cycloid_mj.statics.samples import alike, solve_samples
+from cycloid_mj.statics.samples import identical_samples, solve_samples
 from cycloid_mj.statics.sheet import sheet
 from cycloid_mj.statics.structure import crank_flexibility, structure_text, twisting_compliance
 
@@ -334,7 +334,7 @@ def test_samples_of_two_discs_are_the_statics_of_designs_made_so() -> None:
     design = override(NOT_IDEAL, [*errors, "errors.pin_position_um=0.5", "structure=springs"])
     cranks = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
     alone = loads(Reducer(design), springs_of(Reducer(design), cranks, friction=False), 36.0)
-    found = solve_samples(Reducer(design), alike(Reducer(design), 1), [36.0], cranks.size)[0]
+    found = solve_samples(Reducer(design), identical_samples(Reducer(design), 1), [36.0], cranks.size)[0]
     assert found.output_mean[0] == pytest.approx(alone.output_turn.mean(), rel=1e-4)
     assert found.tooth[0] == pytest.approx(alone.teeth.max(), rel=1e-4)
     assert found.cam[0] == pytest.approx(size(alone).max(), rel=1e-4)

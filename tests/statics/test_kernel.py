@@ -36,7 +36,7 @@ from cycloid_mj.statics.kernel import (
 )
 from cycloid_mj.statics.kernel.continuation import augmented_residual, new_path, solve_by_arclength
 from cycloid_mj.statics.kernel.system import system_of
-from cycloid_mj.statics.samples import alike, solve_samples
+from cycloid_mj.statics.samples import identical_samples, solve_samples
 from cycloid_mj.validate.displaced import exact_gaps, slip_force
 
 CRANK = 1.9
@@ -235,7 +235,7 @@ def test_figures_of_a_sample_are_those_of_its_balances() -> None:
     design = override(design_of("2"), made)
     design = design.but(stiffness=dict.fromkeys(design.pair_kinds, 3e8))
     cranks = np.linspace(0.0, 2.0 * np.pi, 4, endpoint=False)
-    found = solve_samples(Reducer(design), alike(Reducer(design), 1), [36.0], cranks.size)[0]
+    found = solve_samples(Reducer(design), identical_samples(Reducer(design), 1), [36.0], cranks.size)[0]
     alone = loads(Reducer(design), springs_of(Reducer(design), cranks, friction=False), 36.0)
     for name, exact in (
         ("gear_mean", alone.gear_turn.mean()),

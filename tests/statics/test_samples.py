@@ -13,7 +13,7 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.reducer import Reducer, limits
 from cycloid_mj.reducer.gaps import cam_places
 from cycloid_mj.statics import loads, samples, springs_of
-from cycloid_mj.statics.samples import Samples, alike, drawn, solve_samples
+from cycloid_mj.statics.samples import Samples, draw_samples, identical_samples, solve_samples
 
 ERRORS = ("errors.pin_position_um=0.8", "errors.pin_radius_um=0.4", "errors.hole_position_um=0.8")
 FIXED = override(PRESETS["pin"], ['ring.pins="fixed"'])
@@ -39,7 +39,7 @@ def as_made(design: Design, made: Samples, number: int) -> Design:
 def varied(design: Design, count: int, seed: int = 3) -> Samples:
     """Samples that differ in all there is."""
     draw = np.random.default_rng(seed).uniform
-    made = drawn(Reducer(design), count, seed)
+    made = draw_samples(Reducer(design), count, seed)
     wider = {name: getattr(made, name) * draw(0.6, 1.5, count) for name in ("mesh", "seat", "cam", "output")}
     shaped = {name: draw(-1e-6, 1e-6, count) for name in ("eccentricity", "equidistant", "pin_circle")}
     waves = np.zeros(made.waves.shape)
@@ -105,7 +105,7 @@ def test_samples_that_are_lost_are_balanced_again_along_paths(monkeypatch: pytes
         balance_samples(*unchanged, first, last, out, None, room)
 
     reducer = Reducer(override(PRESETS["pin"], ERRORS))
-    made = drawn(reducer, 3, seed=5)
+    made = draw_samples(reducer, 3, seed=5)
     (usual,) = solve_samples(reducer, made, [36.0], 12)
     monkeypatch.setattr(samples, "balance_samples", lost_once)
     monkeypatch.setattr(samples, "balance_samples_by_all", by_all)
@@ -134,7 +134,7 @@ def test_two_discs_that_touch_have_twice_the_steps_before_a_search_from_afar() -
 
 def test_threads_and_neighbours_change_no_bit() -> None:
     design = override(PRESETS["pin"], ERRORS)
-    made = drawn(Reducer(design), 9, seed=5)
+    made = draw_samples(Reducer(design), 9, seed=5)
     one, two = (solve_samples(Reducer(design), made, [36.0, -0.1], 36, threads) for threads in (1, 2))
     alone = Samples(**{field.name: getattr(made, field.name)[4:5] for field in fields(Samples)})
     single = solve_samples(Reducer(design), alone, [36.0, -0.1], 36)
@@ -147,12 +147,16 @@ def test_threads_and_neighbours_change_no_bit() -> None:
 
 def test_draws_have_their_seed_and_their_size() -> None:
     design = override(PRESETS["pin"], ERRORS)
-    made, again, other = drawn(Reducer(design), 400, 7), drawn(Reducer(design), 400, 7), drawn(Reducer(design), 400, 8)
+    made, again, other = (
+        draw_samples(Reducer(design), 400, 7),
+        draw_samples(Reducer(design), 400, 7),
+        draw_samples(Reducer(design), 400, 8),
+    )
     np.testing.assert_array_equal(made.pin_place, again.pin_place)
     assert not np.array_equal(made.hole_place, other.hole_place)
     assert made.pin_place.std() == pytest.approx(0.8e-6, rel=0.02)
     assert made.pin_radius.std() == pytest.approx(0.4e-6, rel=0.02)
-    listed = drawn(Reducer(override(design, ["errors.pin_x_um={2=1.5}"])), 5, 7)
+    listed = draw_samples(Reducer(override(design, ["errors.pin_x_um={2=1.5}"])), 5, 7)
     assert np.ptp(listed.pin_place[:, :, 0], axis=0).max() == 0.0
     assert listed.pin_place[3, 1, 0] == 1.5e-6
 
@@ -160,7 +164,9 @@ def test_draws_have_their_seed_and_their_size() -> None:
 @pytest.mark.slow
 def test_small_torques_find_the_backlash() -> None:
     design = PRESETS["nonpin"]
-    made = replace(alike(Reducer(design), 3), cam=np.array([0.5e-6, 1e-6, 2e-6]), output=np.array([1e-6, 2e-6, 0.5e-6]))
+    made = replace(
+        identical_samples(Reducer(design), 3), cam=np.array([0.5e-6, 1e-6, 2e-6]), output=np.array([1e-6, 2e-6, 0.5e-6])
+    )
     still = override(design, ["environment.gravity_y_m_s2=0", "drive.speed_rpm=0"])
     ahead, back = solve_samples(Reducer(still), made, [4e-4, -4e-4], 18)
     for number, width in enumerate(samples.backlash(ahead, back)):
@@ -214,7 +220,7 @@ def test_equilibrium_matches_exact_geometry(name: str, largest: float, bound: fl
 
 def placed(design: Design, count: int) -> tuple[Samples, dict[str, np.ndarray]]:
     """Return samples as designed, and places drawn about theirs by 1 um."""
-    draw, many = np.random.default_rng(1).standard_normal, alike(Reducer(design), count)
+    draw, many = np.random.default_rng(1).standard_normal, identical_samples(Reducer(design), count)
     places = ("pin_place", "hole_place", "eccentricity")
     return many, {name: getattr(many, name) + 1e-6 * draw(getattr(many, name).shape) for name in places}
 
@@ -233,7 +239,7 @@ def test_samples_that_rest_where_a_curve_is_cut_off_are_balanced() -> None:
 def test_a_sample_that_jams_has_no_numbers_and_leaves_its_neighbours_alone() -> None:
     """The first of drawn samples that friction jams, between two that are as designed and turn."""
     design = override(FIXED, ["friction.pin_gear=0.82"])
-    (many, errors), ideal = placed(design, 20), alike(Reducer(design), 3)
+    (many, errors), ideal = placed(design, 20), identical_samples(Reducer(design), 3)
     jams = np.flatnonzero(
         np.isnan(solve_samples(Reducer(design), replace(many, **errors), [36.0], 90, friction=True)[0].output_mean)
     )
