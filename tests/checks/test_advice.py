@@ -90,7 +90,14 @@ def follow(design: Design, checks: Checks, with_statics: bool) -> Iterator[tuple
             yield f"{one.name}: {change} passes {passes}, worse {worse}", passes and not worse
 
 
-@pytest.mark.parametrize(("count", "with_statics"), [(12, False), pytest.param(500, True, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    ("count", "with_statics"),
+    [
+        (12, False),
+        pytest.param(500, False, marks=pytest.mark.slow),
+        pytest.param(60, True, marks=pytest.mark.slow),
+    ],
+)
 def test_followed_advice_passes_its_check_and_makes_no_other_worse(count: int, with_statics: bool) -> None:
     followed = [
         result
