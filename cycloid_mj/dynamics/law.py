@@ -1,8 +1,8 @@
-"""The law of one contact, stiffness and damping, and its translation to MuJoCo's constraint parameters.
+"""Contact law, and its translation to MuJoCo's constraint parameters.
 
 MuJoCo's normal force obeys ``R f + a + b v + k r = 0`` with relative acceleration a, velocity v and gap r. So k/R is
 the stiffness K [N/m], b/R the damping C [N s/m], and 1/R an added mass [kg] that acts on the relative motion only.
-K and C come from physics; the added mass is as small as the time step allows.
+K and C are physical; the added mass is as small as the time step allows.
 """
 
 import math
@@ -13,29 +13,29 @@ from cycloid_mj.base.array import significant
 from cycloid_mj.base.errors import ContactError
 from cycloid_mj.reducer import Reducer
 
-COUPLED = 0.05
-"""Share of the added mass that acceleration along a sliding contact may take from its normal force, mu^2/impratio.
+MAX_COUPLING = 0.05
+"""Largest share of the added mass by which tangential acceleration couples into the normal force, mu^2/impratio.
 
-From 0.25 to 0.0025 every mean figure of fixed and free pins, at 1 N m and at the rated load, agrees within 0.1 %.
+From 0.25 to 0.0025 all mean values of fixed and free pins, at 1 N m and at the rated load, agree within 0.1 %.
 """
 
 IMPRATIO = 10.0
-"""``impratio`` of a model whose crank stands still; and the largest where MuJoCo's friction lifts what slides.
+"""``impratio`` of a model whose crank is at rest, and the largest one for stock MuJoCo, which lifts sliding contacts.
 
-There, by stock MuJoCo, friction * creep * speed / impratio adds to the normal force. At 1 the teeth would push each
-other apart at every touch: under the rated load the rms of the gear's speed would be 25 % more than at 10.
+Stock MuJoCo adds friction * creep * speed / impratio to the normal force. At 1 the rms of the disc's speed under the
+rated load is 25 % larger than at 10.
 """
 
-LEAD, LEAD_OF_PINS = 0.15, 0.05
-"""Most lead of friction, see `stock_impratio`; and that of moving pins on their seats, which change their spin."""
+MAX_LEAD, MAX_PIN_LEAD = 0.15, 0.05
+"""Largest lead of friction, see `stock_impratio`, and that of moving pins on their seats, which reverse their spin."""
 
-LEAST_IMPEDANCE, MOST_IMPEDANCE = 1e-4, 0.9999
-"""What MuJoCo clamps a constraint's impedance to."""
+MIN_IMPEDANCE, MAX_IMPEDANCE = 1e-4, 0.9999
+"""Range to which MuJoCo limits the impedance of a constraint."""
 
 
 @dataclass(frozen=True)
 class ContactParameters:
-    """The law of one contact.
+    """Law of one contact.
 
     Attributes
     ----------
@@ -60,13 +60,13 @@ class ContactParameters:
 
     @property
     def condim(self) -> int:
-        """MuJoCo's number of directions that the contact has a force in."""
+        """MuJoCo's number of force directions of the contact."""
         return 3 if self.friction > 0.0 else 1
 
 
 @dataclass(frozen=True)
 class SolverParameters:
-    """The attributes of a ``<pair>`` that make MuJoCo follow a contact law."""
+    """Attributes of a ``<pair>`` with which MuJoCo follows a contact law."""
 
     condim: int
     friction: tuple[float, float, float, float, float]
@@ -110,12 +110,12 @@ def contact_law(
 def settling_law(
     stiffness: float, damping_ratio: float, effective_mass: float, friction: float, creep: float, timestep: float
 ) -> ContactParameters:
-    """Compute the law of a contact, given as of `contact_law`, that settles within a step too long to follow its swing.
+    """Compute the law of a contact that settles within a step that is too long to follow its oscillation.
 
-    Fox and Goodwin's step of it would ring there, which lifts light parts off their seats. This one is implicit Euler's
-    (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.3): with gap and speed at the end of the step
-    f = -K (r + dt v + dt^2 a) - C (v + dt a), so that 1/R = K dt^2 + C dt, and the damping is C + K dt. Its stiffness
-    is the contact's.
+    Parameters are those of `contact_law`. The step of Fox and Goodwin would oscillate there, which lifts light parts
+    off their seats. This one is implicit Euler (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.3):
+    with gap and speed at the end of the step f = -K (r + dt v + dt^2 a) - C (v + dt a), so that 1/R = K dt^2 + C dt,
+    and the damping is C + K dt. The stiffness is that of the contact.
     """
     law = contact_law(stiffness, damping_ratio, effective_mass, friction, creep, timestep)
     damping = law.damping + stiffness * timestep
@@ -123,26 +123,26 @@ def settling_law(
 
 
 def impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]], timestep: float) -> float:
-    """Compute the ``impratio`` of a model that MuJoCo's lift is taken off (`lift`), for the laws of a design's discs.
+    """Compute the ``impratio`` of a model with corrected references, from the laws of its discs.
 
-    As the normal force has the added mass 1/R, friction has impratio/R, which acts on the acceleration along the
-    contact: below Coulomb's limit it is creep v + impratio/R dv/dt. At creep dt/2 it is centred in the step, as damping
-    is; more would let friction lead its sliding. Every kind of pair has that at least, and no more coupling than
-    `COUPLED`.
+    The normal force has the added mass 1/R, friction has impratio/R, which acts on the tangential acceleration: below
+    the Coulomb limit friction is creep v + impratio/R dv/dt. At creep dt/2 it is centred in the step, like the damping;
+    more would let friction lead the sliding. Every kind of pair has at least that, and at most the coupling
+    `MAX_COUPLING`.
     """
     rubbing = [law for of_disc in laws for law in of_disc.values() if law.friction]
     if not (rubbing and reducer.design.drive.speed):
         return IMPRATIO
-    least = [max(law.friction**2 / COUPLED, 0.5 * law.creep * timestep / law.added_mass) for law in rubbing]
+    least = [max(law.friction**2 / MAX_COUPLING, 0.5 * law.creep * timestep / law.added_mass) for law in rubbing]
     return significant(max(least))
 
 
 def leads(reducer: Reducer, laws: Mapping[str, ContactParameters], impratio: float) -> dict[str, float]:
-    """Compute the tangent of the angle by which friction leads its sliding, on teeth, cam and the seats of moving pins.
+    """Compute the tangent of the angle by which friction leads the sliding, on teeth, cam and the seats of moving pins.
 
-    Parts that circle on the eccentricity c at w slide with c w and accelerate by c w^2; on the cam, of radius r, they
-    slide with r w. So it is impratio w/(R creep), on the cam c/r of it. Creep is in proportion to the working force:
-    under a light load friction would come to point against the sliding.
+    Bodies that orbit at the eccentricity c with w slide at c w and accelerate by c w^2; on the cam, of radius r, they
+    slide at r w. The tangent is impratio w/(R creep), on the cam c/r of it. Creep is in proportion to the working
+    force, so under a light load friction could point against the sliding.
     """
     design = reducer.design
     gear, speed = design.gear, abs(design.drive.speed)
@@ -154,9 +154,9 @@ def leads(reducer: Reducer, laws: Mapping[str, ContactParameters], impratio: flo
 
 
 def stock_impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]]) -> float:
-    """Find the ``impratio`` of a model for stock MuJoCo, which lifts what slides: `IMPRATIO`, or what `LEAD` allows."""
+    """Compute the ``impratio`` of a model for stock MuJoCo, which lifts sliding contacts: at most `IMPRATIO`."""
     allowed = [
-        (LEAD_OF_PINS if kind == reducer.design.seat_pair else LEAD) / lead
+        (MAX_PIN_LEAD if kind == reducer.design.seat_pair else MAX_LEAD) / lead
         for of_disc in laws
         for kind, lead in leads(reducer, of_disc, 1.0).items()
         if lead
@@ -170,22 +170,22 @@ def solver_parameters(law: ContactParameters, inverse_weight: float, impratio: f
     Parameters
     ----------
     law
-        What the contact shall do.
+        The contact law.
     inverse_weight
         Sum of both bodies' translational ``body_invweight0`` [1/kg], MuJoCo's estimate of A in R = (1-d)/d A.
     impratio
         That of the model.
 
-    MuJoCo allows impedances from 0.0001 to 0.9999: an added mass below 0.0001 of the bodies' own is raised to that,
-    which `regime` tells where it matters.
+    MuJoCo allows impedances from 0.0001 to 0.9999. An added mass below 0.0001 of that of the bodies is raised to it;
+    `regime` warns if this matters.
 
     Raises
     ------
     ContactError
         The added mass is larger than MuJoCo's impedance can represent.
     """
-    high = MOST_IMPEDANCE
-    impedance = max(inverse_weight / (1.0 / law.added_mass + inverse_weight), LEAST_IMPEDANCE)
+    high = MAX_IMPEDANCE
+    impedance = max(inverse_weight / (1.0 / law.added_mass + inverse_weight), MIN_IMPEDANCE)
     if not impedance <= high:
         raise ContactError(
             f"a contact with a stiffness of {law.stiffness:.3g} N/m needs an added mass of {law.added_mass:.3g} kg at "

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from cycloid_mj.design import Friction
-from cycloid_mj.dynamics.law import LEAST_IMPEDANCE, ContactParameters, leads
+from cycloid_mj.dynamics.law import MIN_IMPEDANCE, ContactParameters, leads
 from cycloid_mj.dynamics.timestep import (
     SETTINGS,
     circling_limit,
@@ -233,10 +233,9 @@ def _circling(reducer: Reducer, compiled: Compiled) -> Iterator[str]:
 
 
 def _noise(reducer: Reducer, kind: str) -> Iterator[str]:
-    clearance, least = (
-        getattr(reducer.design.clearance, kind),
-        MIN_CLEARANCE_SHARE * reducer.design.ring.pin_circle_radius,
-    )
+    """Warn of a clearance below the rounding error of the gaps."""
+    least = MIN_CLEARANCE_SHARE * reducer.design.ring.pin_circle_radius
+    clearance = getattr(reducer.design.clearance, kind)
     if clearance < least:
         yield (
             f"clearance.{kind}_um = {1e6 * clearance:g} is below the numerical noise of the gap computation; "
@@ -251,10 +250,10 @@ def _raised_mass(compiled: Compiled) -> Iterator[str]:
     for kind, pair in first.items():
         law = compiled.laws[kind]
         weight = sum(model.body_invweight0[model.geom(name).bodyid[0], 0] for name in (pair.on, pair.by))
-        least = LEAST_IMPEDANCE / (1.0 - LEAST_IMPEDANCE) / float(weight)
+        least = MIN_IMPEDANCE / (1.0 - MIN_IMPEDANCE) / float(weight)
         if least - law.added_mass > MAX_RAISED_MASS * law.effective_mass:
             yield (
-                f"{kind}: MuJoCo's minimum impedance, {LEAST_IMPEDANCE:g}, raises the added mass of this contact from "
+                f"{kind}: MuJoCo's minimum impedance, {MIN_IMPEDANCE:g}, raises the added mass of this contact from "
                 f"{law.added_mass:.3g} to {least:.3g} kg, {least / law.effective_mass:.1%} of the mass that moves on "
                 f"it; use heavier parts or fewer contacts (ring.teeth, output.pins)"
             )

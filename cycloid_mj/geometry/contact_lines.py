@@ -62,6 +62,7 @@ def pressure(lines: ContactLines, force: float, length: float, modulus: float) -
 
 
 def _lines_at(gear: CycloidGear, kind: RingKind, crank_angle: float) -> list[ContactLines]:
+    """Return the contact lines at one crank angle [rad] by part: pins, or arcs and Sigma."""
     arcs = envelope.arc_contacts(gear, crank_angle)
     if kind == "pin":
         return [_lines(crank_angle, arcs, arcs.lobe, np.full(arcs.lobe.shape, "pin"))]
@@ -77,6 +78,7 @@ def _lines_at(gear: CycloidGear, kind: RingKind, crank_angle: float) -> list[Con
 
 
 def _lines(crank_angle: float, contacts: RingContacts, tooth: Integers, part: npt.NDArray[np.str_]) -> ContactLines:
+    """Return the contact lines of one part at a crank angle [rad]."""
     return ContactLines(
         crank_angle=np.full(tooth.shape, crank_angle),
         tooth=tooth,

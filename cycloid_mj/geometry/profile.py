@@ -429,6 +429,7 @@ def _bend(gear: CycloidGear, B: npt.ArrayLike) -> Array:
 
 
 def _outline_at(gear: CycloidGear, t: Array, offset: float | None) -> Outline:
+    """Return the outline at trochoid parameters t [rad]."""
     return Outline(
         t=t,
         points=outline(gear, t, offset),

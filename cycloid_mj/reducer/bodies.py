@@ -261,6 +261,7 @@ def mechanism(design: Design) -> Mechanism:
 
 
 def _bodies(design: Design, errors: Deviations) -> Iterator[Body]:
+    """Yield the bodies: the held member, crank, discs, output and moving pins."""
     axis, gear, ring = np.zeros(2), tooth_profile(design), design.ring
     turning, holder = member_of(design).turning_and_held
     # the ring is the housing's: where that turns it takes its pins along
@@ -330,6 +331,7 @@ def _mesh(design: Design, disc: int, ring: Surfaces) -> Mating:
 
 
 def _cam(design: Design, errors: Deviations, disc: int) -> Mating:
+    """Return the pair of cam and bore of a disc."""
     gear, radius = _of_disc(design, names.GEAR, disc), design.gear.bore_radius
     bore, cam = (_of_disc(design, name, disc) for name in (names.BORE, names.CAM))
     ahead, orbit = phases(design)[disc], design.gear.eccentricity + errors.eccentricity

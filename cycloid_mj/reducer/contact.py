@@ -281,6 +281,7 @@ class Contact:
         return 4.0 * torque / (design.ring.teeth * gear.eccentricity * design.lobes)
 
     def _stiffness(self) -> float:
+        """Return the uncached `stiffness` [N/m]."""
         design, kind = self._reducer.design, self.kind
         value: float = getattr(design.stiffness, kind)
         if value:

@@ -68,6 +68,7 @@ def pressed_fit(reducer: "Reducer", crank: float, pose: Array) -> Fit:
 
 
 def _fit(reducer: "Reducer", mesh_gaps: Gaps, pose: Array, least: float) -> Fit:
+    """Return the pose for unknowns of ``gaps`` [m], shape (u,), with its minimum gap [m]."""
     design = reducer.design
     radius, discs = design.output.pin_circle_radius, pose[:-1].reshape(-1, 3)
     turned, carrier = discs[:, 2] / radius, float(pose[-1]) / radius

@@ -11,8 +11,8 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics import timestep as steps
 from cycloid_mj.dynamics.contact.collider import installed
 from cycloid_mj.dynamics.law import (
-    COUPLED,
     IMPRATIO,
+    MAX_COUPLING,
     ContactParameters,
     contact_law,
     leads,
@@ -171,7 +171,7 @@ def test_friction_is_centred_in_the_step_or_more_and_leads_its_sliding_by_little
     laws, ratio, step = contact_laws(Reducer(design)), build(design).model.opt.impratio, steps.timestep(Reducer(design))
     rubbing = [law for law in laws.values() if law.friction]
     assert all(ratio * law.added_mass >= 0.4999 * law.creep * step for law in rubbing)
-    assert all(law.friction**2 / ratio <= 1.0001 * COUPLED for law in rubbing)
+    assert all(law.friction**2 / ratio <= 1.0001 * MAX_COUPLING for law in rubbing)
     assert 0.0 < max(leads(Reducer(design), laws, ratio).values()) < 0.02
 
 

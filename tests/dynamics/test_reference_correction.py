@@ -11,7 +11,7 @@ from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.contact import collider, each_step
 from cycloid_mj.dynamics.contact.forces import pair_index
 from cycloid_mj.dynamics.contact.teeth import USER_DATA
-from cycloid_mj.dynamics.law import COUPLED, contact_law, solver_parameters
+from cycloid_mj.dynamics.law import MAX_COUPLING, contact_law, solver_parameters
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.planar.model import planar_model
 from cycloid_mj.dynamics.run import simulate
@@ -67,7 +67,7 @@ def forces(model: Any, data: Any) -> tuple[float, float]:
 @pytest.mark.parametrize("island", ["enable", "disable"])
 @pytest.mark.parametrize("speed", [SPEED, -SPEED])
 def test_a_sliding_block_presses_by_its_weight(friction: float, island: str, speed: float) -> None:
-    ratio = friction**2 / COUPLED
+    ratio = friction**2 / MAX_COUPLING
     stock = forces(*block(friction, ratio, island=island, speed=speed))
     assert stock[0] > 2.0 * WEIGHT, "stock MuJoCo lifts it"
     with collider.installed():

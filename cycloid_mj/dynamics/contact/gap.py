@@ -262,6 +262,7 @@ def flank_curvature(t: float, flank: Flank) -> float:
 
 @njit
 def _turned_flank_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float, bool]:
+    """Compute `flank_distance` for rotated flanks: the larger distance, or that of the corner where they meet."""
     s, c = math.sin(flank.rotation), math.cos(flank.rotation)
     # The flank before a tip, clockwise, is turned clockwise, that after it counter-clockwise.
     side = 1.0

@@ -152,6 +152,7 @@ class _StepPlaces:
 
     @classmethod
     def of(cls, balls: int, user: int) -> "_StepPlaces":
+        """Return the candidates for a model with so many `balls` in contact and so much user data."""
         model = mujoco.MjModel.from_xml_string(_PROBE_OF_STEPS.format(more=_BALL * balls, user=user))
         data = mujoco.MjData(model)
         mujoco.mj_forward(model, data)
@@ -178,6 +179,7 @@ class _StepPlaces:
 
 
 def _pointers(model: Any) -> dict[str, int]:
+    """Return the offsets of the pointers of `Layout` for one model."""
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     # Pointers of mjModel follow its sizes, which start the structure; those of mjData follow the energies.

@@ -7,6 +7,8 @@ from numba.extending import intrinsic
 
 
 def _reader(number: types.Number, name: str) -> Any:
+    """Return a compiled function that reads a number at an address."""
+
     def read(typing_context: Any, address: types.Integer) -> Any:
         def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
             pointer = builder.inttoptr(args[0], context.get_data_type(number).as_pointer())
@@ -38,6 +40,8 @@ def array_at(address: int, rows: int, columns: int) -> Any:
 
 
 def _writer(number: types.Number, name: str) -> Any:
+    """Return a compiled function that writes a number at an address."""
+
     def write(typing_context: Any, address: types.Integer, value: types.Number) -> Any:
         def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
             pointer = builder.inttoptr(args[0], context.get_data_type(number).as_pointer())

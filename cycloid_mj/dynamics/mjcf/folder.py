@@ -137,6 +137,7 @@ def _manifest(
     rests: list[Rest],
     files: Mapping[str, bytes],
 ) -> str:
+    """Return the manifest of a model folder as JSON: versions, hashes, settings and measured mesh errors."""
     design = reducer.design
     moving = [
         names.SHAFT,

@@ -170,6 +170,7 @@ def _inverse_weights(spec: Any) -> dict[str, float]:
 
 
 def _add_visuals(spec: Any, reducer: Reducer) -> None:
+    """Add meshes and materials of all parts for viewers."""
     visual = spec.add_default(VISUAL, spec.default)
     visual.geom.group, visual.geom.contype, visual.geom.conaffinity = 2, 0, 0
     visual.geom.type = mujoco.mjtGeom.mjGEOM_MESH
