@@ -186,6 +186,7 @@ def _ramp(motion: Series) -> Ramp | None:
 
 
 def _power(motion: Series) -> Power:
+    """Compute mean powers and torques."""
     run = motion.run
     load_torque = _mean(run["load_torque"], motion)
     return Power(

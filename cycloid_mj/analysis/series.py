@@ -308,6 +308,7 @@ def _usable(run: Run, needed: tuple[str, ...]) -> Run:
 
 
 def _point(q: npt.ArrayLike | None, reducer: Reducer) -> Array:
+    """Return the point q as an array (2,) [m], by default the centre of hole 1; raise UsageError if it is invalid."""
     point = np.array([0.0, reducer.design.output.pin_circle_radius] if q is None else q, dtype=np.float64)
     if point.shape != (2,) or not np.isfinite(point).all():
         raise UsageError(

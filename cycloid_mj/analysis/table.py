@@ -56,6 +56,7 @@ def groups(findings: Findings) -> list[RowGroup]:
 
 
 def _part(part: str, speed: SpeedFindings, error: TransmissionError, article: str = "the ") -> Iterator[FigureRow]:
+    """Yield the rows of transmission error and speed of a part."""
     mean, theory = speed.mean_rad_s, speed.theory_rad_s
     # a difference within rounding is shown as 0
     off = 0.0 if abs(mean - theory) <= ROUNDING * abs(theory) else mean - theory
@@ -100,6 +101,7 @@ def _pin_1(findings: Findings) -> Iterator[FigureRow]:
 
 
 def _torques(findings: Findings) -> Iterator[FigureRow]:
+    """Yield the rows of torques and losses."""
     power = findings.power
     yield _row("load torque, mean", "N m", power.load_torque_nm)
     yield _row("crank torque, mean", "N m", power.crank_torque_nm)
@@ -131,6 +133,7 @@ def _row(
     closed_form: float | None = None,
     error: float | None = None,
 ) -> FigureRow:
+    """Return a row with formatted values."""
     return FigureRow(quantity, _text(simulated), _text(closed_form), _text(error), unit)
 
 

@@ -160,6 +160,7 @@ def _swept(run: Run) -> float:
 
 
 def _ended_in_ramp(motion: Series) -> str:
+    """Return the warning of a run that ended during the ramp."""
     drive = motion.design.drive
     reached = RPM.from_si(float(motion.crank_speed.simulated[-1]))
     return (
@@ -170,6 +171,7 @@ def _ended_in_ramp(motion: Series) -> str:
 
 
 def _short(motion: Series, judged: Window) -> str:
+    """Return the warning of a run with less than a crank turn at constant speed."""
     speed = abs(motion.design.drive.speed)
     settled = judged.start_s - motion.design.drive.ramp
     needed = (

@@ -223,6 +223,7 @@ class BlockWriter:
         self._stream.write(content)
 
     def _end_chunk(self) -> None:
+        """Compress the chunk and write it with its message indexes; do nothing if it has no message."""
         for channel, places in self._places.items():
             self._entries[channel].append(np.array(places, INDEX_ENTRY))
         if not self._entries:

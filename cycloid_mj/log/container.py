@@ -226,6 +226,7 @@ def decompress(data: bytes, compression: str, size: int) -> bytes:
 
 
 def _messages(data: bytes) -> Messages:
+    """Parse the records of a decompressed chunk."""
     schemas: dict[int, Any] = {}
     channels: dict[int, Any] = {}
     starts: dict[int, list[int]] = defaultdict(list)

@@ -100,6 +100,7 @@ class LogFile:
         self._let_go()
 
     def _open_new(self) -> tuple[Path, BinaryIO]:
+        """Create the file of the log and lock it; return its path and stream."""
         if self.hidden:
             at = hidden_path(self.path)
             return at, at.open("xb")

@@ -162,6 +162,7 @@ def load(path: str | os.PathLike[str], without: Collection[str] = (), rows: Inte
 
 
 def _open(path: Path) -> BinaryIO:
+    """Open a log for reading; raise LogError with the alternatives if it is not a readable file."""
     if not path.exists():
         raise NoLogError(f"no log {path}: {_alternatives(path)}")
     if not path.is_file():
@@ -228,6 +229,7 @@ def _add_messages(contents: _Contents, messages: container.Messages, path: Path)
 
 
 def _viewers(contents: _Contents) -> dict[str, ViewerTopic]:
+    """Return the topics for viewers: channels without units."""
     viewers = {}
     for id, channel in contents.channels.items():
         if "units" not in channel.metadata:

@@ -170,6 +170,7 @@ class LogWriter:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
+        """Close the log: as complete, or after an exception as incomplete."""
         if error is None:
             self.close()
             return
@@ -217,6 +218,7 @@ class LogWriter:
         return ChannelMessage(self._viewer_channels[topic], time, self._frames[topic] - 1, content)
 
     def _check(self, time: Array, values: Mapping[str, Array]) -> None:
+        """Raise LogError unless topics, shapes and times of samples are valid."""
         topics = [group.topic for group in self._groups]
         if sorted(values) != sorted(topics):
             raise LogError(f"samples have the topics {sorted(values)}; log {self.path} requires {sorted(topics)}")
@@ -251,6 +253,7 @@ class LogWriter:
         self._place.drop()
 
     def _write_error(self, problem: OSError) -> LogError:
+        """Close the log after a failed write and return the error for the user."""
         if self._place.hidden:
             self._abandon()
             return LogError(

@@ -88,6 +88,7 @@ def render_part(
 
 
 def _render(model: Any, data: Any, camera: Any, size: tuple[int, int], arrows: list[dict[str, Any]]) -> Image:
+    """Render the scene of a model with arrows as an image, shape (height, width, 3)."""
     width, height = size
     if not (MIN_PIXELS <= width <= MAX_PIXELS and MIN_PIXELS <= height <= MAX_PIXELS):
         raise UsageError(
@@ -124,6 +125,7 @@ def _arrows(run: Run, reducer: Reducer, sample: int) -> list[dict[str, Any]]:
 
 
 def _add_arrow(scene: Any, tail: Any, tip: Any, width: float, colour: Any) -> None:
+    """Add an arrow from tail to tip [m] to a scene; do nothing if the scene is full."""
     if scene.ngeom >= scene.maxgeom:
         return
     geom, arrow = scene.geoms[scene.ngeom], mujoco.mjtGeom.mjGEOM_ARROW

@@ -55,6 +55,7 @@ def write_rerun(run: Run, reducer: Reducer, path: str | os.PathLike[str]) -> Non
 
 
 def _log_parts(rr: Any, recording: Any, reducer: Reducer, time: Any, place: Mapping[str, Array]) -> None:
+    """Log the meshes of the parts and their poses."""
     looks = shapes(reducer)
     for part, pose in place.items():
         entity = f"{MECHANISM}/{part}"
@@ -71,6 +72,7 @@ def _log_parts(rr: Any, recording: Any, reducer: Reducer, time: Any, place: Mapp
 
 
 def _mesh(rr: Any, piece: Piece) -> Any:
+    """Return a piece as a mesh of Rerun."""
     mesh, colour = shade(piece.mesh), _bytes(piece.colour)
     return rr.Mesh3D(
         vertex_positions=mesh.vertices,

@@ -51,6 +51,7 @@ def shapes(reducer: Reducer) -> dict[str, tuple[Piece, ...]]:
 
 
 def _pieces(name: str, solid: Solid, place: Array, reducer: Reducer) -> tuple[Piece, ...]:
+    """Return the pieces of a solid at a position [m]; the output's discs and pins are separate pieces."""
     if name != OUTPUT:
         return (_piece(name, solid, place),)
     disc, *others = solid.prisms

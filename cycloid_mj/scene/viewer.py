@@ -68,6 +68,7 @@ def _viewer() -> Any:
 
 
 def _open(open_window: Any, *args: Any) -> Any:
+    """Call a function that opens a window; raise CycloidError if that fails."""
     try:
         return open_window(*args)
     except Exception as problem:

@@ -155,6 +155,7 @@ def locked_branches(
 def _compute_vertices(
     turn: Array, carried: Array, limits: Array, stiffness: Array, share: float, load_slip: Array, ends: Array
 ) -> list[tuple[Array, Array]]:
+    """Compute the vertices of torque and rotation of each branch; see `locked_branches`."""
     slip = limits / stiffness
     # rest positions of the elements of constant friction and of load-dependent friction
     origin, load_origin = np.zeros(len(slip)), np.zeros(len(load_slip))

@@ -192,6 +192,7 @@ def quick_sheet(reducer: Reducer, load: float | None = None) -> Sheet:
 
 
 def _sheet(reducer: Reducer, load: float | None, parts: Iterable[Part]) -> Sheet:
+    """Compute a sheet from the figures of some parts."""
     _, source = load_of(reducer, load)
     reducer, load = _under(reducer, load)
     design, quantities = reducer.design, keyed(*(part(reducer, load) for part in parts))
@@ -462,6 +463,7 @@ def _bodies(reducer: Reducer) -> str:
 
 
 def _assumptions(reducer: Reducer) -> tuple[str, ...]:
+    """Return the assumptions of the figures, a sentence each."""
     design = reducer.design
     return (
         f"statics: {_bodies(reducer)}, contacts are unilateral springs with all clearances, manufacturing errors and "
