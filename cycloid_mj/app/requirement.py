@@ -11,7 +11,7 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.judgement import Judgement, gravest
 from cycloid_mj.base.units import MICROMETRES, MILLIMETRES, RPM
 from cycloid_mj.life.duration import format_life
-from cycloid_mj.sizing.answer import Answer, SizedDrive, answered
+from cycloid_mj.sizing.answer import Answer, SizedDrive, size_drive
 from cycloid_mj.sizing.process import PROCESSES
 from cycloid_mj.sizing.requirement import Requirement, required
 
@@ -84,20 +84,22 @@ def form_of(requirement: Requirement) -> dict[str, Any]:
 def size(on_progress: Callable[[Any], None], form: Any) -> dict[str, Any]:
     """Find drives for a requirement; `on_progress` gets the alternatives of an infeasible one as they are found."""
     on_progress({"doing": "searching for proportions that meet the requirements"})
-    return _answer(answered(requirement_of(form), lambda answer: on_progress({"answer": _answer(answer)})))
+    return _answer(size_drive(requirement_of(form), lambda answer: on_progress({"answer": _answer(answer)})))
 
 
 def _answer(answer: Answer) -> dict[str, Any]:
     """Return the result of a search in JSON values: drives with their verdicts, or the limit and alternatives."""
-    drives = [_drive(drive, answer.asked) for drive in answer.drives]
+    drives = [_drive(drive, answer.requirement) for drive in answer.drives]
     return {
-        "asked": form_of(answer.asked),
+        "asked": form_of(answer.requirement),
         "drives": drives,
         "verdict": _summary(drives),
         "most": answer.most,
         "limit": with_symbols(answer.limit),
         "refusal": "" if answer.drives else with_symbols(answer.refusal),
-        "ways": [{"words": with_symbols(option.words), "asked": form_of(option.asked)} for option in answer.ways],
+        "ways": [
+            {"words": with_symbols(option.words), "asked": form_of(option.requirement)} for option in answer.remedies
+        ],
     }
 
 

@@ -18,7 +18,7 @@ from cycloid_mj.cli.outfile import folder
 from cycloid_mj.design import PRESETS, dump, override, reasons
 
 if TYPE_CHECKING:
-    from cycloid_mj.sizing.answer import Answer, SizedDrive, Way
+    from cycloid_mj.sizing.answer import Answer, Remedy, SizedDrive
     from cycloid_mj.sizing.requirement import Requirement
 
 NewName = Annotated[
@@ -179,7 +179,7 @@ def new(
         raise UsageError(f"--from {source} copies a design and --ratio computes a new one: remove one of them")
     if ratio is not None and ratio_range:
         raise UsageError(f"--ratio {ratio} and --ratio-range {ratio_range} exclude each other: remove one of them")
-    from cycloid_mj.sizing.answer import answered, best_ratio
+    from cycloid_mj.sizing.answer import best_ratio, size_drive
     from cycloid_mj.sizing.requirement import required
 
     low, high = _range(ratio_range) if ratio_range else (ratio or 0, ratio or 0)
@@ -201,7 +201,7 @@ def new(
     if ratio_range:
         wanted = best_ratio(wanted, low, high)
     place = _claim_files(stem, delivery)
-    answer = answered(wanted)
+    answer = size_drive(wanted)
     if answer.drives:
         return _sized_outcome(stem, answer, set_, place, delivery)
     if delivery.json:
@@ -231,7 +231,7 @@ def _sized_outcome(
         {"title": drive.title, "figures": dict(drive.figures), "why": drive.why, "reasons": drive.reasons}
         for drive in answer.drives
     ]
-    heading = f"{answer.drives[0].figures['ratio']:.0f}:1, {answer.asked.torque:g} N m"
+    heading = f"{answer.drives[0].figures['ratio']:.0f}:1, {answer.requirement.torque:g} N m"
     table = Table(heading, ("drive", *COLUMNS.values()), tuple(map(_row, answer.drives)))
     notes = [
         f"  {drive.title}{'' if number else ' (to be taken)'}: {drive.why}"
@@ -271,29 +271,29 @@ def _row(drive: "SizedDrive") -> tuple[str, ...]:
 
 
 def _refusal(answer: "Answer", asked: "Requirement", ranged: bool) -> dict[str, Any]:
-    ways = [{"words": way.words, "flags": _flags(way, asked, ranged)} for way in answer.ways]
+    ways = [{"words": way.words, "flags": _flags(way, asked, ranged)} for way in answer.remedies]
     return {"most": answer.most, "limit": answer.limit, "ways": ways, "why": answer.refusal}
 
 
-def _flags(way: "Way", asked: "Requirement", ranged: bool) -> list[str]:
+def _flags(way: "Remedy", asked: "Requirement", ranged: bool) -> list[str]:
     """Return the flags that request an alternative instead of the given ones."""
     from cycloid_mj.base.units import RPM
 
     flags = {
-        "diameter": ("--diameter-mm", 1e3 * way.asked.diameter),
-        "length": ("--length-mm", 1e3 * way.asked.length),
-        "speed": ("--speed-rpm", way.asked.speed / RPM),
-        "clearance": ("--clearance-um", 1e6 * way.asked.clearance),
-        "fit": ("--fit", way.asked.fit),
-        "backlash": ("--backlash-arcmin", way.asked.backlash),
-        "discs": ("--discs", way.asked.discs),
-        "process": ("--process", way.asked.process),
-        "material": ("--material", way.asked.material),
+        "diameter": ("--diameter-mm", 1e3 * way.requirement.diameter),
+        "length": ("--length-mm", 1e3 * way.requirement.length),
+        "speed": ("--speed-rpm", way.requirement.speed / RPM),
+        "clearance": ("--clearance-um", 1e6 * way.requirement.clearance),
+        "fit": ("--fit", way.requirement.fit),
+        "backlash": ("--backlash-arcmin", way.requirement.backlash),
+        "discs": ("--discs", way.requirement.discs),
+        "process": ("--process", way.requirement.process),
+        "material": ("--material", way.requirement.material),
     }
-    changed = [flags[key] for key in flags if getattr(way.asked, key) != getattr(asked, key)]
+    changed = [flags[key] for key in flags if getattr(way.requirement, key) != getattr(asked, key)]
     words = [word for flag, value in changed for word in (flag, value if isinstance(value, str) else f"{value:.10g}")]
     words += ["--ratio-range", f"{asked.ratio}:{asked.ratio}"] if ranged else []
-    return [*words, "--custom"] if way.asked.custom and not asked.custom else words
+    return [*words, "--custom"] if way.requirement.custom and not asked.custom else words
 
 
 def _range(text: str) -> tuple[int, int]:

@@ -1,4 +1,4 @@
-"""Sizing: from what is asked of a drive to designs that do it, or to the most that goes and what would help."""
+"""Sizing: from a requirement to designs that meet it, or to the maximum achievable torque and remedies."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -9,16 +9,16 @@ __all__ = ["new"]
 
 
 def new(ratio: int, diameter_mm: float, torque_nm: float, **others: Any) -> "Answer":
-    """Find drives that do what is asked of them; ``cm.new(20, 60, 10).drives[0].design`` is the lightest.
+    """Find drives that meet a requirement; ``cm.new(20, 60, 10).drives[0].design`` is the lightest.
 
     Parameters
     ----------
     ratio
-        Turns of the crank for one of the output.
+        Crank turns per output turn.
     diameter_mm
-        Outside [mm].
+        Outer diameter [mm].
     torque_nm
-        On the output, for all of the life [N m]; twice as much is held once.
+        Continuous output torque [N m]; twice as much is allowed as a peak.
     others
         `life_h`, `speed_rpm`, `process`, `discs`, `length_mm`, `backlash_arcmin`, `material`, `clearance_um`,
         `fit`, `custom`, as the flags of ``cycloid-mj design new``.
@@ -26,9 +26,9 @@ def new(ratio: int, diameter_mm: float, torque_nm: float, **others: Any) -> "Ans
     Raises
     ------
     UsageError
-        A value is out of its range.
+        A value is out of range.
     """
-    from cycloid_mj.sizing.answer import answered
+    from cycloid_mj.sizing.answer import size_drive
     from cycloid_mj.sizing.requirement import required
 
-    return answered(required(ratio=ratio, diameter_mm=diameter_mm, torque_nm=torque_nm, **others))
+    return size_drive(required(ratio=ratio, diameter_mm=diameter_mm, torque_nm=torque_nm, **others))

@@ -1,4 +1,4 @@
-"""The most that a size bears: proportions change where the weakest item asks for it, until no change helps."""
+"""Capacity of a size by coordinate search (Hooke & Jeeves 1961); the weakest item selects the change."""
 
 import math
 from collections.abc import Iterator
@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
 
-from cycloid_mj.sizing.proportions import LEVELS, Proportions, shaped
+from cycloid_mj.sizing.proportions import GRID, Proportions, build_drive
 from cycloid_mj.sizing.requirement import Requirement
-from cycloid_mj.sizing.trial import TorqueTrial, settled, tried
+from cycloid_mj.sizing.trial import TorqueTrial, rate_drive, solve_capacity
 
-HELPS = {
+MOVES = {
     "tooth": (("width", 1), ("short_width", 1), ("pin", 1), ("short_width", -1), ("pin", -1)),
     "cam": (("width", 1), ("bore", 1), ("short_width", 1)),
     "shaft": (("shaft", 1), ("bore", 1), ("width", -1), ("short_width", 1)),
@@ -26,9 +26,9 @@ HELPS = {
     "housing": (("width", 1), ("wall", 1), ("short_width", 1)),
     "heat": (("width", 1), ("short_width", 1), ("pin", -1)),
 }
-"""Part whose item is the weakest -> shares that may help it, and their sense, the most likely first."""
+"""Changes of proportions by the part with the weakest item, the most promising first."""
 
-BEGINNINGS = {
+PART_OF_ITEM = {
     "cam": "cam",
     "shaft": "shaft",
     "output": "output",
@@ -38,130 +38,132 @@ BEGINNINGS = {
     "housing": "housing",
     "temperature": "heat",
 }
-"""How the key of an item begins -> the part that it is about; others are about the teeth."""
+"""Part by the beginning of the key of an item; other items concern the teeth."""
 
-PRESSED = ("peak_yield", "peak_dents")
-PRESSURES = ("_yield", "_set")
-"""Stops by pressure, and how the items end that tell which contacts are pressed the most."""
+PRESSURE_STOPS = ("peak_yield", "peak_dents")
+PRESSURE_SUFFIXES = ("_yield", "_set")
+"""Emergency stops limited by pressure, and the suffixes of items with contact pressures."""
 
-GAIN = 1.01
-"""A change counts that raises the torque by so much."""
+MIN_GAIN = 1.01
+"""Minimum ratio of torques for a change to be accepted."""
 
-GUESS = {"steel": 6e3, "milled": 3e3, "printed": 1e3}
-"""Torque over the cube of the diameter [Pa] at which the search begins; far below what most bear, so statics hold."""
+START_TORQUE = {"steel": 6e3, "milled": 3e3, "printed": 1e3}
+"""Start torque over the cube of the diameter [Pa], far below the capacity of most drives."""
 
 FIRST_SHORT_WIDTHS, FIRST_BORES = (0.78, 0.84, 0.72, 0.6, 0.48, 0.36), (0.42, 0.54)
-"""With which the search begins, the usual ones first."""
+"""Proportions that the search starts with, the usual ones first."""
 
-CLIMB, USUAL_WORK = 40.0, 1.5e4
-"""Trials of a climb, and the work of a balance, times the teeth, that costs as much as all else in a trial."""
+SEARCH_BUDGET, TRIAL_WORK = 40.0, 1.5e4
+"""Trials of a search, and work of an equilibrium times teeth that costs as much as the rest of a trial."""
 
-REMEMBERED = 32
-"""First steps that are kept: other torques and backlashes are asked for of the same drives when ways out are found."""
+CACHED_SEARCHES = 32
+"""Number of cached first steps, which remedies repeat."""
 
-LOOK = 0.1
-"""What proportions cost that are drawn and checked, in trials."""
+DRAWING_COST = 0.1
+"""Cost of drawing and checking proportions, in trials."""
 
 Step = tuple[Proportions, TorqueTrial]
 
 
 @dataclass
 class Budget:
-    """What may still be solved, whatever the pace of the machine: one for each drive of few teeth, easily balanced."""
+    """Remaining number of trials, independent of the speed of the machine."""
 
-    left: float = CLIMB
+    left: float = SEARCH_BUDGET
 
     def spend(self, trial: TorqueTrial) -> None:
-        """Take one trial from the budget."""
-        self.left -= 1.0 + trial.work / USUAL_WORK
+        """Subtract a trial from the budget."""
+        self.left -= 1.0 + trial.work / TRIAL_WORK
 
-    def look(self, asked: Requirement) -> None:
-        """Take one look from the budget: proportions drawn and checked where a length is asked for, most too long."""
-        self.left -= LOOK if asked.length < math.inf else 0.0
+    def look(self, requirement: Requirement) -> None:
+        """Subtract the drawing of proportions from the budget if a length is required."""
+        self.left -= DRAWING_COST if requirement.length < math.inf else 0.0
 
 
-def climbed(asked: Requirement, budget: Budget) -> Iterator[Step]:
-    """Yield proportions and what they bear, each better than the one before; nothing where none can be built.
+def coordinate_search(requirement: Requirement, budget: Budget) -> Iterator[Step]:
+    """Yield proportions of increasing capacity; nothing if none can be built.
 
-    What is tried does not depend on the torque that is asked for, so that the most that goes is the same for all.
+    The trials do not depend on the required torque, so that the maximum is the same for all torques.
     """
-    best = _begun(asked.but(torque=1.0, backlash=math.inf, tightened=False), budget)
+    best = _start(requirement.but(torque=1.0, backlash=math.inf, tightened=False), budget)
     tested: set[Proportions] = set()
     while best:
         yield best
         tested.add(best[0])
-        best = _better(asked, best, tested, budget)
+        best = _first_improvement(requirement, best, tested, budget)
 
 
-def _begun(asked: Requirement, budget: Budget) -> Step | None:
-    """Return the first step and take what it costs from a budget; one that is looked for with all of it is kept."""
-    step, left = _first(asked, CLIMB)
-    if budget.left <= CLIMB - left:
-        step, budget.left = _first(asked, budget.left)
+def _start(requirement: Requirement, budget: Budget) -> Step | None:
+    """Return the first step and subtract its cost from a budget; a search with the full budget is cached."""
+    step, left = _first(requirement, SEARCH_BUDGET)
+    if budget.left <= SEARCH_BUDGET - left:
+        step, budget.left = _first(requirement, budget.left)
     else:
-        budget.left -= CLIMB - left
+        budget.left -= SEARCH_BUDGET - left
     return step
 
 
-@lru_cache(maxsize=REMEMBERED)
-def _first(asked: Requirement, left: float) -> tuple[Step | None, float]:
-    """Return the first proportions that hold a load, or else can be built, and what is left of a budget.
+@lru_cache(maxsize=CACHED_SEARCHES)
+def _first(requirement: Requirement, left: float) -> tuple[Step | None, float]:
+    """Return the first proportions that support a load, or else can be built, and the remaining budget.
 
-    They are as wide as may be, then as eccentric. Where the play is a good part of the eccentricity, teeth of some
-    heights alone hold a load.
+    Wide and eccentric proportions come first. If clearances are a large part of the eccentricity, only some tooth
+    heights support a load.
     """
     usual, budget = Proportions(), Budget(left)
-    widths = [width for width in reversed(LEVELS["width"]) if width <= usual.width]
-    guess = GUESS[asked.process] * asked.diameter**3
+    widths = [width for width in reversed(GRID["width"]) if width <= usual.width]
+    guess = START_TORQUE[requirement.process] * requirement.diameter**3
     built: Step | None = None
     for width, bore, short_width in product(widths, FIRST_BORES, FIRST_SHORT_WIDTHS):
-        of = usual.but(short_width=short_width, bore=bore, width=width)
-        looked = (width, bore) == (built[0].width, built[0].bore) if built else True
-        if not looked or (budget.left <= 0.0 and (built or asked.length < math.inf)):
+        proportions = usual.but(short_width=short_width, bore=bore, width=width)
+        is_considered = (width, bore) == (built[0].width, built[0].bore) if built else True
+        if not is_considered or (budget.left <= 0.0 and (built or requirement.length < math.inf)):
             break
-        budget.look(asked)
-        if reducer := shaped(asked, of, guess):
-            trial = tried(reducer, guess)
+        budget.look(requirement)
+        if reducer := build_drive(requirement, proportions, guess):
+            trial = rate_drive(reducer, guess)
             budget.spend(trial)
             if trial.rating:
-                return (of, settled(reducer, guess)), budget.left
-            built = built or (of, trial)
+                return (proportions, solve_capacity(reducer, guess)), budget.left
+            built = built or (proportions, trial)
     return built, budget.left
 
 
-def _better(asked: Requirement, best: Step, tested: set[Proportions], budget: Budget) -> Step | None:
-    """Return the first change that raises the torque; nothing where none does, or the budget is spent."""
-    for of in _changed(best):
-        if of in tested:
+def _first_improvement(requirement: Requirement, best: Step, tested: set[Proportions], budget: Budget) -> Step | None:
+    """Return the first change that increases the capacity; None if there is none or the budget is spent."""
+    for proportions in _moves(best):
+        if proportions in tested:
             continue
         if budget.left <= 0.0:
             return None
-        tested.add(of)
-        budget.look(asked)
-        bears = best[1].bears
-        if not (reducer := shaped(asked, of, bears)):
+        tested.add(proportions)
+        budget.look(requirement)
+        capacity = best[1].capacity
+        if not (reducer := build_drive(requirement, proportions, capacity)):
             continue
-        trial = tried(reducer, bears)
+        trial = rate_drive(reducer, capacity)
         budget.spend(trial)
-        if trial.rating and trial.bears > GAIN * bears:
-            return of, trial
+        if trial.rating and trial.capacity > MIN_GAIN * capacity:
+            return proportions, trial
     return None
 
 
-def _changed(best: Step) -> Iterator[Proportions]:
-    of, trial = best
-    for name, sense in HELPS[part_of(trial)]:
-        at = LEVELS[name].index(getattr(of, name)) + sense
-        if 0 <= at < len(LEVELS[name]):
-            yield of.but(**{name: LEVELS[name][at]})
+def _moves(best: Step) -> Iterator[Proportions]:
+    proportions, trial = best
+    for name, sense in MOVES[part_of(trial)]:
+        at = GRID[name].index(getattr(proportions, name)) + sense
+        if 0 <= at < len(GRID[name]):
+            yield proportions.but(**{name: GRID[name][at]})
 
 
 def part_of(trial: TorqueTrial) -> str:
-    """Name the part that is the weakest: a key of `HELPS`."""
+    """Return the part with the weakest item: a key of `MOVES`."""
     if not trial.weakest or not trial.rating:
         return "tooth"
     key = trial.weakest.key
-    if key in PRESSED:
-        items = [item for item in trial.rating.items.values() if item.key.endswith(PRESSURES) and item.unit == "MPa"]
+    if key in PRESSURE_STOPS:
+        items = [
+            item for item in trial.rating.items.values() if item.key.endswith(PRESSURE_SUFFIXES) and item.unit == "MPa"
+        ]
         key = max(items, key=lambda item: item.value / item.limit).key
-    return next((part for start, part in BEGINNINGS.items() if key.startswith(start)), "tooth")
+    return next((part for start, part in PART_OF_ITEM.items() if key.startswith(start)), "tooth")

@@ -1,4 +1,4 @@
-"""A whole drive from shares of its size, as drives on the market and in papers have them (assumed)."""
+"""A complete drive from proportions of its size, as in commercial and published drives (assumed)."""
 
 import math
 from collections.abc import Iterator
@@ -19,16 +19,16 @@ from cycloid_mj.sizing import bought
 from cycloid_mj.sizing.process import PROCESSES
 from cycloid_mj.sizing.requirement import Requirement
 
-THICKEST = 0.2
-"""Most radius of a pin, as a share of the pin circle's: of few pins, which would leave no gear between them."""
+MAX_PIN_SHARE = 0.2
+"""Largest radius of a pin relative to the pin circle, for rings of few pins."""
 
-NARROWEST, WIDEST = 0.12, 1.2
-"""Least and most face width of all discs, as shares of the pin circle: a wider gear tilts more than it carries."""
+MIN_WIDTH, MAX_WIDTH = 0.12, 1.2
+"""Smallest and largest face width of all discs relative to the pin circle; a wider disc tilts."""
 
-SLIMMEST = 0.5
-"""Least radius of an output pin in its hole: a pin as thick as the eccentricity; slimmer ones bend away."""
+MIN_PIN_SHARE = 0.5
+"""Smallest radius of an output pin relative to its hole; thinner pins bend too much."""
 
-LEVELS: dict[str, tuple[float, ...]] = {
+GRID: dict[str, tuple[float, ...]] = {
     "short_width": (0.3, 0.36, 0.42, 0.48, 0.54, 0.6, 0.66, 0.72, 0.78, 0.84),
     "pin": (0.4, 0.5, 0.62, 0.72, 0.8),
     "wall": (0.06, 0.09, 0.12, 0.16, 0.2, 0.25),
@@ -36,48 +36,48 @@ LEVELS: dict[str, tuple[float, ...]] = {
     "hole": (0.5, 0.56, 0.62, 0.7, 0.78),
     "shaft": (0.4, 0.5, 0.6, 0.7, 0.8),
     "output_pins": (4, 6, 8, 10, 12),
-    "width": (NARROWEST, 0.16, 0.22, 0.3, 0.4, 0.55, 0.75, 1.0, WIDEST),
+    "width": (MIN_WIDTH, 0.16, 0.22, 0.3, 0.4, 0.55, 0.75, 1.0, MAX_WIDTH),
 }
-"""Values of each share that are tried (assumed)."""
+"""Grid of values of each proportion (assumed)."""
 
 GAP_SHARE = 0.04
-"""Of a gap between discs in the outer radius: room for the spacer, and little for tilting couples."""
+"""Gap between discs relative to the outer radius, for the spacer, with little tilting moment."""
 
 DISC_SHARE = 0.15
-"""Of the thickness of an output disc in the outer radius."""
+"""Thickness of an output disc relative to the outer radius."""
 
-OVERRATED = 1.1
-"""Power of the motor over that which torque and speed ask for."""
+POWER_RESERVE = 1.1
+"""Power of the motor relative to that of torque and speed."""
 
-FITTED = ("mesh", "seat", "cam", "output")
-"""Tolerances that a fit gives."""
+FIT_TOLERANCES = ("mesh", "seat", "cam", "output")
+"""Tolerances that follow from a fit."""
 
 STEPS = tuple(digit * 10.0**power for power in range(-3, -7, -1) for digit in (5.0, 2.5, 1.0))
-"""Of dimensions [m], from 5 mm to 1 um."""
+"""Rounding steps of dimensions [m], from 5 mm to 1 um."""
 
 
 @dataclass(frozen=True)
 class Proportions:
-    """Shares of a drive, each of what is named.
+    """Proportions of a drive.
 
     Attributes
     ----------
     short_width
         K1 = c N / E.
     pin
-        Pin in its room between its neighbours.
+        Pin radius relative to the space between its neighbours.
     wall
-        Housing outside the pins in its radius, at least; more where the screws of the covers need it.
+        Minimum wall of the housing outside the pins relative to its radius; cover screws can require more.
     bore
-        Bore in the gear's root.
+        Bore relative to the root of the disc.
     hole
-        Hole in the room for it: the gear's web, or that between its neighbours.
+        Hole relative to its space: the web of the disc, or that between its neighbours.
     shaft
-        Shaft in the bore.
+        Shaft relative to the bore.
     output_pins
-        Their number.
+        Number of output pins.
     width
-        Face width of all discs in the pin circle's radius.
+        Face width of all discs relative to the radius of the pin circle.
     """
 
     short_width: float = 0.78
@@ -94,34 +94,41 @@ class Proportions:
         return replace(self, **changes)
 
 
-def shaped(asked: Requirement, of: Proportions, torque: float) -> Reducer | None:
-    """Make a drive of these proportions for a torque [N m]; nothing where it cannot be built as it is asked for."""
-    drawn = _drawn(asked, of, torque)
+def build_drive(requirement: Requirement, proportions: Proportions, torque: float) -> Reducer | None:
+    """Build a drive of some proportions for a torque [N m]; return None if it does not meet the requirement."""
+    drawn = _draw(requirement, proportions, torque)
     if drawn is None:
         return None
-    return next((reducer for one in _walled(asked, of, drawn, torque) if (reducer := _sound(asked, one))), None)
+    return next(
+        (
+            reducer
+            for one in _with_wall(requirement, proportions, drawn, torque)
+            if (reducer := _sound(requirement, one))
+        ),
+        None,
+    )
 
 
-def _walled(asked: Requirement, of: Proportions, drawn: Reducer, torque: float) -> Iterator[Reducer]:
-    """Yield a drive with the thinnest wall in which the screws of its covers have room, then as it was drawn."""
+def _with_wall(requirement: Requirement, proportions: Proportions, drawn: Reducer, torque: float) -> Iterator[Reducer]:
+    """Yield a drive with the thinnest wall in which its cover screws fit, then the drive as drawn."""
     within = covers_fit(drawn)
-    walls = (wall for wall in LEVELS["wall"] if wall > of.wall and not within)
-    thicker = (_drawn(asked, of.but(wall=wall), torque) for wall in walls)
+    walls = (wall for wall in GRID["wall"] if wall > proportions.wall and not within)
+    thicker = (_draw(requirement, proportions.but(wall=wall), torque) for wall in walls)
     if fitting := next((one for one in thicker if one and covers_fit(one)), None):
         yield fitting
-    if within or not asked.covered:
+    if within or not requirement.covered:
         yield drawn
 
 
-def _sound(asked: Requirement, drawn: Reducer) -> Reducer | None:
-    """Balance a drive; nothing where it is longer than asked for, has no room for its covers, or cannot be built.
+def _sound(requirement: Requirement, drawn: Reducer) -> Reducer | None:
+    """Balance a drive; return None if it is too long, its covers do not fit, or it cannot be built.
 
-    What most drives that are tried fail by comes first, as all checks together cost the most.
+    The most frequent failures are checked first.
     """
-    reducer = _balanced(Reducer(drawn.design))
+    reducer = _balance_shaft(Reducer(drawn.design))
     if _fails(shape_checks(reducer)) or jumps(reducer):
         return None
-    if (asked.length < math.inf and _too_long(asked, reducer)) or not has_casing(reducer):
+    if (requirement.length < math.inf and _too_long(requirement, reducer)) or not has_casing(reducer):
         return None
     return None if _fails(sound_checks(reducer)) else reducer
 
@@ -130,9 +137,9 @@ def _fails(checks: Iterator[Check]) -> bool:
     return any(not item.passed and (item.severity == "error" or item.name in WALLS) for item in checks)
 
 
-def _too_long(asked: Requirement, reducer: Reducer) -> bool:
-    """Tell whether a drive is longer than asked for, or cannot be drawn: its mechanism first, which costs the least."""
-    most = MILLIMETRES * asked.length
+def _too_long(requirement: Requirement, reducer: Reducer) -> bool:
+    """Return whether a drive exceeds the required length or cannot be drawn; the mechanism is checked first."""
+    most = MILLIMETRES * requirement.length
     try:
         return length(reducer) > most or drive_length(reducer) > most
     except DesignError:
@@ -141,10 +148,10 @@ def _too_long(asked: Requirement, reducer: Reducer) -> bool:
 
 @dataclass(frozen=True)
 class _Sizes:
-    """Sizes of a drive that stock decides, or that are free [m].
+    """Sizes of a drive that follow from stock, or are free [m].
 
-    `bearing` is the width of the shaft's bearings; it and `core` are 0 where they follow a rule. `face` is the width of
-    each gear, `disc` the thickness of the output's discs.
+    `bearing` is the width of the shaft bearings; it and `core` are 0 if they follow from the design. `face` is the
+    width of each disc, `disc` the thickness of the output discs.
     """
 
     pin: float
@@ -158,40 +165,40 @@ class _Sizes:
     disc: float
 
 
-def _sized(asked: Requirement, of: Proportions) -> _Sizes | None:
-    """Size what may be bought; nothing where stock, or the room that there is, has none of that size."""
-    teeth, outer, discs = asked.ratio + 1, asked.diameter / 2.0, asked.discs or 1
+def _choose_sizes(requirement: Requirement, proportions: Proportions) -> _Sizes | None:
+    """Choose sizes of parts in stock; return None if none fits."""
+    teeth, outer, discs = requirement.ratio + 1, requirement.diameter / 2.0, requirement.discs or 1
     room = math.sin(math.pi / teeth) - 0.005
-    circle = rounded((1.0 - of.wall) * outer / (1.0 + of.pin * room))
-    pin = rounded(min(of.pin * room, THICKEST) * circle)
-    if not asked.custom:
+    circle = rounded((1.0 - proportions.wall) * outer / (1.0 + proportions.pin * room))
+    pin = rounded(min(proportions.pin * room, MAX_PIN_SHARE) * circle)
+    if not requirement.custom:
         bought_pin = bought.ring_pin(pin, room * circle)
         if not bought_pin:
             return None
-        pin, circle = bought_pin, rounded((1.0 - of.wall) * outer - bought_pin)
-    eccentricity, gap = rounded(of.short_width * circle / teeth), rounded(GAP_SHARE * outer)
-    face, gaps = rounded(of.width * circle / discs), (discs - 1) * gap
-    if not asked.custom:
+        pin, circle = bought_pin, rounded((1.0 - proportions.wall) * outer - bought_pin)
+    eccentricity, gap = rounded(proportions.short_width * circle / teeth), rounded(GAP_SHARE * outer)
+    face, gaps = rounded(proportions.width * circle / discs), (discs - 1) * gap
+    if not requirement.custom:
         face = round((stock.reach_of_pins(2.0 * pin, discs * face + gaps) - gaps) / discs, 9)
-    root = circle - eccentricity - pin - asked.clearance_at(2.0 * pin)
-    bore, cam, width = rounded(of.bore * root), math.inf, 0.0
-    if not asked.custom:
+    root = circle - eccentricity - pin - requirement.clearance_at(2.0 * pin)
+    bore, cam, width = rounded(proportions.bore * root), math.inf, 0.0
+    if not requirement.custom:
         bearing = bought.cam_bearing(bore, face)
         if not bearing:
             return None
         bore, cam = bearing.bore_radius, bearing.cam_radius
-    shaft = rounded(min(of.shaft * bore, 0.85 * (min(bore, cam) - eccentricity)))
-    if not asked.custom:
+    shaft = rounded(min(proportions.shaft * bore, 0.85 * (min(bore, cam) - eccentricity)))
+    if not requirement.custom:
         found_shaft = bought.shaft_bearing(shaft, bar=discs > 1)
         if not found_shaft:
             return None
         shaft, width = round(0.5 * found_shaft.bore, 9), found_shaft.width
     middle, band = 0.5 * (bore + root), root - bore - 0.02 * circle
-    hole = of.hole * min(0.5 * band, middle * math.sin(math.pi / of.output_pins) - 0.005 * circle)
+    hole = proportions.hole * min(0.5 * band, middle * math.sin(math.pi / proportions.output_pins) - 0.005 * circle)
     stud, core, disc = rounded(hole - eccentricity), 0.0, rounded(DISC_SHARE * outer)
-    if not min(root, stud) > SLIMMEST * hole > 0.0:
+    if not min(root, stud) > MIN_PIN_SHARE * hole > 0.0:
         return None
-    if not asked.custom:
+    if not requirement.custom:
         between = discs * face + gaps + 2.0 * AXIAL_GAP
         found_core = bought.core(stud, between, disc)
         if not found_core:
@@ -201,17 +208,17 @@ def _sized(asked: Requirement, of: Proportions) -> _Sizes | None:
     return _Sizes(pin, circle, face, bore, shaft, width, stud, core, disc)
 
 
-def _drawn(asked: Requirement, of: Proportions, torque: float) -> Reducer | None:
-    """Draw the proportions; nothing where stock has no parts for them, or the design's own bounds refuse them."""
-    limits, teeth, outer = PROCESSES[asked.process], asked.ratio + 1, asked.diameter / 2.0
-    discs, sizes = asked.discs or 1, _sized(asked, of)
+def _draw(requirement: Requirement, proportions: Proportions, torque: float) -> Reducer | None:
+    """Return the design of some proportions; None if no parts in stock fit, or a value is out of bounds."""
+    limits, teeth, outer = PROCESSES[requirement.process], requirement.ratio + 1, requirement.diameter / 2.0
+    discs, sizes = requirement.discs or 1, _choose_sizes(requirement, proportions)
     if sizes is None:
         return None
     circle, pin, bore, stud = sizes.circle, sizes.pin, sizes.bore, sizes.stud
-    eccentricity, at_pin = rounded(of.short_width * circle / teeth), asked.clearance_at(2.0 * pin)
+    eccentricity, at_pin = rounded(proportions.short_width * circle / teeth), requirement.clearance_at(2.0 * pin)
     middle = 0.5 * (bore + circle - eccentricity - pin - at_pin)
-    clamping = {} if asked.custom else bought.clamping(outer - circle - pin)
-    rollers = {} if asked.custom else {"roller_bearing": "plain"}
+    clamping = {} if requirement.custom else bought.clamping(outer - circle - pin)
+    rollers = {} if requirement.custom else {"roller_bearing": "plain"}
     try:
         return Reducer(
             PRESETS["pin"].but(
@@ -227,11 +234,11 @@ def _drawn(asked: Requirement, of: Proportions, torque: float) -> Reducer | None
                 },
                 output={
                     **rollers,
-                    "pins": of.output_pins,
+                    "pins": proportions.output_pins,
                     "pin_radius": stud,
                     "core_radius": sizes.core,
                     "pin_circle_radius": rounded(middle),
-                    "hole_radius": _as_told(stud + eccentricity),
+                    "hole_radius": _round_to_file(stud + eccentricity),
                     "disc_thickness": sizes.disc,
                     "support": "both_ends",
                 },
@@ -244,15 +251,15 @@ def _drawn(asked: Requirement, of: Proportions, torque: float) -> Reducer | None
                 },
                 housing={"outer_radius": outer, **clamping},
                 clearance=dict.fromkeys(("pin_gear", "pin_socket", "pin_sleeve", "tooth"), at_pin)
-                | {"cam": asked.clearance_at(2.0 * bore), "output": asked.clearance_at(2.0 * stud)},
-                tolerance=dict.fromkeys(FITTED, asked.fit),
+                | {"cam": requirement.clearance_at(2.0 * bore), "output": requirement.clearance_at(2.0 * stud)},
+                tolerance=dict.fromkeys(FIT_TOLERANCES, requirement.fit),
                 drive={
-                    "torque": torque / asked.ratio,
-                    "speed": asked.speed,
-                    "power": OVERRATED * asked.speed * torque / asked.ratio,
+                    "torque": torque / requirement.ratio,
+                    "speed": requirement.speed,
+                    "power": POWER_RESERVE * requirement.speed * torque / requirement.ratio,
                 },
-                service={"life": asked.life},
-                material={"name": asked.made_of},
+                service={"life": requirement.life},
+                material={"name": requirement.made_of},
                 **{table: dict(values) for table, values in limits.changes.items() if table != "ring"},
             )
         )
@@ -260,8 +267,8 @@ def _drawn(asked: Requirement, of: Proportions, torque: float) -> Reducer | None
         return None
 
 
-def _balanced(reducer: Reducer) -> Reducer:
-    """Make the shaft as long as its bearing and the counterweight that balances the gear need."""
+def _balance_shaft(reducer: Reducer) -> Reducer:
+    """Return the drive with the shaft length that its bearing and the counterweight need."""
     shaft = reducer.design.shaft
     if reducer.design.gear.discs > 1:
         return reducer.but(shaft={"length": rounded_up(max(2.0 * shaft.radius, 1.1 * shaft.bearing_width))})
@@ -270,17 +277,17 @@ def _balanced(reducer: Reducer) -> Reducer:
 
 
 def rounded(length: float) -> float:
-    """Round a length [m] down to the largest of the usual steps that changes it by 2 % at most."""
+    """Round a length [m] down to the largest rounding step that changes it by at most 2 %."""
     step = next((step for step in STEPS if step <= 0.02 * abs(length)), STEPS[-1])
-    return _as_told(math.floor(length / step + 1e-9) * step)
+    return _round_to_file(math.floor(length / step + 1e-9) * step)
 
 
 def rounded_up(length: float) -> float:
     """Round a length [m] up, to the same steps."""
     step = next((step for step in STEPS if step <= 0.02 * abs(length)), STEPS[-1])
-    return _as_told(math.ceil(length / step - 1e-9) * step)
+    return _round_to_file(math.ceil(length / step - 1e-9) * step)
 
 
-def _as_told(length: float) -> float:
-    """Return the length [m] that the design file tells by the fewest digits."""
+def _round_to_file(length: float) -> float:
+    """Return a length [m] rounded to the digits of the design file."""
     return round(MILLIMETRES * length, 6) / MILLIMETRES

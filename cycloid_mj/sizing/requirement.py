@@ -140,9 +140,9 @@ class Requirement:
             raise UsageError(f"the ratio is {self.ratio}; a single stage allows {LEAST_RATIO} to {MOST_RATIO}")
         if not 0 <= self.discs <= MOST_DISCS:
             raise UsageError(f"the number of discs is {self.discs}; allowed: 1 to {MOST_DISCS}")
-        for what, value, unit, least, most in self._sizes():
-            if not least <= value <= most:
-                raise UsageError(f"the {what} is {value:.10g} {unit}; allowed: {least:g} to {most:g} {unit}")
+        for what, value, unit, minimum, most in self._sizes():
+            if not minimum <= value <= most:
+                raise UsageError(f"the {what} is {value:.10g} {unit}; allowed: {minimum:g} to {most:g} {unit}")
         if self.material and self.material not in MATERIALS:
             raise UsageError(f"unknown material {self.material!r}; available: {', '.join(MATERIALS)}")
         if self.fit:

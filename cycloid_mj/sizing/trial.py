@@ -1,4 +1,4 @@
-"""A drive under a torque: what it bears by the laws of its rating, and whether it holds what is asked of it."""
+"""Rating of a drive at a torque: its capacity by the laws of its items, and whether it supports the torque."""
 
 import math
 from dataclasses import dataclass, replace
@@ -11,49 +11,49 @@ from cycloid_mj.life.loading import POSES
 from cycloid_mj.life.rated import weakest_torque
 from cycloid_mj.reducer import Reducer
 
-FEW = 19
-"""Crank angles of a first look; the last has as many as a data sheet."""
+FEW_ANGLES = 19
+"""Number of crank angles of a first rating; a final one has those of the data sheet."""
 
-RESERVE = 1.02
-"""Torque for which a first look is to be good enough: the worst of all crank angles may lie between those of it."""
+TORQUE_RESERVE = 1.02
+"""Torque reserve of a first rating, as the worst crank angle may be between its angles."""
 
-NOT_HELD = 0.3
-"""Of a torque at which statics found no balance: where a smaller one is looked for."""
+RETRY_SHARE = 0.3
+"""Next torque relative to one without a static equilibrium."""
 
-MOST_WORK, UNKNOWN_WORK = 4e4, 5e3
-"""Of a balance that counts as held: one that takes more snaps over in its play, and is slow to rate; and of none."""
+MAX_WORK, UNKNOWN_WORK = 4e4, 5e3
+"""Largest work of an accepted equilibrium (more indicates teeth that skip), and the work assumed without one."""
 
-NEAR = 0.08
-"""Relative: how near to its torque a trial's bearing torque is to be, so that the laws between need not be exact."""
+CAPACITY_RTOL = 0.08
+"""Relative tolerance between torque and capacity of a trial."""
 
-MOST_TRIALS = 5
+MAX_TRIALS = 5
+"""Maximum number of trials of `solve_capacity`."""
 
 
 @dataclass(frozen=True, eq=False)
 class TorqueTrial:
-    """A drive at a torque [N m]: its rating, the torque that it bears by the law of its weakest item, and that item.
+    """A drive at a torque [N m]: its rating, its capacity by the law of its weakest item, and that item.
 
-    Its work is that of a balance, times the teeth.
-
-    Where statics find no balance, or find it only with much work, there is neither rating nor item.
+    `work` is that of an equilibrium times teeth. Without an equilibrium, or if it takes too much work, there is neither
+    rating nor item.
     """
 
     reducer: Reducer
     torque: float
     rating: Rating | None
-    bears: float
+    capacity: float
     weakest: RatedItem | None
     work: float
 
     @property
     def life(self) -> float:
-        """Hours that the first part lasts of those that wear out [h]."""
+        """Shortest life of its parts [h]."""
         lives = [item.life for item in self.rating.items.values() if item.decisive] if self.rating else []
         return min((life for life in lives if life is not None), default=math.inf)
 
 
-def tried(reducer: Reducer, torque: float, poses: int = FEW) -> TorqueTrial:
-    """Rate a drive made for a torque [N m], at a number of crank angles, for the life that its design asks for."""
+def rate_drive(reducer: Reducer, torque: float, poses: int = FEW_ANGLES) -> TorqueTrial:
+    """Rate a drive for a torque [N m] and the life of its design, at a number of crank angles."""
     drive = reducer.design.drive
     needed = torque / reducer.design.reduction
     at = reducer.but(drive={"torque": needed, "power": drive.power * needed / drive.torque})
@@ -61,33 +61,33 @@ def tried(reducer: Reducer, torque: float, poses: int = FEW) -> TorqueTrial:
     try:
         rating = rate(at.design, constant_duty(torque, drive.speed), life, poses=poses)
     except CycloidError:
-        return TorqueTrial(at, torque, None, NOT_HELD * torque, None, UNKNOWN_WORK)
+        return TorqueTrial(at, torque, None, RETRY_SHARE * torque, None, UNKNOWN_WORK)
     work = rating.work * at.design.ring.teeth
-    if work > MOST_WORK:
-        return TorqueTrial(at, torque, None, NOT_HELD * torque, None, work)
-    bears, weakest = weakest_torque((item for item in rating.items.values() if item.decisive), torque, life)
-    return TorqueTrial(at, torque, rating, bears, weakest, work)
+    if work > MAX_WORK:
+        return TorqueTrial(at, torque, None, RETRY_SHARE * torque, None, work)
+    capacity, weakest = weakest_torque((item for item in rating.items.values() if item.decisive), torque, life)
+    return TorqueTrial(at, torque, rating, capacity, weakest, work)
 
 
-def settled(reducer: Reducer, torque: float) -> TorqueTrial:
-    """Rate a drive near the torque that it bears, looking for that from a torque [N m] on.
+def solve_capacity(reducer: Reducer, torque: float) -> TorqueTrial:
+    """Solve for the capacity of a drive by a damped fixed-point iteration from a torque [N m]; return the last trial.
 
-    Where it holds no torque near that, the trial is of the largest at which it was seen to hold one.
+    If it supports no torque near its capacity, the trial is that of the largest supported torque.
     """
-    held = tried(reducer, torque)
-    at, high = held.bears, torque if not held.rating else math.inf
-    for _ in range(MOST_TRIALS):
-        if held.rating and abs(min(held.bears, high) / held.torque - 1.0) < NEAR:
+    held = rate_drive(reducer, torque)
+    at, high = held.capacity, torque if not held.rating else math.inf
+    for _ in range(MAX_TRIALS):
+        if held.rating and abs(min(held.capacity, high) / held.torque - 1.0) < CAPACITY_RTOL:
             break
-        trial = tried(reducer, at)
+        trial = rate_drive(reducer, at)
         if trial.rating:
-            held, at = trial, min(trial.bears, math.sqrt(trial.torque * high))
+            held, at = trial, min(trial.capacity, math.sqrt(trial.torque * high))
         else:
-            high, at = at, math.sqrt(held.torque * at) if held.rating else trial.bears
-    return replace(held, bears=min(held.bears, high))
+            high, at = at, math.sqrt(held.torque * at) if held.rating else trial.capacity
+    return replace(held, capacity=min(held.capacity, high))
 
 
-def holds(reducer: Reducer, torque: float) -> TorqueTrial | None:
-    """Rate a drive at a torque [N m], at the crank angles of its data sheet; nothing where it does not hold it."""
-    trial = tried(reducer, torque, POSES)
-    return trial if trial.rating and trial.bears >= torque else None
+def rate_at_all_angles(reducer: Reducer, torque: float) -> TorqueTrial | None:
+    """Rate a drive at a torque [N m] and all crank angles of its data sheet; return None if it does not support it."""
+    trial = rate_drive(reducer, torque, POSES)
+    return trial if trial.rating and trial.capacity >= torque else None

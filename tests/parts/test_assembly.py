@@ -43,7 +43,7 @@ from cycloid_mj.parts.export.round_part import RoundPart
 from cycloid_mj.parts.parts import tint
 from cycloid_mj.parts.polygon import area_moments, rotate_points
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.sizing.proportions import Proportions, shaped
+from cycloid_mj.sizing.proportions import Proportions, build_drive
 from cycloid_mj.sizing.requirement import Requirement
 
 SCREWS = ("flange_screw", "motor_screw")
@@ -68,7 +68,7 @@ NEW = {
 
 
 def new_drive(name: str) -> Design:
-    reducer = shaped(NEW[name], Proportions(), NEW[name].torque)
+    reducer = build_drive(NEW[name], Proportions(), NEW[name].torque)
     assert reducer is not None
     return reducer.design
 

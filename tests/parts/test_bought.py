@@ -8,7 +8,7 @@ import pytest
 from cycloid_mj.design import PRESETS, stock
 from cycloid_mj.parts.export import BillLine, bill, casing
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.sizing.proportions import LEVELS, Proportions, shaped
+from cycloid_mj.sizing.proportions import GRID, Proportions, build_drive
 from cycloid_mj.sizing.requirement import Requirement
 
 THREE = {
@@ -20,7 +20,7 @@ THREE = {
 
 def drives() -> dict[str, Reducer]:
     """Draw a steel, a printed and a milled drive, and ten at random."""
-    found = {name: shaped(asked, Proportions(), asked.torque) for name, asked in THREE.items()}
+    found = {name: build_drive(asked, Proportions(), asked.torque) for name, asked in THREE.items()}
     draw = random.Random(34)
     while len(found) < 13:
         asked = Requirement(
@@ -30,8 +30,8 @@ def drives() -> dict[str, Reducer]:
             process=draw.choice(("steel", "printed", "milled")),
             discs=draw.choice((1, 1, 2, 3)),
         )
-        of = Proportions(**{name: draw.choice(LEVELS[name]) for name in ("bore", "shaft", "width", "output_pins")})
-        if reducer := shaped(asked, of, asked.torque):
+        of = Proportions(**{name: draw.choice(GRID[name]) for name in ("bore", "shaft", "width", "output_pins")})
+        if reducer := build_drive(asked, of, asked.torque):
             found[f"{asked.process} {asked.ratio}:1, {1e3 * asked.diameter:g} mm, {asked.discs}"] = reducer
     return {name: reducer for name, reducer in found.items() if reducer}
 

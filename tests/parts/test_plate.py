@@ -48,7 +48,7 @@ from cycloid_mj.parts.export.printing import manufactured_parts, printed_parts
 from cycloid_mj.parts.export.supports import GAP_ASIDE, GAP_BELOW, MAX_BRIDGE, MAX_LEDGE, overhangs, support
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import phases
-from cycloid_mj.sizing.proportions import Proportions, shaped
+from cycloid_mj.sizing.proportions import Proportions, build_drive
 from cycloid_mj.sizing.requirement import Requirement
 
 CHORD_ERROR = 2e-5
@@ -170,8 +170,8 @@ def test_sockets_and_sleeves_take_the_offset_and_pins_keep_their_size() -> None:
     pairs = {one.pair: one for one in export(free, "dxf", offset=OFFSET).clearances}
     assert set(pairs) == {"pin_gear", "pin_socket", "cam", "output"}
     for name, one in pairs.items():
-        assert one.asked == getattr(free.clearance, name)
-        assert (one.least, one.most) == pytest.approx((one.asked + OFFSET,) * 2, abs=2e-8)
+        assert one.requirement == getattr(free.clearance, name)
+        assert (one.least, one.most) == pytest.approx((one.requirement + OFFSET,) * 2, abs=2e-8)
     wide = widen_clearances(Reducer(sleeved), OFFSET)
     assert sleeve_core_radius(wide) == pytest.approx(sleeve_core_radius(Reducer(sleeved)), rel=1e-12)
     bores = [
@@ -401,7 +401,7 @@ PRINTED = PRESETS["printed"]
 
 
 def made_by_printing(asked: Requirement) -> Design:
-    reducer = shaped(asked, Proportions(), asked.torque)
+    reducer = build_drive(asked, Proportions(), asked.torque)
     assert reducer is not None
     return reducer.design
 

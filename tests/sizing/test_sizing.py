@@ -22,11 +22,11 @@ from cycloid_mj.life.figures import drive_length
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.parts.export import bill, casing
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.sizing.answer import Answer, SizedDrive, Way, answered, best_ratio, length_parts
-from cycloid_mj.sizing.proportions import Proportions, rounded, shaped
+from cycloid_mj.sizing.answer import Answer, Remedy, SizedDrive, best_ratio, length_parts, size_drive
+from cycloid_mj.sizing.proportions import Proportions, build_drive, rounded
 from cycloid_mj.sizing.reasons import reasons_of
 from cycloid_mj.sizing.requirement import Requirement, required
-from cycloid_mj.sizing.trial import tried
+from cycloid_mj.sizing.trial import rate_drive
 from cycloid_mj.statics.sheet import sheet
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
@@ -57,21 +57,21 @@ def require_kept(answer: Answer, ways: int = 9, least_ways: int = 1) -> None:
     """Fail unless drives hold what was asked, or the most that goes and so many ways out do when they are asked for."""
     if answer.drives:
         for drive in answer.drives:
-            require_held(drive, answer.asked)
+            require_held(drive, answer.requirement)
         return
-    assert answer.most < answer.asked.torque
-    assert len(answer.ways) >= least_ways, answer.refusal
+    assert answer.most < answer.requirement.torque
+    assert len(answer.remedies) >= least_ways, answer.refusal
     if answer.most:
-        less = answered(answer.asked.but(torque=answer.most))
+        less = size_drive(answer.requirement.but(torque=answer.most))
         assert less.drives
-        require_held(less.drives[0], less.asked)
-    for way in answer.ways[:ways]:
-        assert answered(way.asked).drives, way.words
+        require_held(less.drives[0], less.requirement)
+    for way in answer.remedies[:ways]:
+        assert size_drive(way.requirement).drives, way.words
 
 
 @pytest.fixture(scope="module")
 def small() -> Answer:
-    return answered(SMALL)
+    return size_drive(SMALL)
 
 
 def test_the_drives_hold_what_is_asked_and_differ(small: Answer) -> None:
@@ -98,14 +98,14 @@ def test_its_data_sheet_says_the_same(small: Answer) -> None:
 
 @pytest.mark.parametrize("asked", drawn(2, seed=1), ids=str)
 def test_random_requirements_are_held_or_the_most_that_goes_is_told(asked: Requirement) -> None:
-    require_kept(answered(asked), ways=1)  # forty: scripts/requirements_grid.py
+    require_kept(size_drive(asked), ways=1)  # forty: scripts/requirements_grid.py
 
 
 def test_too_much_is_refused_with_ways_that_work() -> None:
-    refused = answered(TOO_MUCH)
+    refused = size_drive(TOO_MUCH)
     assert not refused.drives
     assert 0.0 < refused.most < TOO_MUCH.torque
-    assert refused.ways
+    assert refused.remedies
     assert f"not feasible: the limit is {refused.most:g} N m (" in refused.refusal
     require_kept(refused, ways=1)
 
@@ -113,21 +113,21 @@ def test_too_much_is_refused_with_ways_that_work() -> None:
 @pytest.mark.slow
 def test_a_longer_life_a_faster_crank_and_less_room_leave_less_torque() -> None:
     much = SMALL.but(torque=1000.0)
-    most = answered(much).most
-    assert answered(much.but(speed=2.0 * SMALL.speed)).most < most
-    assert answered(much.but(length=0.066)).most < most
-    assert answered(much.but(life=1e6)).most < most
+    most = size_drive(much).most
+    assert size_drive(much.but(speed=2.0 * SMALL.speed)).most < most
+    assert size_drive(much.but(length=0.066)).most < most
+    assert size_drive(much.but(life=1e6)).most < most
 
 
 @pytest.mark.slow
 def test_length_and_backlash_are_kept() -> None:
-    short = answered(SMALL.but(torque=4.0, length=0.066))
+    short = size_drive(SMALL.but(torque=4.0, length=0.066))
     assert short.drives
     assert all(drive_length(Reducer(drive.design)) <= 66.0 for drive in short.drives)
-    tight = answered(SMALL.but(torque=4.0, backlash=5.0))
+    tight = size_drive(SMALL.but(torque=4.0, backlash=5.0))
     assert tight.drives
     assert all(drive.figures["backlash_arcmin"] <= 5.0 for drive in tight.drives)
-    too_tight = answered(SMALL.but(torque=4.0, backlash=0.1))
+    too_tight = size_drive(SMALL.but(torque=4.0, backlash=0.1))
     assert not too_tight.drives
     assert "backlash" in too_tight.refusal
     require_kept(too_tight)
@@ -136,16 +136,16 @@ def test_length_and_backlash_are_kept() -> None:
 @pytest.mark.slow
 def test_where_play_lets_the_usual_teeth_snap_over_others_are_found() -> None:
     asked = Requirement(112, 0.153, 3.96, process="printed")
-    for drive in answered(asked).drives:
+    for drive in size_drive(asked).drives:
         require_held(drive, asked, told=0.06)  # some crank angles snap over before others
-    small = answered(Requirement(17, 0.0302, 0.343, process="printed"))
+    small = size_drive(Requirement(17, 0.0302, 0.343, process="printed"))
     assert small.most > 0.05
     require_kept(small)
 
 
 @pytest.mark.slow
 def test_what_no_single_change_mends_is_told_together() -> None:
-    hot = answered(Requirement(5, 0.141, 116.0, process="printed"))
+    hot = size_drive(Requirement(5, 0.141, 116.0, process="printed"))
     assert re.search(r"steel in place of printed, \d+ rpm and \d+ mm", hot.refusal), hot.refusal
     require_kept(hot)
 
@@ -154,7 +154,7 @@ def test_what_no_single_change_mends_is_told_together() -> None:
 @pytest.mark.parametrize("discs", [2, 3])
 def test_several_discs_share_the_load(discs: int) -> None:
     """Alike from both ends of the output pins, which bend between them and leave less to a disc in the middle."""
-    drives = answered(Requirement(29, 0.08, 15.0, discs=discs)).drives
+    drives = size_drive(Requirement(29, 0.08, 15.0, discs=discs)).drives
     assert len({one.design for one in drives}) == len(drives)
     found = drives[0].design
     assert found.gear.discs == discs
@@ -201,7 +201,7 @@ def test_absurd_requirements_are_refused(changes: dict[str, float], message: str
 
 
 def test_a_fit_is_the_mean_clearance_of_each_pair_at_its_own_size() -> None:
-    reducer = shaped(SMALL.but(fit="H7/g6"), Proportions(), 4.0)
+    reducer = build_drive(SMALL.but(fit="H7/g6"), Proportions(), 4.0)
     assert reducer is not None
     design = reducer.design
     for pair, radius in (
@@ -243,7 +243,7 @@ def test_all_that_is_bought_is_in_stock(small: Answer) -> None:
     ids=str,
 )
 def test_all_that_is_bought_for_other_drives_is_in_stock(asked: Requirement) -> None:
-    drives = answered(asked).drives
+    drives = size_drive(asked).drives
     assert drives
     for drive in drives:
         require_in_stock(drive.design)
@@ -251,7 +251,7 @@ def test_all_that_is_bought_for_other_drives_is_in_stock(asked: Requirement) -> 
 
 def test_custom_sizes_are_free() -> None:
     proportions = Proportions(pin=0.57, bore=0.45)
-    free, bought = (shaped(SMALL.but(custom=custom), proportions, 4.0) for custom in (True, False))
+    free, bought = (build_drive(SMALL.but(custom=custom), proportions, 4.0) for custom in (True, False))
     assert free is not None
     assert bought is not None
     require_in_stock(bought.design)
@@ -260,22 +260,22 @@ def test_custom_sizes_are_free() -> None:
 
 
 def test_no_parts_in_stock_is_told_with_what_goes() -> None:
-    refused = answered(Requirement(7, 0.0325, 0.4))
+    refused = size_drive(Requirement(7, 0.0325, 0.4))
     assert "no pins and bearings in stock fit" in refused.refusal
-    assert any(way.asked.custom for way in refused.ways)
+    assert any(way.requirement.custom for way in refused.remedies)
     require_kept(refused, ways=1)
 
 
 def test_too_little_room_for_parts_in_stock_is_told_with_a_length_too() -> None:
-    refused = answered(Requirement(5, 0.0926, 13.6, length=0.0425))
-    (way,) = refused.ways
+    refused = size_drive(Requirement(5, 0.0926, 13.6, length=0.0425))
+    (way,) = refused.remedies
     assert re.fullmatch(r"\d+ mm and a length of \d+ mm \(a drive was found with .*\)", way.words)
-    assert way.asked.diameter > 0.0926
-    assert way.asked.length > 0.0425
+    assert way.requirement.diameter > 0.0926
+    assert way.requirement.length > 0.0425
 
 
 def test_where_heat_ends_it_in_a_size_that_has_parts_the_crank_is_slowed_down() -> None:
-    refused = answered(Requirement(5, 0.05, 100.0))
+    refused = size_drive(Requirement(5, 0.05, 100.0))
     assert re.search(r"feasible with (\d+ mm and )?\d+ rpm", refused.refusal), refused.refusal
     require_kept(refused)
 
@@ -283,27 +283,27 @@ def test_where_heat_ends_it_in_a_size_that_has_parts_the_crank_is_slowed_down() 
 @pytest.mark.slow
 @pytest.mark.parametrize("diameter", [0.03, 0.06])
 def test_far_too_much_for_a_size_needs_a_larger_one_and_a_slow_crank(diameter: float) -> None:
-    refused = answered(Requirement(5, diameter, 500.0))
+    refused = size_drive(Requirement(5, diameter, 500.0))
     assert re.search(r"feasible with \d+ rpm and \d+ mm", refused.refusal), refused.refusal
     require_kept(refused, ways=1)
 
 
 @pytest.mark.slow
 def test_a_fit_ends_where_the_standard_does() -> None:
-    refused = answered(Requirement(5, 0.299, 500.0, process="milled", fit="H7/f7"))
+    refused = size_drive(Requirement(5, 0.299, 500.0, process="milled", fit="H7/f7"))
     require_kept(refused)
-    assert all(way.asked.diameter < 0.85 for way in refused.ways)
+    assert all(way.requirement.diameter < 0.85 for way in refused.remedies)
 
 
 def test_the_lightest_is_the_lightest() -> None:
     asked = Requirement(108, 0.183, 8.6, process="printed")
-    masses = [drive.figures["mass_kg"] for drive in answered(asked).drives]
+    masses = [drive.figures["mass_kg"] for drive in size_drive(asked).drives]
     assert min(masses) == masses[0]
 
 
 def test_the_covers_stay_within_the_diameter_where_the_wall_can_take_their_screws() -> None:
     asked = Requirement(60, 0.07, 0.5)
-    thin, found = Proportions(), shaped(asked, Proportions(), asked.torque)
+    thin, found = Proportions(), build_drive(asked, Proportions(), asked.torque)
     assert found is not None
     outer = found.design.housing.outer_radius
     assert casing(found).outer == outer
@@ -312,32 +312,32 @@ def test_the_covers_stay_within_the_diameter_where_the_wall_can_take_their_screw
 
 def test_a_drive_whose_backlash_is_not_found_is_not_told_as_the_most_that_goes(monkeypatch: pytest.MonkeyPatch) -> None:
     asked = Requirement(64, 0.0462, 0.568, process="printed")
-    assert answered(asked).most > 0.0
+    assert size_drive(asked).most > 0.0
     monkeypatch.setattr("cycloid_mj.sizing.answer._has_play", lambda reducer: False)
-    refused = answered(asked)
+    refused = size_drive(asked)
     assert refused.most == 0.0
-    assert refused.ways
+    assert refused.remedies
 
 
 def test_no_room_for_a_gear_is_said_with_a_size_that_goes() -> None:
-    refused = answered(Requirement(119, 0.02, 0.1, process="printed"))
+    refused = size_drive(Requirement(119, 0.02, 0.1, process="printed"))
     assert "no disc with a ratio of 119 fits into 20 mm" in refused.refusal
     assert refused.most == 0.0
 
 
 @pytest.mark.slow
 def test_too_little_length_is_told_with_one_that_goes() -> None:
-    refused = answered(Requirement(10, 0.0765, 0.77, process="milled", length=0.02))
-    assert [way.asked.length > 0.02 for way in refused.ways] == [True]
+    refused = size_drive(Requirement(10, 0.0765, 0.77, process="milled", length=0.02))
+    assert [way.requirement.length > 0.02 for way in refused.remedies] == [True]
     require_kept(refused)
 
 
 @pytest.mark.slow
 def test_where_neither_torque_nor_backlash_is_held_a_way_holds_both() -> None:
     asked = Requirement(39, 0.0379, 1.62, process="printed", backlash=3.7)
-    refused = answered(asked)
+    refused = size_drive(asked)
     assert "its backlash is" in refused.refusal
-    assert all(way.asked.backlash == asked.backlash for way in refused.ways)
+    assert all(way.requirement.backlash == asked.backlash for way in refused.remedies)
     require_kept(refused)
 
 
@@ -348,13 +348,13 @@ def test_a_refusal_draws_no_drive_twice_and_compares_none(monkeypatch: pytest.Mo
 
     def counted(asked: Requirement, of: Proportions, torque: float) -> Reducer | None:
         drawn_for[asked, of, torque] += 1
-        return shaped(asked, of, torque)
+        return build_drive(asked, of, torque)
 
     monkeypatch.setattr("cycloid_mj.sizing.climb.shaped", counted)
     monkeypatch.setattr("cycloid_mj.sizing.answer._shortlist", lambda *_: pytest.fail("no drive is to be compared"))
     asked = Requirement(75, 0.0409, 0.894, process="printed", discs=0, backlash=16.3)
-    refused = answered(asked)
-    assert refused.ways
+    refused = size_drive(asked)
+    assert refused.remedies
     assert drawn_for
     assert set(drawn_for.values()) == {1}
     monkeypatch.undo()
@@ -363,7 +363,7 @@ def test_a_refusal_draws_no_drive_twice_and_compares_none(monkeypatch: pytest.Mo
 
 @pytest.mark.slow
 def test_the_most_that_goes_keeps_the_backlash_too() -> None:
-    require_kept(answered(Requirement(46, 0.0824, 4.1, process="printed", backlash=9.18)), least_ways=0)
+    require_kept(size_drive(Requirement(46, 0.0824, 4.1, process="printed", backlash=9.18)), least_ways=0)
 
 
 def test_a_material_is_found_by_a_word_of_its_name() -> None:
@@ -388,9 +388,9 @@ def test_the_file_has_each_reason_beside_its_value(small: Answer) -> None:
     ids=str,
 )
 def test_each_value_that_is_chosen_has_its_reason(asked: Requirement) -> None:
-    reducer = shaped(asked, Proportions(), asked.torque)
+    reducer = build_drive(asked, Proportions(), asked.torque)
     assert reducer is not None
-    trial = tried(reducer, asked.torque)
+    trial = rate_drive(reducer, asked.torque)
     reasons, design = dict(reasons_of(asked, Proportions(), trial)), trial.reducer.design
     for table, values in design.model_dump(exclude={"name"}).items():
         usual = getattr(PRESETS["pin"], table)
@@ -434,7 +434,7 @@ def test_a_length_is_stated_as_feasible_with_what_it_is_made_of() -> None:
     parts = [float(number) for number in re.findall(r"([\d.]+) mm of", length_parts(reducer))]
     assert sum(parts) == pytest.approx(drive_length(reducer), abs=0.2)
     assert parts[1] == 10.0
-    refused = Answer(asked, (), 0.0, "no gear fits", (Way("a length of 68 mm", asked),))
+    refused = Answer(asked, (), 0.0, "no gear fits", (Remedy("a length of 68 mm", asked),))
     assert refused.refusal == f"not feasible: no gear fits; {asked.torque:g} N m is feasible with a length of 68 mm"
     hopeless = Answer(asked, (), 1.0, "pitting")
     assert "no change of size, discs or material was found that makes" in hopeless.refusal
