@@ -329,7 +329,7 @@ def test_drives_whose_covers_are_too_large_do_not_meet_the_requirement(monkeypat
     }
     for words, drives in cases.items():
         answer = Answer(wanted, tuple(drives))
-        monkeypatch.setattr(requirement, "answered", lambda *_, answer=answer: answer)
+        monkeypatch.setattr(requirement, "size_drive", lambda *_, answer=answer: answer)
         told = requirement.size(lambda _: None, requirement.form_of(wanted))
         assert told["verdict"]["words"] == words
         for drive, shown in zip(drives, told["drives"], strict=True):
@@ -472,7 +472,7 @@ def test_alternatives_arrive_one_by_one_and_are_valid_requirements(monkeypatch: 
         noted(first)
         return last
 
-    monkeypatch.setattr(requirement, "answered", searched)
+    monkeypatch.setattr(requirement, "size_drive", searched)
     heard: list[Any] = []
     told = requirement.size(heard.append, requirement.form_of(wanted))
     assert heard[-1]["answer"]["most"] == 0.7
