@@ -489,7 +489,7 @@ def test_a_mesh_run_that_goes_wrong_ends_with_an_error() -> None:
         mesh_run("pin", "contact.max_penetration_um=0.2")
 
 
-@pytest.mark.parametrize("word", ["exact", "", "Mesh"])
+@pytest.mark.parametrize("word", ["exact", ""])
 def test_no_other_kind_of_contact(word: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["simulate", "--design", "pin", "--contact", word, "--out", str(tmp_path / "no")]) == 2
     error = capsys.readouterr().err
