@@ -232,7 +232,7 @@ def test_cut_anywhere_gives_all_whole_chunks(log, truth, tmp_path):
         assert run.provenance == PROVENANCE
         assert run.attachments == ATTACHMENTS
         assert not run.complete
-        assert f"cut: {samples} samples, up to {run.time[-1]:.9g} s" in run.note
+        assert f"truncated: {samples} samples, up to {run.time[-1]:.9g} s" in run.note
 
 
 def test_a_cut_log_says_what_it_has_lost(truth, tmp_path):

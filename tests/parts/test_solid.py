@@ -278,8 +278,8 @@ def test_the_counterweight_balances_a_gear_of_another_material() -> None:
     found = unbalance(Reducer(design))
     assert abs(found.balanced) < 1e-6 * found.bare
     long, short = (Reducer(override(design, [f"shaft.length_mm={length}"])) for length in (2.6, 2.4))
-    assert balance(long).limit.holds(long)
-    assert not balance(short).limit.holds(short)
+    assert balance(long).limit.is_met(long)
+    assert not balance(short).limit.is_met(short)
     with pytest.raises(DesignError, match="no counterweight within the shaft's length"):
         shaft_solid(short)
 
