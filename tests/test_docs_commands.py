@@ -22,7 +22,7 @@ from cyclopts import CycloptsError
 from cycloid_mj.cli import main
 from cycloid_mj.cli.app import application
 from cycloid_mj.design import resolve
-from cycloid_mj.explore import tolerances
+from cycloid_mj.explore.budget import SobolSettings
 
 ROOT = Path(__file__).parent.parent
 PAGES = {
@@ -144,7 +144,7 @@ def tutorial_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("tutorial")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
-        patch.setattr(tolerances, "BUDGET_SAMPLES", 16)
+        patch.setattr("cycloid_mj.explore.budget.SOBOL", SobolSettings(min_samples=16, min_drawn=16, max_samples=16))
         for command in commands(PAGES[TUTORIAL], "sh"):
             run(command, shortened(words_of(command)))
     return folder

@@ -9,7 +9,7 @@ import pytest
 from designs import design_file
 
 from cycloid_mj.cli import main
-from cycloid_mj.explore import tolerances
+from cycloid_mj.explore.budget import SobolSettings
 
 STATIC = (
     ("design", "show", "{name}"),
@@ -58,7 +58,7 @@ NONSENSE = re.compile(r"\b(nan|inf|None)\b")
 def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
     """Call a command in a folder of its own, and give what it printed."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(tolerances, "BUDGET_SAMPLES", 16)
+    monkeypatch.setattr("cycloid_mj.explore.budget.SOBOL", SobolSettings(min_samples=16, min_drawn=16, max_samples=16))
 
     def called(words: tuple[str, ...], **filling: str) -> str:
         assert main([word.format(**filling) if "{" in word else word for word in words]) == 0
@@ -106,7 +106,7 @@ def test_two_logs_of_several_discs_are_compared(log: str, call: Callable[..., st
     )
     call(("simulate", "--design", "twodisc", *wide, "--out", "runs"))
     found = call(("compare", "{log}", "runs/wide.mcap", "--all", "--out", "side"), log=log)
-    assert "gear and q of gear 1" in " ".join(found.split())
+    assert "disc and q of disc 1" in " ".join(found.split())
 
 
 @pytest.mark.slow

@@ -14,6 +14,7 @@ from cycloid_mj.base.engine.packages import require_same
 from cycloid_mj.base.errors import DesignError, RunError
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.explore import sweep, tolerance, tolerances
+from cycloid_mj.explore.budget import SobolSettings
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parents[1] / "scripts"))
@@ -56,7 +57,7 @@ def test_a_sweep_has_the_bits_of_a_local_one_though_a_worker_is_killed(cluster: 
 @pytest.mark.slow
 def test_tolerances_have_the_bits_of_local_ones(cluster: Cluster, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tolerances, "ANGLES", 12)
-    monkeypatch.setattr(tolerances, "BUDGET_SAMPLES", 16)
+    monkeypatch.setattr("cycloid_mj.explore.budget.SOBOL", SobolSettings(min_samples=16, min_drawn=16, max_samples=16))
     design = override(PIN, ['tolerance.pin_position="normal 0.2"', 'tolerance.cam="uniform 0.3"'])
     here, there = (tolerance(design, 40, 1, engine=engine) for engine in (Engine(1), Engine(scheduler=cluster.address)))
     assert all(np.array_equal(values, there.figures[key]) for key, values in here.figures.items())
@@ -105,6 +106,6 @@ def test_a_killed_scheduler_is_told_in_one_line_and_the_sweep_goes_on_elsewhere(
     assert process.returncode == 1
     told = [line for line in err.splitlines() if not line.startswith("sweep: ")]
     assert len(told) == 1, err
-    assert told[0].startswith(f"error: the connection with the scheduler {ours[-1]} was lost")
+    assert told[0].startswith(f"error: the connection to the scheduler {ours[-1]} was lost")
     kept = rows.read_bytes()
     assert kept.endswith(b"\n")

@@ -19,6 +19,7 @@ from cycloid_mj.checks import soundness
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, load, override, value_of
 from cycloid_mj.explore import optimizer
+from cycloid_mj.explore.budget import SobolSettings
 from cycloid_mj.explore.optimizer import HISTORY, optimize
 from cycloid_mj.explore.problem import define_problem, rejections
 from cycloid_mj.figures import figure, figures_of
@@ -256,7 +257,7 @@ def test_other_designs(name: str) -> None:
 def test_the_best_is_checked_in_statics_dynamics_and_tolerances(monkeypatch) -> None:
     monkeypatch.setattr(optimizer, "TOLERANCE_SAMPLES", 16)
     monkeypatch.setattr("cycloid_mj.explore.tolerances.ANGLES", 12)
-    monkeypatch.setattr("cycloid_mj.explore.tolerances.BUDGET_SAMPLES", 16)
+    monkeypatch.setattr("cycloid_mj.explore.budget.SOBOL", SobolSettings(min_samples=16, min_drawn=16, max_samples=16))
     design = override(unlike("light"), {"tolerance.cam": "normal 0.5", "tolerance.output": "normal 0.5"})
     wide = value_of(design, "gear.face_width_mm")
     vary = {"gear.face_width_mm": (wide, 1.2 * wide)}

@@ -71,7 +71,7 @@ def test_a_kind_that_nothing_presses_has_no_margin_and_decides_nothing(monkeypat
                 for kind, one in contact_pressures(*args).items()
             }
 
-        monkeypatch.setattr(import_module("cycloid_mj.measure.loads"), "pressed", lifted)
+        monkeypatch.setattr(import_module("cycloid_mj.measure.loads"), "contact_pressures", lifted)
 
     idle({"output"})
     measured = loads(FIXED, quick=True)

@@ -350,7 +350,7 @@ def test_a_refusal_draws_no_drive_twice_and_compares_none(monkeypatch: pytest.Mo
         drawn_for[asked, of, torque] += 1
         return build_drive(asked, of, torque)
 
-    monkeypatch.setattr("cycloid_mj.sizing.climb.shaped", counted)
+    monkeypatch.setattr("cycloid_mj.sizing.climb.build_drive", counted)
     monkeypatch.setattr("cycloid_mj.sizing.answer._shortlist", lambda *_: pytest.fail("no drive is to be compared"))
     asked = Requirement(75, 0.0409, 0.894, process="printed", discs=0, backlash=16.3)
     refused = size_drive(asked)
