@@ -170,8 +170,8 @@ def test_sockets_and_sleeves_take_the_offset_and_pins_keep_their_size() -> None:
     pairs = {one.pair: one for one in export(free, "dxf", offset=OFFSET).clearances}
     assert set(pairs) == {"pin_gear", "pin_socket", "cam", "output"}
     for name, one in pairs.items():
-        assert one.requirement == getattr(free.clearance, name)
-        assert (one.least, one.most) == pytest.approx((one.requirement + OFFSET,) * 2, abs=2e-8)
+        assert one.asked == getattr(free.clearance, name)
+        assert (one.least, one.most) == pytest.approx((one.asked + OFFSET,) * 2, abs=2e-8)
     wide = widen_clearances(Reducer(sleeved), OFFSET)
     assert sleeve_core_radius(wide) == pytest.approx(sleeve_core_radius(Reducer(sleeved)), rel=1e-12)
     bores = [
