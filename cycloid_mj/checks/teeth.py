@@ -174,9 +174,9 @@ def circles_on_circle(half_pitch_share: float) -> float:
 def _decreasing_root(function: Callable[[float], float], high: float) -> float:
     """Compute the root of a decreasing function between 0 and `high` by bisection, to rounding; 0 if there is none.
 
-    The lower end is returned: the function is positive there.
+    The lower end is returned: the function is positive there. A root below 1e-12 of `high` counts as none.
     """
-    low = 0.0
-    while low < (middle := (low + high) / 2) < high:
+    low, floor = 0.0, 1e-12 * high
+    while max(low, floor) < (middle := (low + high) / 2) < high:
         low, high = (middle, high) if function(middle) > 0 else (low, middle)
     return low

@@ -136,6 +136,8 @@ class Scene:
         """
         place = np.stack(list((by_part := poses(self.reducer, columns)).values()), axis=1)
         rows = np.flatnonzero(np.isfinite(place.sum(axis=(1, 2))))
+        if not len(rows):
+            return
         stamps = np.rint(1e9 * time).astype(np.int64)[rows]
         transforms = self._transforms(list(by_part), place[rows], stamps)
         forces = self._forces(on_gear(self.reducer, columns), rows, stamps)

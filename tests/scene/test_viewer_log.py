@@ -563,3 +563,9 @@ def test_strict_readers_take_a_log_of_a_run(tmp_path):
             )
     assert numbers == [len(times)] * 2
     assert len(times) == summary.statistics.message_count
+
+
+def test_samples_without_a_finite_pose_have_no_frames() -> None:
+    run = made_run(PRESETS["pin"], 3)
+    columns = {name: np.full_like(values, np.nan) for name, values in run.columns.items()}
+    assert list(Scene(PRESETS["pin"]).frames(run.time, columns)) == []
