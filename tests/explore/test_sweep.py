@@ -255,7 +255,7 @@ def test_ranks_are_those_of_monotonic_functions() -> None:
     assert (one.rho > 0.2).all()
     assert select_quantities(found)[0] == "backlash_arcmin"
     assert select_quantities(found, ("cam_margin",)) == ("cam_margin",)
-    with pytest.raises(UsageError, match="--show nothing: there is no such number; there are backlash_arcmin"):
+    with pytest.raises(UsageError, match="--show nothing: unknown quantity; available: backlash_arcmin"):
         select_quantities(found, ("nothing",))
 
 

@@ -349,7 +349,7 @@ def test_runs_whose_friction_is_not_whole_are_named_in_one_line():
     with pytest.warns(CycloidWarning) as issued:
         run_map(steady_design(Reducer(design)), [1.0], [design.drive.speed], 1, False, silent, "planar")
     (text,) = (str(one.message) for one in issued if "creep_speed" in str(one.message))
-    assert " runs; losses of teeth and output read too low" in text
+    assert " runs; losses of teeth and output are too low" in text
     assert "1 N m at 1000 rpm" in text
     assert "no load" in text
     assert "creep speed 20" not in text, "its own range is there to show what lacks"
@@ -362,7 +362,7 @@ def test_torque_names_its_runs_whose_friction_is_not_whole_in_one_line():
     with pytest.warns(CycloidWarning) as issued:
         MEASURES["torque"](design, quick=True)
     (text,) = (str(one.message) for one in issued if "creep_speed" in str(one.message))
-    assert "losses of teeth and output read too low" in text
+    assert "losses of teeth and output are too low" in text
     for run in ("as designed", "friction 0.1 of all sliding", "contact damping 0.1 of critical", "crank held"):
         assert run in text
     assert "creep speed 20" not in text, "its own range is there to show what lacks"

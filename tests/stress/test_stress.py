@@ -561,15 +561,15 @@ def test_the_swing_of_the_ring_is_that_of_its_bulk(pin_run, tmp_path):
 
     study = stress_study(pin_run, Reducer(PIN), ["ring"], StudySettings(angles=12, refinement=0.3, checked=1))
     found = study.findings["ring"]
-    largest = found.swing.amplitude + abs(found.swing.mean)
+    largest = found.stress_range.amplitude + abs(found.stress_range.mean)
     assert 0.6 * found.bulk.max() < largest < 1.05 * found.bulk.max()
     told = study.findings.as_json() | {"load_nm": 10.0}
     (tmp_path / "stress.json").write_text(json.dumps({"designs": [told]}))
     ranges = read_ranges(tmp_path, Reducer(PIN))
-    assert ranges["ring"].amplitude == pytest.approx(found.swing.amplitude)
+    assert ranges["ring"].amplitude == pytest.approx(found.stress_range.amplitude)
     rated = rate(PIN, ranges=ranges).items
     assert rated["ring_fatigue"].value == pytest.approx(
-        1e-6 * PIN.rated_torque / 10.0 * (found.swing.amplitude + max(found.swing.mean, 0.0))
+        1e-6 * PIN.rated_torque / 10.0 * (found.stress_range.amplitude + max(found.stress_range.mean, 0.0))
     )
     assert "housing_ligament_fatigue" not in rated
     assert "hole_to_hole_fatigue" in rated

@@ -344,7 +344,7 @@ def remembered(monkeypatch):
         (sharing, "settled_run"),
         (cam_load, "_ideal_run"),
         (published, "wang_run"),
-        (backlash, "stops"),
+        (backlash, "stop_angles"),
     ]:
         monkeypatch.setattr(room, name, functools.cache(getattr(room, name)))
     shared = functools.cache(rig.rated_run)
@@ -355,8 +355,8 @@ def remembered(monkeypatch):
 @pytest.mark.slow
 def test_backlash(remembered, monkeypatch):
     assert failed(backlash.rows(True)) == []
-    honest = backlash.expected
-    monkeypatch.setattr(backlash, "expected", lambda design, kind: honest(design, kind) * 35.0 / 36.0)
+    honest = backlash.closed_form_backlash
+    monkeypatch.setattr(backlash, "closed_form_backlash", lambda design, kind: honest(design, kind) * 35.0 / 36.0)
     assert len(failed(backlash.rows(True))) == 3
 
 
