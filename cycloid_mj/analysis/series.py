@@ -267,9 +267,7 @@ def design_of(run: Run) -> Design:
     try:
         text = run.attachments[DESIGN_FILE].decode()
     except UnicodeDecodeError as problem:
-        raise LogError(
-            f"the attachment {DESIGN_FILE} of the run is not text ({problem}): simulate it again"
-        ) from problem
+        raise LogError(f"the attached {DESIGN_FILE} is not text ({problem}); run the simulation again") from problem
     design = loads(text, f"the run's {DESIGN_FILE}")
     _require_fit(run, Reducer(design))
     return design

@@ -112,8 +112,9 @@ def periodic_orders(crank: Array, values: Array, base: float = 1.0, most: float 
     uneven = np.abs(np.diff(crank) - step).max() > EVEN * step
     if cycles < 1 or uneven or abs(points * step - cycles * period) > EVEN * period:
         raise UsageError(
-            f"{len(crank)} crank angles over {np.degrees(crank[-1] - crank[0]):.6g} deg do not divide full cycles of "
-            f"{np.degrees(period):.6g} deg evenly: sample at even angles, an integer number per cycle"
+            f"{len(crank)} crank angles spanning {np.degrees(crank[-1] - crank[0]):.6g} deg do not cover full cycles "
+            f"of {np.degrees(period):.6g} deg in equal steps: sample at equally spaced angles, with a whole number of "
+            "samples per cycle"
         )
     amplitude = 2.0 / points * np.abs(np.fft.rfft(values[:points]))
     order = base * np.arange(amplitude.size) / cycles

@@ -81,13 +81,14 @@ def spread_design(design: Design, spread_um: Any) -> Design:
     Raises
     ------
     UsageError
-        The half width is no number or out of range.
+        The half width is not a number, or is out of range.
     """
     if spread_um is None:
         return design
     if type(spread_um) not in (int, float) or not 0.0 < spread_um <= MAX_HALF_WIDTH_UM or not math.isfinite(spread_um):
         raise UsageError(
-            f"tolerance of {spread_um!r} um is out of range: more than 0, at most {MAX_HALF_WIDTH_UM:g} um"
+            f"a tolerance of {spread_um!r} um is out of range: it must be more than 0 and at most "
+            f"{MAX_HALF_WIDTH_UM:g} um"
         )
     zone = f"uniform {spread_um:g}"
     return design.but(tolerance=dict.fromkeys(TOLERANCE_KEYS, zone))

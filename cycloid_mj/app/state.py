@@ -43,7 +43,9 @@ def values_of(design: Design) -> dict[str, Any]:
     """
     own, base = _flat(design), _base()
     if missing := [key for key in base if key not in own]:
-        raise DesignError(f"the page does not support a design without {', '.join(missing)}: edit its file instead")
+        raise DesignError(
+            f"this page cannot edit a design that has no {', '.join(missing)}: edit the design file directly"
+        )
     values = {key: value for key, value in own.items() if base.get(key) != value}
     for name in [key for key in values if key.endswith("material.name")]:
         table = name.removesuffix("name")

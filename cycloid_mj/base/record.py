@@ -223,16 +223,18 @@ def own(array: Array) -> Array:
 def _check_time(time: Array) -> None:
     """Raise LogError unless times are finite, strictly increasing and of shape (n,)."""
     if time.ndim != 1:
-        raise LogError(f"time of a run has shape {time.shape}: give shape (n,)")
+        raise LogError(
+            f"the times of the run have shape {time.shape}; expected a 1-D array of shape (n,), one time per sample"
+        )
     if not np.isfinite(time).all():
         sample = int(np.argmin(np.isfinite(time)))
-        raise LogError(f"time of a run is {time[sample]} s at sample {sample}: give finite times")
+        raise LogError(f"the time of the run at sample {sample} is {time[sample]} s; times must be finite")
     backward = np.flatnonzero(np.diff(time) <= 0.0)
     if backward.size:
         before = int(backward[0])
         raise LogError(
-            f"time of a run goes from {time[before]!s} s to {time[before + 1]!s} s "
-            f"at sample {before + 1}: give strictly increasing times"
+            f"the times of the run do not increase at sample {before + 1}: {time[before]!s} s is followed by "
+            f"{time[before + 1]!s} s; times must be strictly increasing"
         )
 
 

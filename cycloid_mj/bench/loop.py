@@ -253,14 +253,15 @@ def require_torque(loop: MeasuredLoop, rated: float) -> None:
     if rated and loop.most > SETTINGS.max_rated_torques * rated:
         raise UsageError(
             f"{loop.name}: the torque reaches {loop.most:.4g} N m, {loop.most / rated:.3g} times the design's rated "
-            f"torque of {rated:.4g} N m. Is {TORQUE} in N mm? Then divide it by 1000; if not, set drive.torque_nm of "
-            "the design"
+            f"torque of {rated:.4g} N m. If {TORQUE} is in N mm, divide it by 1000; otherwise set drive.torque_nm "
+            "of the design"
         )
-    if loop.most < SETTINGS.min_rated_torques * rated:
+    least = SETTINGS.min_rated_torques * rated
+    if loop.most < least:
         raise UsageError(
-            f"{loop.name}: the torque reaches {loop.most:.4g} N m, {loop.most / rated:.3g} of the design's rated "
-            f"torque of {rated:.4g} N m. Is {TORQUE} in kN m? Then multiply it by 1000; if not, measure a loop with "
-            "more torque"
+            f"{loop.name}: the torque reaches only {loop.most:.4g} N m, at least {least:.4g} N m is needed for the "
+            f"design's rated torque of {rated:.4g} N m. If {TORQUE} is in kN m, multiply it by 1000; otherwise measure "
+            "a loop at higher torque"
         )
 
 

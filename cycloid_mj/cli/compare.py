@@ -124,9 +124,10 @@ class CompareOptions:
     ] = False
 
     @property
-    def for_runs(self) -> bool:
-        """Whether an option is given that applies to simulations only."""
-        return any(getattr(self, each.name) != each.default for each in fields(self) if each.name != "q")
+    def for_runs(self) -> tuple[str, ...]:
+        """Given flags that apply to simulations only."""
+        given = [each.name for each in fields(self) if each.name != "q" and getattr(self, each.name) != each.default]
+        return tuple(f"--{name.strip('_').replace('_', '-')}" for name in given)
 
     @property
     def first(self) -> Values:
@@ -198,7 +199,7 @@ def compare(
     if len(designs) < 2:
         raise UsageError("a comparison needs at least two designs, e.g. cycloid-mj compare pin nonpin")
     if logs and options.for_runs:
-        raise UsageError("flags of simulations have no effect on logs: with logs, only --q is allowed")
+        raise UsageError(f"{options.for_runs[0]} is a simulation flag and has no effect on logs: remove it")
     if logs:
         usual = f"{logs[0].removesuffix('.mcap')}-compare"
         place = _place(folder(delivery.out or usual, "the figures", FILES, delivery.force), delivery)

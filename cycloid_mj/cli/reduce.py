@@ -126,9 +126,8 @@ def reduce(
     if load_inertia_kgm2 is not None and not 0.0 < load_inertia_kgm2 < float("inf"):
         raise UsageError(f"--load-inertia-kgm2 {load_inertia_kgm2:g} is out of range: it must be more than 0")
     if not spread and (samples, seed) != (None, None):
-        raise UsageError(
-            f"--{'seed' if samples is None else 'samples'} applies to the samples of --spread only: add --spread"
-        )
+        flag = "--seed" if samples is None else "--samples"
+        raise UsageError(f"{flag} can only be used with --spread: add --spread")
     samples, seed = USUAL_SAMPLES if samples is None else samples, seed or 0
     if not 2 <= samples <= MOST_SAMPLES:
         raise UsageError(f"--samples {samples} is out of range: it must be from 2 to {MOST_SAMPLES}")

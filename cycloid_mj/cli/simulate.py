@@ -239,7 +239,8 @@ class Ran:
         """Return the findings of the run; raise LogError if it cannot be judged."""
         if isinstance(self.findings, CycloidError):
             raise LogError(
-                f"the run was logged to {self.log}, but cannot be evaluated: {self.findings}"
+                f"the run was logged to {self.log}, but cannot be evaluated: {self.findings}. Correct that and "
+                f"simulate again, or replay the log with `{join(['cycloid-mj', 'view', str(self.log)])}`"
             ) from self.findings
         return replace(self.findings, steps=self.steps, wall_s=self.wall)
 

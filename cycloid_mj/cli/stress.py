@@ -191,7 +191,7 @@ def stress(
     """
     asked = (*designs, *design)
     if not asked and not log:
-        raise UsageError("no design and no log is given: name one, e.g. cycloid-mj stress --design pin")
+        raise UsageError("no design or log given: name one, e.g. cycloid-mj stress --design pin")
     if log and (set_ or load_nm is not None):
         raise UsageError("--set and --load-nm have no effect on logs: remove them, or remove --log")
     if log and asked and len(log) != len(asked):

@@ -170,7 +170,7 @@ def parse_axis(key: str, wanted: Wanted) -> Axis:
     if not isinstance(wanted, str):
         values = np.asarray(wanted, dtype=object).ravel().tolist()
         if not values:
-            raise UsageError(f"{key}: the list of values is empty")
+            raise UsageError(f"{key}: the list of values is empty; give at least one value, e.g. {key}=1,2,3")
         return Axis(key, field, tuple(_value(key, field, value) for value in values))
     parts = wanted.split(":")
     if len(parts) in (2, 3) and field.annotation in (int, float):
@@ -186,7 +186,10 @@ def _range(key: str, field: FieldInfo, wanted: str, parts: Sequence[str]) -> Axi
     except ValueError:
         raise UsageError(f"{option}: expected LO:HI:N, such as 0.5:2:4, or LO:HI to sample") from None
     if not (math.isfinite(low) and math.isfinite(high)) or low >= high:
-        raise UsageError(f"{option}: the ends of the range must be finite, and the lower end below the upper end")
+        raise UsageError(
+            f"{option}: the range {low:g} to {high:g} is invalid: both ends must be finite, and the lower end must be "
+            "below the upper end"
+        )
     if len(parts) == 3:
         if count < 2:
             raise UsageError(f"{option}: a range needs 2 values or more")

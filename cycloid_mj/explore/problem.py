@@ -162,8 +162,8 @@ def define_problem(
     objectives = (*(Objective(key) for key in minimize), *(Objective(key, -1.0) for key in maximize))
     if not 1 <= len(objectives) <= MAX_OBJECTIVES:
         raise UsageError(
-            f"{len(objectives)} objectives: name one figure, or two for a Pareto front, with --minimize or --maximize; "
-            "`cycloid-mj figures` lists them"
+            f"{len(objectives)} objectives given: name one figure, or two for a Pareto front, with --minimize or "
+            "--maximize; `cycloid-mj figures` lists the figures"
         )
     for objective in objectives:
         figure(objective.key, COMPUTED, reducer)

@@ -202,7 +202,7 @@ def sample_ring(gear: CycloidGear, points: int) -> RingOutline:
     """
     require_envelope(gear)
     if points < 3:
-        raise DesignError(f"a ring of {points} points is not possible: at least 3 points are required")
+        raise DesignError(f"points = {points} is too few: an outline of the internal gear needs at least 3 points")
     pitch = perimeter(gear) / gear.ring_teeth
     lobe, remainder = np.divmod(np.arange(points) * gear.ring_teeth, points)
     beyond_middle = 2 * remainder > points

@@ -315,7 +315,7 @@ def sample(gear: CycloidGear, points: int, offset: float | None = None) -> Outli
     """
     require_no_undercut(gear, offset)
     if points < 3:
-        raise DesignError(f"an outline of {points} points is not possible: at least 3 points are required")
+        raise DesignError(f"points = {points} is too few: an outline of the cycloid disc needs at least 3 points")
     lobe, remainder = np.divmod(np.arange(points) * gear.lobes, points)
     lobe_angle = 2 * np.pi / gear.lobes
     within_lobe = solve_monotone(

@@ -47,7 +47,8 @@ class ColumnGroup:
     def __post_init__(self) -> None:
         if not self.topic.startswith("/") or not _SNAKE.fullmatch(self.topic[1:]):
             raise LogError(
-                f"topic {self.topic!r} of a log is invalid: it must be a slash and a snake_case name, as '/output_pins'"
+                f"log topic {self.topic!r} is invalid: it must be a slash followed by a snake_case name, such as "
+                "/output_pins"
             )
         for name in self.units:
             if not _SNAKE.fullmatch(name) or name == TIME:

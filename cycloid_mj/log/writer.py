@@ -223,15 +223,17 @@ class LogWriter:
         if sorted(values) != sorted(topics):
             raise LogError(f"samples have the topics {sorted(values)}; log {self.path} requires {sorted(topics)}")
         if time.ndim != 1:
-            raise LogError(f"the times of samples have shape {time.shape}; it must be (k,)")
+            raise LogError(
+                f"sample times have shape {time.shape}; expected a 1-D array of shape (k,), one time per sample"
+            )
         for group in self._groups:
             if values[group.topic].shape != (time.size, len(group.units)):
                 raise LogError(
-                    f"samples of {group.topic} have shape {values[group.topic].shape}; it must be "
-                    f"({time.size}, {len(group.units)}), a row for each time"
+                    f"samples of {group.topic} have shape {values[group.topic].shape}; expected "
+                    f"({time.size}, {len(group.units)}), one row per time"
                 )
         if not (np.isfinite(time).all() and (time >= 0.0).all() and (np.diff(time, prepend=self._last) > 0.0).all()):
-            raise LogError(f"times of samples must be finite, not negative and increasing, after {self._last} s")
+            raise LogError(f"sample times must be finite, not negative and strictly increasing, after {self._last} s")
 
     def _end(self, note: str, complete: bool, attachments: Mapping[str, bytes]) -> None:
         """Write the end of the log and rename it."""

@@ -47,7 +47,7 @@ def write_movie(frames: Iterable[Frame], path: Path | str, rate: int = RATE) -> 
     path = Path(path)
     writers = {".gif": _write_gif, ".mp4": _write_mp4}
     if path.suffix.lower() not in writers:
-        raise UsageError(f"cannot write {path}: the formats of animations are .gif and .mp4")
+        raise UsageError(f"cannot write {path}: animations must be .gif or .mp4")
     if not MIN_RATE <= rate <= MAX_RATE:
         raise UsageError(f"{rate:g} frames per second is out of range: {MIN_RATE} to {MAX_RATE}")
     with atomic_file(path) as temporary:

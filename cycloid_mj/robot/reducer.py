@@ -377,13 +377,13 @@ class ReducedJoint(Presented):
         except (KeyError, TypeError, ValueError) as problem:
             reason = f"{type(problem).__name__}: {problem}"
             raise UsageError(
-                f"this is no reduced joint ({reason}); use a reducer.json that `cycloid-mj reduce` has written"
+                f"this is not a reduced joint ({reason}); use a reducer.json written by `cycloid-mj reduce`"
             ) from None
         sound = all(math.isfinite(values[key]) and values[key] > 0.0 for key in NUMBERS)
         if joint.level not in LEVELS or joint.way not in (-1, 1) or not sound or not joint.springs:
             raise UsageError(
-                "this is no reduced joint: level, way, springs or a number are invalid; use a reducer.json that "
-                "`cycloid-mj reduce` has written"
+                "this is not a reduced joint: level, way, springs or a number are invalid; use a reducer.json written "
+                "by `cycloid-mj reduce`"
             )
         return joint
 
@@ -402,7 +402,7 @@ class ReducedJoint(Presented):
             content = json.loads(Path(path).read_text(encoding="utf-8"))
         except (OSError, ValueError) as problem:
             raise CycloidError(
-                f"cannot read {path}: {reason(problem)}; use the reducer.json of `cycloid-mj reduce`"
+                f"cannot read {path}: {reason(problem)}; use a reducer.json written by `cycloid-mj reduce`"
             ) from None
         return cls.from_json(content if isinstance(content, dict) else {})
 

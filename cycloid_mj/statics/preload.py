@@ -57,8 +57,8 @@ def preloaded(design: Named) -> Design:
         found = float(brentq(missing, 1e-6 * ARCMINUTE, high, rtol=ANGLE_RTOL))
     except RunError as error:
         raise DesignError(
-            f"{design.name}: there is no preload angle with ring.preload_torque_nm = {torque:g}: {error}; "
-            "set ring.preload_arcmin instead, or a smaller torque"
+            f"{design.name}: no preload angle produces ring.preload_torque_nm = {torque:g}: {error}; "
+            "use a smaller torque, or set ring.preload_arcmin instead"
         ) from error
     return turned(found)
 

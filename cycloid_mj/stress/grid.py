@@ -35,7 +35,10 @@ class FoldedError(CycloidError):
     """Curved edges fold elements: `folds` (k, d + 1) [m] are their middles and longest edges."""
 
     def __init__(self, part: str, corners: Array) -> None:
-        super().__init__(f"the {part} does not mesh: a curved edge folds its element. Increase the refinement")
+        super().__init__(
+            f"cannot generate a finite-element mesh of the {part}: a curved edge folds its element; increase the "
+            "refinement"
+        )
         edges = np.linalg.norm(corners[:, :, np.newaxis] - corners[:, np.newaxis], axis=-1)
         self.folds: Array = np.column_stack([corners.mean(axis=1), edges.max(axis=(1, 2))])
 
@@ -244,7 +247,10 @@ def quadratic(
     mesh = (skfem.MeshTri2 if planar else skfem.MeshTet2).from_mesh(straight)
     nodes = middles_of(mesh, at[ends])
     if nodes.min(initial=0) < 0:
-        raise CycloidError(f"the {part} does not mesh: an edge of its outline is missing. Change the refinement")
+        raise CycloidError(
+            f"cannot generate a finite-element mesh of the {part}: an edge of its outline is missing; change the "
+            "refinement"
+        )
     mesh.doflocs[:, nodes] = middles.T
     shape = mapping_of(mesh).detDF(np.eye(mesh.dim(), mesh.dim() + 1, 1))
     folded = np.any(shape * np.sign(shape[:, :1]) <= 0.0, axis=1)
@@ -310,7 +316,10 @@ def _triangulate(
         tags, coordinates, _ = gmsh.model.mesh.getNodes()
         _, corners = gmsh.model.mesh.getElementsByType(2)
     if not len(corners):
-        raise CycloidError(f"the {region.part} does not mesh: an outline crosses itself or another. Check the design")
+        raise CycloidError(
+            f"cannot generate a finite-element mesh of the {region.part}: one of its outlines crosses itself or "
+            "another outline; change the dimensions that shape it"
+        )
     index = np.zeros(int(tags.max()) + 1, np.int64)
     order = np.argsort(tags)
     index[tags[order].astype(np.int64)] = np.arange(len(tags))

@@ -79,8 +79,8 @@ def mesher(part: str, coarsest: float) -> Iterator[Any]:
         raise
     except Exception as error:
         raise CycloidError(
-            f"the {part} does not mesh ({str(error).strip()}). Check its outline with `cycloid-mj export`, "
-            "or change the refinement"
+            f"cannot generate a finite-element mesh of the {part} ({str(error).strip()}); check its outline with "
+            "`cycloid-mj export`, or change the refinement"
         ) from error
     finally:
         gmsh.model.remove()

@@ -87,7 +87,10 @@ def bearing_pads(grid: Grid, shaft: ShaftDimensions, stiffness: float) -> Pads:
     for z0, z1 in shaft.bearings:
         face = surface(grid, lambda x, z0=z0, z1=z1: _on_cylinder(x, shaft.radius, AXIS) & (z0 < x[2]) & (x[2] < z1))  # type: ignore[misc]
         if not len(face.nodes):
-            raise CycloidError("the shaft's grid has no face in one of its bearings. Increase the refinement")
+            raise CycloidError(
+                "the shaft mesh is too coarse: no element face lies on the bearing seat from "
+                f"z = {1e3 * z0:.4g} to {1e3 * z1:.4g} mm; increase the refinement"
+            )
         bed = stiffness / (np.pi / 2 * shaft.radius * (z1 - z0))
         x, y, z = face.points[..., 0], face.points[..., 1], face.points[..., 2]
         sector = np.floor(np.arctan2(y, x) / (2 * np.pi) * SECTORS).astype(int) % SECTORS

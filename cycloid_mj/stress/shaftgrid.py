@@ -76,7 +76,10 @@ def _tetrahedra(shaft: ShaftDimensions, edge: float) -> Any:
         solids, _ = occ.fuse([(3, first)], [(3, item) for item in joined])
         occ.synchronize()
         if len(solids) != 1:
-            raise CycloidError("the shaft does not mesh: its sections are no single solid. Check shaft.* in the design")
+            raise CycloidError(
+                "cannot generate a finite-element mesh of the shaft: its sections do not form one solid; change the "
+                "dimensions that shape it (shaft.* in the design)"
+            )
         _refine_near(gmsh, _inner_corners(shaft), edge)
         gmsh.model.mesh.generate(3)
         gmsh.model.mesh.setOrder(2)

@@ -127,9 +127,9 @@ def test_travels_to_other_processes(travel):
     [
         ({"time": np.arange(6) * 0.25}, r"'gear_angle' has shape \(7,\): give shape \(6,\)"),
         ({"time": np.zeros((7, 1))}, r"shape \(7, 1\)"),
-        ({"time": np.array([0, 1, 2, 2, 3, 4, 5.0])}, r"from 2.0 s to 2.0 s at sample 3"),
-        ({"time": np.array([0, 1, 2, np.nan, 3, 4, 5.0])}, "nan s at sample 3"),
-        ({"time": np.array([0, 1, 2, 3, 4, 5, np.inf])}, "inf s at sample 6"),
+        ({"time": np.array([0, 1, 2, 2, 3, 4, 5.0])}, r"at sample 3: 2\.0 s is followed by 2\.0 s"),
+        ({"time": np.array([0, 1, 2, np.nan, 3, 4, 5.0])}, "at sample 3 is nan s"),
+        ({"time": np.array([0, 1, 2, 3, 4, 5, np.inf])}, "at sample 6 is inf s"),
         ({"units": {"gear_angle": "rad", "gear_speed": "rad/s"}}, "'pin_force' has no unit"),
         ({"units": UNITS | {"pin_forse": "N"}}, "'pin_forse', which is not a column.* nearest: pin_force"),
     ],

@@ -912,7 +912,7 @@ def rows(path: Path) -> list[str]:
         (lambda lines: [lines[0], *lines[:0:-1]], "in the reverse order of time"),
         (
             lambda lines: [lines[0], *(f"{float(t) / 1000},{d}" for t, d in (row.split(",") for row in lines[1:]))],
-            "Is torque_output_Nm in kN m? Then multiply it by 1000",
+            "If torque_output_Nm is in kN m, multiply it by 1000",
         ),
         (lambda lines: lines[:10], "9 points are too few for a loop"),
         (lambda lines: [lines[0], *lines[65:130]], "a single branch"),
@@ -931,7 +931,7 @@ def rows(path: Path) -> list[str]:
         ),
         (
             lambda lines: [lines[0], *(f"{float(t) * 1000},{d}" for t, d in (row.split(",") for row in lines[1:]))],
-            "times the design's rated torque of 10.4 N m. Is torque_output_Nm in N mm? Then divide it by 1000",
+            "times the design's rated torque of 10.4 N m. If torque_output_Nm is in N mm, divide it by 1000",
         ),
     ],
 )

@@ -312,7 +312,7 @@ def polygon_area(points: np.ndarray) -> float:
 
 
 def test_a_turn_that_leaves_no_lobe_is_refused() -> None:
-    with pytest.raises(DesignError, match=r"modification\.rotation_arcsec = 3600 is too large: from 812"):
+    with pytest.raises(DesignError, match=r"modification\.rotation_arcsec = 3600 is too large: it must be below 812"):
         flank_ends(CycloidGear(400, 0.1e-3, 40.75e-3, 0.2e-3), 0.2e-3, np.radians(1.0))
 
 

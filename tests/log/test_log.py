@@ -475,7 +475,7 @@ def edits() -> dict[str, tuple[Callable[[str, dict], dict | None], str]]:
         "times": (sample(40, retimed), "the sampling times of its topics differ"),
         "backward": (
             on("message", lambda f: retimed(f) if f["sequence"] == 40 else f),
-            "time of a run goes from 7.5 s",
+            "the times of the run do not increase at sample .*: 7.5 s is followed",
         ),
         "units": (on("channel", lambda f: f | {"metadata": {"units": "{"}}), "malformed schema of /reducer"),
         "no unit": (on("channel", lambda f: f | {"metadata": {"units": "{}"}}), "malformed schema of /reducer"),
@@ -657,8 +657,8 @@ def test_names_that_a_log_refuses(groups, message, tmp_path):
     ("time", "shapes", "message"),
     [
         ([1.0, 2.0], {"/a": (2, 1)}, r"topics \['/a'\]; log .* requires \['/a', '/b'\]"),
-        ([1.0, 2.0], {"/a": (2, 1), "/b": (2, 3)}, r"/b have shape \(2, 3\); it must be \(2, 2\)"),
-        ([1.0, 2.0], {"/a": (1, 1), "/b": (2, 2)}, r"/a have shape \(1, 1\); it must be \(2, 1\)"),
+        ([1.0, 2.0], {"/a": (2, 1), "/b": (2, 3)}, r"/b have shape \(2, 3\); expected \(2, 2\)"),
+        ([1.0, 2.0], {"/a": (1, 1), "/b": (2, 2)}, r"/a have shape \(1, 1\); expected \(2, 1\)"),
         ([[1.0, 2.0]], {"/a": (2, 1), "/b": (2, 2)}, r"shape \(1, 2\)"),
         ([1.0, 1.0], {"/a": (2, 1), "/b": (2, 2)}, "increasing"),
         ([0.5, 1.0], {"/a": (2, 1), "/b": (2, 2)}, "after 0.5 s"),

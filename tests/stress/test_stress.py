@@ -688,7 +688,7 @@ def test_the_default_run_holds_one_settled_turn_at_two_samples_a_degree():
 @pytest.mark.parametrize(
     ("argv", "exit_code", "words"),
     [
-        ((), 2, "no design and no log is given"),
+        ((), 2, "no design or log given"),
         (("--log", "a.mcap", "--load-nm", "3"), 2, "have no effect on logs"),
         (("--log", "a.mcap", "--design", "pin", "nonpin"), 2, "2 designs and 1 logs are given"),
         (("--design", "pin", "pin", "--out", "{}"), 2, "two designs have the name 'pin'"),

@@ -139,4 +139,7 @@ def _failure(future: Any, scheduler: str) -> BaseException:
     error: BaseException = future.exception()
     if isinstance(error, CycloidError):
         return error
-    return RunError(f"a worker of {scheduler} failed: {type(error).__name__}: {error}")
+    return RunError(
+        f"a worker of {scheduler} failed: {type(error).__name__}: {error}; check that worker's log, then start the run "
+        "again"
+    )

@@ -85,4 +85,6 @@ class ConvexSettings:
         if self.hulls < 1:
             raise DesignError(f"hulls is {self.hulls}; half a lobe needs at least 1: choose e.g. 2")
         if not 0.0 < self.depth <= 0.5:
-            raise DesignError(f"depth is {self.depth}; it must be above 0 and at most 0.5 of the pin radius")
+            raise DesignError(
+                f"depth is {self.depth}; it is a fraction of the pin radius and must be above 0 and at most 0.5"
+            )

@@ -383,8 +383,8 @@ def _cavity(reducer: Reducer, screws: Screws, second: float, wall: float) -> tup
     most = min(room - wall, design.ring_root_radius)
     if not cavity <= most:
         raise DesignError(
-            f"the crank needs {2e3 * cavity:.4g} mm in the cover on the motor's side, which has room for "
-            f"{2e3 * most:.4g} mm; lower shaft.counterweight_radius_mm, or output.pin_circle_radius_mm"
+            f"the crank needs a {2e3 * cavity:.4g} mm diameter in the motor-side cover, but only {2e3 * most:.4g} mm "
+            "is available; reduce shaft.counterweight_radius_mm, or output.pin_circle_radius_mm"
         )
     ring = design.ring
     return cavity, min(most, ring.pin_circle_radius + 0.5 * ring.pin_radius) if ring.kind == "pin" else most
@@ -529,8 +529,8 @@ def stock_screw_length(bolt: stock.Bolt, reach: float) -> float:
     length = stock.bolt_length(bolt.thread, reach)
     if length is None:
         raise DesignError(
-            f"the casing needs screws {bolt.designation} of {1e3 * reach:.4g} mm; those in stock are shorter: "
-            "lower housing.outer_radius_mm"
+            f"the casing needs {bolt.designation} screws {1e3 * reach:.4g} mm long, but the longest in stock is "
+            "shorter; reduce housing.outer_radius_mm"
         )
     return length
 

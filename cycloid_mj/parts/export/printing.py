@@ -212,9 +212,9 @@ def _cam_radius(reducer: Reducer, seat: float) -> float:
         raise DesignError("the cam slides in the gear (gear.bearing = 'plain'): it has no bearing with a bore")
     if not (flush < seat or (discs == 1 and seat == round(flush, 9))) or not seat < gear.bore_radius:
         raise DesignError(
-            f"a cam's bearing with a bore of {2e3 * seat:g} mm does not fit: it must be more than {2e3 * flush:g} mm, "
-            f"for the shaft in the eccentric cam, and less than {2e3 * gear.bore_radius:g} mm, its outside "
-            "(gear.bore_radius_mm)"
+            f"a cam bearing with a {2e3 * seat:g} mm bore does not fit: the bore must be larger than {2e3 * flush:g} "
+            "mm to clear the shaft, and smaller than the outside diameter of the bearing, "
+            f"{2e3 * gear.bore_radius:g} mm (twice gear.bore_radius_mm)"
         )
     return max(seat, flush + MIN_CAM_STEP)
 

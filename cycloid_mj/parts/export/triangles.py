@@ -30,8 +30,8 @@ def read_stl(content: bytes) -> Array:
     count = int.from_bytes(content[80:84], "little")
     if len(content) != 84 + count * _TRIANGLE.itemsize:
         raise DesignError(
-            f"this is no binary STL: {len(content)} bytes for {count} triangles, expected "
-            f"{84 + count * _TRIANGLE.itemsize}; write it again"
+            f"not a valid binary STL: it has {len(content)} bytes, but {count} triangles need "
+            f"{84 + count * _TRIANGLE.itemsize}; export it again"
         )
     return np.frombuffer(content, _TRIANGLE, offset=84)["corners"].astype(np.float64)
 
