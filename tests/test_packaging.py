@@ -145,7 +145,7 @@ FAULTY = {
     "test_packaging:NOTHING": "its command 'test_packaging:nothing' does not load: module 'test_packaging' has no",
     "test_packaging:NONSENSE": "its command 'non sense' is not written as module:function",
     "test_packaging:NO_FUNCTION": "its command 'test_packaging:ROOT' is no function",
-    "test_packaging:NO_FLAGS": "its command 'builtins:dict' takes no flags: no signature found",
+    "test_packaging:NO_FLAGS": "its command 'builtins:dict' cannot be read as a command with flags (no signature found",
     "test_packaging:TAKEN": "its key 'hsieh2014' is taken by another paper",
     "test_packaging:NAMELESS": "its key '--help' is no name of a command",
     "leaves_2000:PAPER": "it ends the program (I leave)",
@@ -172,19 +172,19 @@ def test_a_paper_with_a_fault_is_named_in_one_line_and_stops_no_command(value, f
         assert capsys.readouterr().err == ""
     assert main(["reproduce", "--help"]) == 0
     (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith(f"warning: paper zebra: left out, since {FAULTY[value]}")
+    assert line.startswith(f"warning: paper zebra: ignored: {FAULTY[value]}")
 
 
 def test_a_paper_that_fails_when_it_is_asked_is_passed_over(found, capsys):
     found(leaving="test_packaging:LEAVING")
     for ask, nothing in ((published_torques, []), (stress_references, {})):
-        with pytest.warns(CycloidWarning, match="paper leaving: passed over, since it ends the program"):
+        with pytest.warns(CycloidWarning, match="paper leaving: passed over: it ends the program"):
             assert ask(Reducer(PRESETS["pin"])) == nothing
 
 
 def test_a_paper_that_answers_what_is_no_list_is_passed_over(found):
     found(odd="test_packaging:ODD")
-    with pytest.warns(CycloidWarning, match="paper odd: passed over, since 'int' object is not iterable"):
+    with pytest.warns(CycloidWarning, match="paper odd: passed over: 'int' object is not iterable"):
         assert published_torques(Reducer(PRESETS["pin"])) == []
 
 

@@ -89,7 +89,7 @@ def papers() -> tuple[Paper, ...]:
     installed: dict[str, Paper] = {}
     points = {point.name: point for point in entry_points(group=GROUP)}
     for name in sorted(points):
-        paper = _answer(name, "left out", partial(_checked, points[name], installed))
+        paper = _answer(name, "ignored", partial(_checked, points[name], installed))
         installed |= {paper.key: paper} if paper else {}
     return tuple(installed.values())
 
@@ -140,7 +140,7 @@ def _answer(name: str, instead: str, ask: Callable[[], Answer]) -> Answer | None
     except (Exception, SystemExit) as problem:
         reason = " ".join(f"{problem}".split()) or type(problem).__name__
         reason = f"it ends the program ({reason})" if isinstance(problem, SystemExit) else reason
-        warn(f"paper {name}", [f"{instead}, since {reason}"])
+        warn(f"paper {name}", [f"{instead}: {reason}"])
         return None
 
 

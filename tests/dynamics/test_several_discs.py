@@ -146,13 +146,12 @@ def test_a_log_has_columns_of_each_disc_and_figures_of_each(run: Run) -> None:
 def test_figures_over_time_tell_which_disc_they_are_of(run: Run) -> None:
     page = report({"runs/two.mcap": run})
     for told in (
-        "those of gear 1 of 2",
-        "gear 1 of 2: transmission error, p-p",
-        "3 mm between them",
+        "below show gear 1 of 2",
+        "gear 1 of 2: transmission error, peak to peak",
         "gear 2 speed, mean",
     ):
         assert told in page
-    assert "point q of the gear</th><td>(0, 34) mm of gear 1 of 2" in page
+    assert "<td>(0, 34) mm of gear 1 of 2" in page
     for figure in figures(series(run)).values():
         assert figure.get_suptitle().endswith("; gear and q: gear 1 of 2")
     assert figures(series(run).of_disc(1))["fig6_gear_speed"].get_suptitle().endswith("gear 2 of 2")
@@ -344,7 +343,7 @@ def test_an_animation_follows_the_disc_that_is_asked_for(run: Run) -> None:
     first, second = (next(film(take(run, frames=1, disc=disc), 320)) for disc in (0, 1))
     assert first.shape == second.shape
     assert np.any(first != second)
-    with pytest.raises(UsageError, match="no gear 3: give 1 to 2"):
+    with pytest.raises(UsageError, match="no disc 3: choose 1 to 2"):
         take(run, disc=2)
 
 
