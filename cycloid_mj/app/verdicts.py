@@ -19,7 +19,7 @@ BAR_DECADES = 2.0
 SMALLEST_BAR = 0.01
 
 
-class Requirement(NamedTuple):
+class RequirementLimit(NamedTuple):
     """A field of the start form, the figure that it limits, and how."""
 
     figure: str
@@ -28,13 +28,13 @@ class Requirement(NamedTuple):
     rtol: float = SIZE_RTOL
 
 
-REQUIREMENTS: Mapping[str, Requirement] = {
-    "ratio": Requirement("ratio", "", ":1"),
-    "diameter_mm": Requirement("drive_diameter_mm", "≤ ", "mm"),
-    "length_mm": Requirement("drive_length_mm", "≤ ", "mm"),
-    "torque_nm": Requirement("rated_torque_nm", "≥ ", "N m", TORQUE_RTOL),
-    "life_h": Requirement("life_h", "≥ ", "h"),
-    "backlash_arcmin": Requirement("backlash_arcmin", "≤ ", "arcmin"),
+REQUIREMENTS: Mapping[str, RequirementLimit] = {
+    "ratio": RequirementLimit("ratio", "", ":1"),
+    "diameter_mm": RequirementLimit("drive_diameter_mm", "≤ ", "mm"),
+    "length_mm": RequirementLimit("drive_length_mm", "≤ ", "mm"),
+    "torque_nm": RequirementLimit("rated_torque_nm", "≥ ", "N m", TORQUE_RTOL),
+    "life_h": RequirementLimit("life_h", "≥ ", "h"),
+    "backlash_arcmin": RequirementLimit("backlash_arcmin", "≤ ", "arcmin"),
 }
 """Fields of the start form; diameter and length are those of the drive with its covers."""
 

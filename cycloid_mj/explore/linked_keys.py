@@ -24,7 +24,7 @@ _OPERATIONS: Mapping[type[ast.AST], Callable[..., float]] = {
 
 
 @dataclass(frozen=True)
-class Rule:
+class LinkRule:
     """Rule by which a key follows without a formula.
 
     Attributes
@@ -53,13 +53,13 @@ def _set_torque(start: Reducer, reducer: Reducer) -> Reducer:
     return reducer.but(drive={"torque": design.drive.torque * start.design.rated_torque / design.rated_torque})
 
 
-RULES: Mapping[str, Rule] = {
-    "output.hole_radius_mm": Rule(
+RULES: Mapping[str, LinkRule] = {
+    "output.hole_radius_mm": LinkRule(
         "output pin radius plus eccentricity plus the clearance of the start",
         frozenset({"gear.eccentricity_mm", "output.pin_radius_mm"}),
         _set_hole_radius,
     ),
-    "drive.torque_nm": Rule(
+    "drive.torque_nm": LinkRule(
         "keeps the rated torque on the output", frozenset({"ring.teeth", "output.member"}), _set_torque
     ),
 }
