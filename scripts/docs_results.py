@@ -26,7 +26,12 @@ CLAIMS, HYPOTHESIS = DATA / "paper-claims.csv", DATA / "paper-hypothesis.csv"
 """Tables for download: every claim, and the runs with the contact that the authors may have used."""
 
 STAGES = ("geometry", "equal", "input", "gear_speed", "q_path", "q_velocity", "pin_1", "vibration", "stress", "torque")
-TALLY = {"agrees": "agree", "depends": "depend", "disagrees": "disagree", "not determined": "are not determined"}
+TALLY = {
+    "agrees": "agree",
+    "depends": "depend on what the paper leaves open",
+    "disagrees": "disagree",
+    "not determined": "are not determined",
+}
 
 SECTIONS = {
     "steel": ("poisson",),
