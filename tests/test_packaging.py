@@ -140,14 +140,14 @@ SECOND = Paper("second", "Second 2000", "test_packaging:reproduce_second", "")
 FAULTY = {
     "nobody_2000:PAPER": "nobody_2000:PAPER does not load: No module named 'nobody_2000'",
     "test_packaging:NO_PAPER": "test_packaging:NO_PAPER does not load: module 'test_packaging' has no attribute",
-    "test_packaging:ROOT": "test_packaging:ROOT is no Paper but of type PosixPath",
+    "test_packaging:ROOT": "test_packaging:ROOT is not a Paper but of type PosixPath",
     "test_packaging:NOWHERE": "its command 'nobody_2000:run' does not load: No module named 'nobody_2000'",
     "test_packaging:NOTHING": "its command 'test_packaging:nothing' does not load: module 'test_packaging' has no",
     "test_packaging:NONSENSE": "its command 'non sense' is not written as module:function",
-    "test_packaging:NO_FUNCTION": "its command 'test_packaging:ROOT' is no function",
+    "test_packaging:NO_FUNCTION": "its command 'test_packaging:ROOT' is not a function",
     "test_packaging:NO_FLAGS": "its command 'builtins:dict' cannot be read as a command with flags (no signature found",
     "test_packaging:TAKEN": "its key 'hsieh2014' is taken by another paper",
-    "test_packaging:NAMELESS": "its key '--help' is no name of a command",
+    "test_packaging:NAMELESS": "its key '--help' is not a valid command name",
     "leaves_2000:PAPER": "it ends the program (I leave)",
 }
 NOWHERE, NOTHING, NONSENSE, NO_FUNCTION = (

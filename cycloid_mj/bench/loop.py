@@ -217,7 +217,7 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, where: str = 
     height = float(np.ptp(deflection_deg))
     if not np.ptp(torque) > 0.0 or not height > 0.0:
         constant = TORQUE if not np.ptp(torque) > 0.0 else DEFLECTION
-        raise UsageError(f"{where}: {constant} is the same in all rows, which is no loop. Record a full loop")
+        raise UsageError(f"{where}: {constant} is the same in all rows, so this is not a loop: record a full loop")
     turns, branch = _turns(torque)
     if count < SETTINGS.min_branch_points * (turned := len(np.unique(branch))):
         raise UsageError(

@@ -168,8 +168,8 @@ def read_te(path: Path) -> MeasuredError:
         raise UsageError(f"{path}: {CRANK} covers {span}; at least a full turn of 360 deg is needed{radians}")
     if np.ptp(columns[ERROR]) > MAX_ERROR_ARCSEC or not np.ptp(columns[ERROR]) > 0.0:
         raise UsageError(
-            f"{path}: {ERROR} has a range of {np.ptp(columns[ERROR]):.4g} arcsec, which is no transmission error. It "
-            "must be the angle of the output less that of the crank over the ratio, in arcseconds"
+            f"{path}: {ERROR} has a range of {np.ptp(columns[ERROR]):.4g} arcsec, which is not a transmission "
+            "error. It must be the output angle minus (crank angle / ratio), in arcseconds"
         )
     return measured
 

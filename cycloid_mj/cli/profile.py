@@ -106,7 +106,7 @@ def _curvature(reducer: Reducer, crank_angles: int | None) -> Columns:
     crank_angles = crank_angles or CRANK_ANGLES
     if crank_angles * design.ring.teeth > MOST_ROWS:
         raise UsageError(
-            f"--points {crank_angles} gives more than {MOST_ROWS} lines with {design.ring.teeth} teeth: lower it"
+            f"--points {crank_angles} gives more than {MOST_ROWS} lines with {design.ring.teeth} teeth: reduce it"
         )
     lines = contact_lines(gear, design.ring.kind, mesh_period(gear, crank_angles))
     modulus = reducer.contacts[design.tooth_pair].modulus

@@ -151,9 +151,9 @@ def _checked(point: EntryPoint, taken: Container[str]) -> Paper:
     except Exception as problem:
         raise LookupError(f"{point.value} does not load: {problem}") from problem
     if not isinstance(paper, Paper):
-        raise TypeError(f"{point.value} is no Paper but of type {type(paper).__name__}")
+        raise TypeError(f"{point.value} is not a Paper but of type {type(paper).__name__}")
     if not isinstance(paper.key, str) or not re.fullmatch(r"[A-Za-z0-9][\w.-]*", paper.key):
-        raise ValueError(f"its key {paper.key!r} is no name of a command")
+        raise ValueError(f"its key {paper.key!r} is not a valid command name")
     if paper.key in taken:
         raise ValueError(f"its key {paper.key!r} is taken by another paper")
     if not isinstance(paper.command, str) or not re.fullmatch(r"[\w.]+:[\w.]+", paper.command):
@@ -163,5 +163,5 @@ def _checked(point: EntryPoint, taken: Container[str]) -> Paper:
     except Exception as problem:
         raise LookupError(f"its command {paper.command!r} does not load: {problem}") from problem
     if not callable(command):
-        raise TypeError(f"its command {paper.command!r} is no function")
+        raise TypeError(f"its command {paper.command!r} is not a function")
     return paper

@@ -1072,8 +1072,8 @@ def test_compare_bench_writes_and_tells(tmp_path: Path, capsys: pytest.CaptureFi
     [
         (np.linspace(0.0, 90.0, 100), np.ones(100), "at least a full turn"),
         (np.linspace(0.0, 6.28, 100), np.ones(100), "in radians"),
-        (np.linspace(0.0, 360.0, 100), np.ones(100), "no transmission error"),
-        (np.linspace(0.0, 360.0, 100), 1e5 * np.sin(np.arange(100)), "no transmission error"),
+        (np.linspace(0.0, 360.0, 100), np.ones(100), "which is not a transmission error"),
+        (np.linspace(0.0, 360.0, 100), 1e5 * np.sin(np.arange(100)), "which is not a transmission error"),
     ],
 )
 def test_a_bad_error_curve_is_refused(crank: Array, error: Array, told: str, tmp_path: Path) -> None:

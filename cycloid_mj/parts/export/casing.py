@@ -409,12 +409,13 @@ def _motor_flange(reducer: Reducer, motor: Motor, outer: float, seat: float, wal
     if motor in NEMA and not fits(NEMA[motor]):
         one = NEMA[motor]
         needed, there = reach(one)
-        place = "room for the heads of its screws up to" if one.tapped else "a cover with"
+        place = "room for its screw heads up to" if one.tapped else "a cover with"
         raise DesignError(
-            f"a flange {one.name} needs {place} a radius of {1e3 * needed:.4g} mm, a bearing of at most "
-            f"{2e3 * (one.circle - hole(one) - wall):.4g} mm and a shaft of {2e3 * one.shaft + 4e3 * wall:.4g} mm "
-            f"around its own; there are {1e3 * there:.4g} mm, the bearing has {2e3 * seat:.4g} mm, the shaft "
-            f"{2e3 * reducer.design.shaft.radius:.4g} mm: take another motor"
+            f"a flange {one.name} needs {place} a radius of {1e3 * needed:.4g} mm, a bearing diameter of at most "
+            f"{2e3 * (one.circle - hole(one) - wall):.4g} mm and a crank diameter of at least "
+            f"{2e3 * one.shaft + 4e3 * wall:.4g} mm around the motor's shaft; the radius is {1e3 * there:.4g} mm, "
+            f"the bearing {2e3 * seat:.4g} mm, the crank {2e3 * reducer.design.shaft.radius:.4g} mm; "
+            "choose another motor"
         )
     wanted = ("nema23", "nema17") if motor == "auto" else (motor,)
     if frame := next((NEMA[key] for key in wanted if key in NEMA and fits(NEMA[key])), None):
