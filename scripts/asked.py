@@ -165,7 +165,7 @@ def flags(changes: Iterable[str]) -> tuple[str, ...]:
 
 
 def of_pin(*words: str) -> tuple[str, ...]:
-    """Let a command run quietly on `pin`."""
+    """Return a quiet command on `pin`."""
     return (*words, "--design", "pin", "--quiet")
 
 

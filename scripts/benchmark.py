@@ -344,7 +344,7 @@ SECTIONS: dict[str, Callable[[int], Table]] = {
 
 
 def machine() -> dict[str, str]:
-    """Tell where the figures come from."""
+    """Return the source of the figures."""
     info = Path("/proc/cpuinfo")
     models = [line.partition(": ")[2] for line in info.read_text().splitlines() if "model name" in line]
     return {

@@ -36,7 +36,7 @@ KEYS = {
 
 
 class Tab:
-    """One page of the browser: what its console says of errors is kept in `errors`."""
+    """A page of the browser: what its console says of errors is kept in `errors`."""
 
     def __init__(self, address: str) -> None:
         self._socket = create_connection(address, timeout=60)
@@ -145,7 +145,7 @@ class Tab:
             self._socket.settimeout(60)
 
     def close(self) -> None:
-        """Let go of it."""
+        """Close the connection."""
         self._socket.close()
 
 

@@ -39,7 +39,7 @@ DRAWERS = {
 
 @dataclass(frozen=True)
 class Count:
-    """One count: what is counted, its `bound`, and the `places` that make it up."""
+    """A count: what is counted, its `bound`, and the `places` that make it up."""
 
     name: str
     bound: int
@@ -47,7 +47,7 @@ class Count:
 
     @property
     def value(self) -> int:
-        """How many places there are."""
+        """Number of places."""
         return len(self.places)
 
 
@@ -74,7 +74,7 @@ def modules() -> list[Module]:
 
 
 def takes_design(function: Function) -> bool:
-    """Tell whether a parameter of a function is annotated with Design, alone or as a part of its type."""
+    """Return whether a parameter of a function is annotated with Design, alone or as a part of its type."""
     arguments = function.args
     parameters = [*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs]
     return any(
@@ -86,7 +86,7 @@ def takes_design(function: Function) -> bool:
 
 
 def is_cached(function: Function) -> bool:
-    """Tell whether a function is decorated with one of functools' caches."""
+    """Return whether a function is decorated with one of functools' caches."""
     plain = (one.func if isinstance(one, ast.Call) else one for one in function.decorator_list)
     return any(ast.unparse(one).rpartition(".")[2] in ("cache", "lru_cache") for one in plain)
 
@@ -120,7 +120,7 @@ def ring_conversions(of: Iterable[Module]) -> tuple[str, ...]:
 
 
 def _compares_member(node: ast.AST) -> bool:
-    """Tell whether a node compares the body that the load is on with one of a certain name."""
+    """Return whether a node compares the body that the load is on with one of a certain name."""
     if not isinstance(node, ast.Compare) or not isinstance(node.ops[0], ast.Eq | ast.NotEq):
         return False
     return any(isinstance(side, ast.Attribute) and side.attr == "turning" for side in (node.left, *node.comparators))

@@ -64,7 +64,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Artefact:
-    """What is generated together.
+    """Files that are generated together.
 
     Attributes
     ----------
@@ -352,7 +352,7 @@ def stamp(artefact: Artefact) -> dict[str, Any]:
 
 
 def stale(artefact: Artefact, kept: Mapping[str, Any] | None) -> list[str]:
-    """Tell why an artefact is stale, a reason each; nothing where it is fresh."""
+    """Return the reasons why an artefact is stale, a reason each; nothing where it is fresh."""
     if kept is None:
         return ["it has no stamp: it was made before there were any"]
     changed = [name for name in artefact.files if kept["files"].get(name) != _digest(name)]
@@ -360,7 +360,7 @@ def stale(artefact: Artefact, kept: Mapping[str, Any] | None) -> list[str]:
 
 
 def moved(artefact: Artefact, before: Mapping[str, Values]) -> list[str]:
-    """Tell which figures of an artefact's probes come out otherwise than before, a sentence each."""
+    """Return which figures of an artefact's probes come out otherwise than before, a sentence each."""
     changes = []
     for name in artefact.probes:
         was, now = before.get(name, {}), probed(name)

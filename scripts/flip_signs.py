@@ -46,7 +46,7 @@ SECONDS = 30
 
 @dataclass(frozen=True)
 class Flip:
-    """One sign of a file: where it stands, in bytes, and the expression that it is in."""
+    """A sign of a file: where it stands, in bytes, and the expression that it is in."""
 
     file: str
     line: int
@@ -115,7 +115,7 @@ class Flipped(importlib.abc.Loader):
 
 
 def tested(file: str) -> bool:
-    """Tell whether a test fails that may see a sign of a file."""
+    """Return whether a test fails that may see a sign of a file."""
     import pytest
 
     arguments = ["-x", "-q", "-p", "no:cacheprovider", "-o", "addopts=", "--noconftest", f"--rootdir={ROOT}"]

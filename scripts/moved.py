@@ -1,4 +1,4 @@
-"""Tell which figures of the presets moved between two revisions, and by how much, for release notes.
+"""List the figures of the presets that changed between two revisions, and by how much, for release notes.
 
 python scripts/moved.py OLD NEW      # revisions as git knows them
 
@@ -42,7 +42,7 @@ class Move:
 
     @property
     def change(self) -> str:
-        """By how much it moved, in percent of the old value where that is not 0."""
+        """Change in percent of the old value where that is not 0."""
         if self.old is None or self.new is None:
             return "new" if self.old is None else "gone"
         return f"{100.0 * (self.new / self.old - 1.0):+.3g} %" if self.old else "from 0"
@@ -82,7 +82,7 @@ def come_and_gone(of: list[Move]) -> str:
 
 
 def table(of: list[Move]) -> Table:
-    """Put the moves of figures that both revisions print into a table."""
+    """Tabulate the moves of figures that both revisions print into a table."""
     rows = [
         (
             one.design,

@@ -188,7 +188,7 @@ sys.exit(os.waitstatus_to_exitcode(status))
 
 
 class Launched(NamedTuple):
-    """What a process took: wall and CPU time [s], peak memory [MB]."""
+    """Cost of a process: wall and CPU time [s], peak memory [MB]."""
 
     wall: float
     cpu: float

@@ -206,7 +206,7 @@ def judged(asked: dict[str, str], way: int, thorough: bool) -> tuple[str, float,
 
 
 def _changed(asked: dict[str, str], words: list[str]) -> dict[str, str]:
-    """Put the flags of a way out in the place of those that were given."""
+    """Replace the given flags by those of a remedy."""
     custom = {"--custom": ""} if "--custom" in words else {}
     pairs = [word for word in words if word != "--custom"]
     return asked | dict(zip(pairs[::2], pairs[1::2], strict=True)) | custom

@@ -75,7 +75,7 @@ class Frame(Tabular):
 
     @property
     def rows(self) -> int:
-        """How many rows there are."""
+        """Number of rows."""
         return len(next(iter(self.columns.values()), ()))
 
     def as_csv(self) -> str:

@@ -31,7 +31,7 @@ def plain(value: Any) -> Any:
 
 @dataclass(frozen=True)
 class Quantity:
-    """One measured number.
+    """A measured number.
 
     Attributes
     ----------
@@ -104,7 +104,7 @@ def quantity_table(title: str, quantities: Iterable[Quantity]) -> "Table":
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Curve(Presented):
-    """One curve of a figure.
+    """A curve of a figure.
 
     Attributes
     ----------
@@ -329,7 +329,7 @@ class Removal:
 
 @dataclass(frozen=True)
 class Claim:
-    """One published claim with its verdict.
+    """A published claim with its verdict.
 
     Attributes
     ----------

@@ -107,7 +107,7 @@ class MeasuredLoop(Presented):
 
     @property
     def rising(self) -> bool:
-        """Whether the torque of the first branch rises."""
+        """True if the torque of the first branch rises."""
         return self.turns[1] > self.turns[0]
 
     def moving(self, direction: int) -> Mask:

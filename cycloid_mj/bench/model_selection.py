@@ -79,7 +79,7 @@ class LoopStretch:
 
     @property
     def followed(self) -> bool:
-        """Whether the deviation is within the model error that the intervals assume (`MODEL_ERROR`)."""
+        """True if the deviation is within the model error that the intervals assume (`MODEL_ERROR`)."""
         return self.share <= MODEL_ERROR
 
     @property

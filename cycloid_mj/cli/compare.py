@@ -136,7 +136,7 @@ class CompareOptions:
 
     @property
     def hold_given(self) -> bool:
-        """Whether the user gives the duration of the hold."""
+        """True if the user gives the duration of the hold."""
         return self.hold_s is not None or any(change.strip().startswith(HOLD.key) for change in self.set_)
 
 
@@ -145,7 +145,7 @@ DEFAULT = CompareOptions()
 
 @dataclass(frozen=True, kw_only=True)
 class CompareDelivery(Delivery):
-    """Where figures and logs go."""
+    """Destination of figures and logs."""
 
     out: Annotated[
         str | None,

@@ -35,7 +35,7 @@ FEWEST_WARNINGS = 3
 
 @dataclass(frozen=True)
 class Destination:
-    """Where a command writes, claimed before its work begins.
+    """Destination of the files of a command, claimed before its work begins.
 
     Attributes
     ----------

@@ -77,7 +77,7 @@ class MeasureOptions:
 
     EXAMPLES: ClassVar[str] = ""
     PUBLISHED: ClassVar[bool] = False
-    """Whether the measure compares its torques with those that a paper publishes for the design."""
+    """True if the measure compares its torques with those that a paper publishes for the design."""
 
     def values(self) -> Values:
         """Return the values that the options set in the design."""

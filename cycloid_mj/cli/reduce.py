@@ -78,7 +78,7 @@ EXAMPLES = """Examples:
 
 @dataclass(frozen=True, kw_only=True)
 class ReduceDelivery(Delivery):
-    """Where the files of a joint go."""
+    """Destination of the files of a joint."""
 
     out: Annotated[str | None, out_flag("the model, the figures as JSON and CSV, and the page", OUT)] = None
 

@@ -136,7 +136,7 @@ SolidFlag = Annotated[
 
 @dataclass(frozen=True, kw_only=True)
 class StressDelivery(Delivery):
-    """Where figures, maps and logs go."""
+    """Destination of figures, maps and logs."""
 
     out: Annotated[
         str | None,

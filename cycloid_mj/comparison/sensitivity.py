@@ -50,7 +50,7 @@ class Sensitivity:
 
     @property
     def determined(self) -> bool:
-        """Whether the sign of the figure is certain, and its size within a factor `UNDETERMINED`."""
+        """True if the sign of the figure is certain, and its size within a factor `UNDETERMINED`."""
         ratios = [1.0, *(1.0 + change for change in self.changes)]
         return min(ratios) > 0.0 and max(ratios) / min(ratios) < UNDETERMINED
 

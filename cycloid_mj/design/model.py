@@ -144,27 +144,27 @@ class Ring(Section):
 
     @property
     def has_sockets(self) -> bool:
-        """Whether the pins float in sockets."""
+        """True if the pins float in sockets."""
         return self.kind == "pin" and self.pins in ("free", "massless")
 
     @property
     def has_sleeves(self) -> bool:
-        """Whether each pin is pressed in and carries a turning sleeve."""
+        """True if each pin is pressed in and carries a turning sleeve."""
         return self.kind == "pin" and self.pins in ("sleeved", "massless_sleeved")
 
     @property
     def has_moving_pins(self) -> bool:
-        """Whether the parts on which the discs roll move in their seats: free pins, or sleeves on pressed-in pins."""
+        """True if the parts on which the discs roll move in their seats: free pins, or sleeves on pressed-in pins."""
         return self.has_sockets or self.has_sleeves
 
     @property
     def has_massless_pins(self) -> bool:
-        """Whether these parts have no inertia, and so are part of the contact between disc and housing."""
+        """True if these parts have no inertia, and so are part of the contact between disc and housing."""
         return self.kind == "pin" and self.pins.startswith("massless")
 
     @property
     def has_pin_bodies(self) -> bool:
-        """Whether these parts are bodies of the simulation, with position and spin."""
+        """True if these parts are bodies of the simulation, with position and spin."""
         return self.has_moving_pins and not self.has_massless_pins
 
     @property
@@ -252,17 +252,17 @@ class Output(Section):
 
     @property
     def turns_ring(self) -> bool:
-        """Whether the ring is the output and the carrier of the output pins is fixed."""
+        """True if the ring is the output and the carrier of the output pins is fixed."""
         return self.member == "ring"
 
     @property
     def has_needles(self) -> bool:
-        """Whether the pins carry rollers on needles, not plain sleeves that slide on their cores."""
+        """True if the pins carry rollers on needles, not plain sleeves that slide on their cores."""
         return self.rollers and self.roller_bearing == "needles"
 
     @property
     def has_roller_parts(self) -> bool:
-        """Whether the rollers are separate parts, because the radius of their core pins is set.
+        """True if the rollers are separate parts, because the radius of their core pins is set.
 
         Otherwise pin and roller are drawn and weighed as one cylinder of ``pin_radius``.
         """
@@ -797,7 +797,7 @@ def _rows(section: Section, prefix: str) -> Iterator[dict[str, str]]:
 
 
 class Design(Section, Presented):
-    """One cycloidal reducer with its drive and load; all values in SI.
+    """A cycloidal reducer with its drive and load; all values in SI.
 
     The defaults are the paper's pin reducer (Hsieh 2014, section 3.1 and Table 1); what the paper leaves open
     is marked as assumed in the design file.

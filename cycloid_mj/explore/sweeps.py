@@ -75,7 +75,7 @@ class Sweep(Tabular):
 
     @property
     def complete(self) -> bool:
-        """Whether every point has a row."""
+        """True if every point has a row."""
         return len(self.rows) == len(self.points)
 
     @property

@@ -136,7 +136,7 @@ class Tolerances(Tabular):
 
     @property
     def good(self) -> Mask:
-        """Which samples satisfy all limits and do not jam, shape (samples,)."""
+        """Samples that satisfy all limits and do not jam, shape (samples,)."""
         satisfied = [limit.holds(self.figures[limit.key]) for limit in self.limits]
         return np.asarray(np.all([~self.jams, *satisfied], axis=0))
 

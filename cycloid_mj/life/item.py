@@ -100,7 +100,7 @@ class RatedItem:
 
     @property
     def unlimited(self) -> bool:
-        """Whether the safety factor is infinite, or the life longer than `MAX_LIFE`."""
+        """True if the safety factor is infinite, or the life longer than `MAX_LIFE`."""
         if self.safety is not None:
             return math.isinf(self.safety)
         return self.life is not None and self.life > MAX_LIFE

@@ -58,7 +58,7 @@ class FromRest:
 
     @property
     def locked(self) -> bool:
-        """Whether the crank stays at rest."""
+        """True if the crank stays at rest."""
         return math.isnan(self.torque)
 
 
@@ -75,7 +75,7 @@ class BreakAway:
 
     @property
     def locked(self) -> bool:
-        """Whether the crank stays at rest from most starts: self-locking, though weight may turn it from some."""
+        """True if the crank stays at rest from most starts: self-locking, though weight may turn it from some."""
         return 2 * len(self.turning) < len(self.starts)
 
     @property
@@ -97,7 +97,7 @@ class BreakAway:
 
     @property
     def resolved(self) -> bool:
-        """Whether the torque exceeds its error: pins that cross wide clearances strike the crank."""
+        """True if the torque exceeds its error: pins that cross wide clearances strike the crank."""
         return self.torque > self.error
 
     @property

@@ -89,7 +89,7 @@ class CurvatureLaw:
 
 
 class Contact:
-    """One kind of mating pair of a reducer, such as ``"tooth"``; expensive values are cached on the reducer."""
+    """A kind of mating pair of a reducer, such as ``"tooth"``; expensive values are cached on the reducer."""
 
     __slots__ = ("_reducer", "kind")
 
@@ -150,7 +150,7 @@ class Contact:
 
     @property
     def weaker_is_plastic(self) -> bool:
-        """Whether the weaker surface is a plastic."""
+        """True if the weaker surface is a plastic."""
         weaker = min(self._reducer.design.partners(self.kind), key=lambda part: part.surface_strength)
         return weaker.youngs_modulus < SOFTEST_METAL
 
@@ -246,7 +246,7 @@ class Contact:
 
     @property
     def _is_through_pin(self) -> bool:
-        """Whether disc and housing are in contact through a massless pin."""
+        """True if disc and housing are in contact through a massless pin."""
         design = self._reducer.design
         return design.ring.has_massless_pins and self.kind == design.tooth_pair
 

@@ -171,7 +171,7 @@ class Reducer:
 
     @property
     def is_ideal(self) -> bool:
-        """Whether all parts are ideal: no errors, no modification, no preloaded ring."""
+        """True if all parts are ideal: no errors, no modification, no preloaded ring."""
         modification = self.design.modification
         modified = modification.equidistant or modification.pin_circle or modification.rotation
         return not (modified or self.design.ring.preload) and self.deviations.largest == 0.0

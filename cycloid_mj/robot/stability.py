@@ -87,12 +87,12 @@ class StepTrial:
 
     @property
     def good(self) -> bool:
-        """Whether it is stable and its static values are correct."""
+        """True if it is stable and its static values are correct."""
         return self.stable and abs(self.error) <= STATIC_RTOL
 
     @property
     def accurate(self) -> bool:
-        """Whether the impact is correct as well; at the level `rigid` there is none."""
+        """True if the impact is correct as well; at the level `rigid` there is none."""
         return self.good and (self.level == "rigid" or abs(self.impact_error) <= IMPACT_RTOL)
 
     @property

@@ -162,7 +162,7 @@ class Answer(Presented):
 
     @property
     def refusal(self) -> str:
-        """What is not feasible, why, and remedies that are feasible."""
+        """The reason why the requirement is not feasible, and feasible remedies."""
         found = ", or ".join(remedy.words for remedy in self.remedies)
         remedy = (
             f"{self.requirement.torque:g} N m is feasible with {found}"

@@ -102,7 +102,7 @@ class Refinement:
 
     @property
     def converged(self) -> bool:
-        """Whether the refinement changes the maxima by less than `MAX_CHANGE`."""
+        """True if the refinement changes the maxima by less than `MAX_CHANGE`."""
         return self.change < MAX_CHANGE
 
     def as_json(self) -> dict[str, Any]:

@@ -56,7 +56,7 @@ class PartLoads:
 
     @property
     def narrow(self) -> Mask:
-        """Whether each patch is Hertz's strip itself, shape (k, m): no conformal one, and no row of rollers."""
+        """True if each patch is Hertz's strip itself, shape (k, m): no conformal one, and no row of rollers."""
         return np.asarray(self.hertz & (self.half_width < 2.0 * self.strip))
 
 

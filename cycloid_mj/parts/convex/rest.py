@@ -26,7 +26,7 @@ MAX_DECOMPOSITIONS = 4
 
 @dataclass(frozen=True)
 class Sector:
-    """One of `count` equal sectors of a part about z, in the frame of the part, on +y.
+    """The sector on +y of `count` equal sectors of a part about z, in the frame of the part.
 
     Its pieces may deviate by `bound` [m], the depth of the slices before it, so that they do not protrude. All discs
     have the sectors of the first disc; those `of_teeth` rotate with their teeth.

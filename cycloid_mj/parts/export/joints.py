@@ -64,7 +64,7 @@ Point = tuple[float, float, float]
 
 
 class JointKind(StrEnum):
-    """What a joint does; the value is the word for people and programs."""
+    """The function of a joint; the value is the word for people and programs."""
 
     SCREWED = "screwed"
     DOWELLED = "dowelled"
