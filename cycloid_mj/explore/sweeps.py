@@ -218,6 +218,7 @@ def sweep_in_folder(task: Task, points: Points, into: Path, engine: Engine, prog
         due = monotonic() + SECONDS_BETWEEN_TABLES
 
         def record(index: int, row: PointResult) -> None:
+            """Add a row to the journal, and rewrite the table on disk if the interval has passed."""
             nonlocal due
             # assumptions hardly differ between rows: those of the first are enough
             stated = any(other.assumptions for other in journal.rows.values())

@@ -85,6 +85,7 @@ class GearContour:
 
 @once
 def _teeth_curves(reducer: Reducer, splines: int) -> tuple[Curve, ...]:
+    """Return the splines of the teeth of a disc."""
     gear, offset, rotation = reducer.gear_profile, reducer.profile_offset, reducer.design.modification.rotation
     pitch = 2.0 * math.pi / gear.lobes
     backwards = SmoothCurve(

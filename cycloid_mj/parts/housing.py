@@ -113,6 +113,7 @@ def _cores(reducer: Reducer) -> list[Stretch]:
 
 
 def _pinwheel(reducer: Reducer) -> Contour:
+    """Return the contour of the wall of a ring with sockets; raise DesignError if the sockets do not fit."""
     design = reducer.design
     teeth, centre, pin = design.ring.teeth, design.ring.pin_circle_radius, design.ring.pin_radius
     radius = pin + design.socket_play

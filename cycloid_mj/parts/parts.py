@@ -126,6 +126,7 @@ def _whole_crank(reducer: Reducer) -> Solid:
 
 @once
 def _whole_output(reducer: Reducer) -> Solid:
+    """Return the output with its rollers as one solid."""
     parts = _parts(reducer, None)
     (tube,) = parts[names.ROLLER].prisms
     rollers = [
@@ -144,6 +145,7 @@ def _stretches(reducer: Reducer) -> Mapping[str, Stretch]:
 
 @once
 def _laid_out(reducer: Reducer, chord_error: float | None) -> dict[str, Part]:
+    """Return all parts by name."""
     discs = reducer.design.gear.discs
     crank = crank_parts(reducer) if discs > 1 else (crank_part(reducer, chord_error),)
     laid = [housing_part(reducer), *crank, *(gear_part(reducer, disc) for disc in range(discs))]

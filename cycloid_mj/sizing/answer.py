@@ -199,6 +199,7 @@ def _first_drive(requirement: Requirement, step: Step) -> Iterator[SizedDrive]:
 def _size_drive(
     requirement: Requirement, choose: Choice, on_progress: Callable[[Answer], None] = lambda _: None
 ) -> Answer:
+    """Search for drives, choose those to show, or collect the maximum torque and remedies."""
     requirement, step, path = _search(requirement)
     if step:
         drives = tuple(choose(requirement, step))
@@ -465,6 +466,7 @@ def _remedies(requirement: Requirement, top: Step, most: float) -> Iterator[Reme
 
 
 def _candidate_remedies(requirement: Requirement, top: Step, most: float) -> Iterator[Remedy]:
+    """Yield single changes of the requirement that could make it feasible, the most promising first."""
     limits, weakest = PROCESSES[requirement.process], top[1].weakest
     if weakest and (weakest.key == "temperature" or weakest.life is not None):
         share = most / requirement.torque if weakest.key == "temperature" else (most / requirement.torque) ** 4
@@ -748,6 +750,7 @@ def _drive(requirement: Requirement, proportions: Proportions, trial: TorqueTria
 
 
 def _figures(trial: TorqueTrial) -> Figures:
+    """Compute the figures of a drive that the table of `design new` shows, by key."""
     reducer, rating = trial.reducer, trial.rating
     design = reducer.design
     speed, life = design.drive.speed, design.service.life

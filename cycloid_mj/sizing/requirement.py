@@ -149,6 +149,7 @@ class Requirement:
             self._check_fit()
 
     def _check_fit(self) -> None:
+        """Raise UsageError unless the fit is a known one with clearance, and no clearance is set as well."""
         if self.clearance:
             raise UsageError(
                 f"both a fit, {self.fit}, and a clearance, {1e6 * self.clearance:g} um, are set: remove one of them"

@@ -320,6 +320,7 @@ def _pin_on_gear(turn: Turn, pin: int, disc: int) -> PartContact:
 
 
 def _cam_in_bore(turn: Turn, disc: int) -> PartContact:
+    """Return the contact of the cam in the bore of the disc."""
     action = _in(_disc(turn, disc), _on_gear(turn, CAM, disc))
     radius = turn.reducer.design.gear.bore_radius + turn.reducer.design.clearance.cam
     width = _cam_width(turn, action)

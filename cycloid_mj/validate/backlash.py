@@ -24,6 +24,7 @@ def rows(quick: bool) -> list[ValidationRow]:
 
 
 def _row(kind: str) -> ValidationRow:
+    """Return the row of a kind of ring."""
     design = reducer_of(
         kind,
         *without_friction(),

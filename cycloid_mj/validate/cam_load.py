@@ -71,6 +71,7 @@ def _fast_rows(quick: bool) -> list[ValidationRow]:
 
 
 def _rated_rows() -> list[ValidationRow]:
+    """Compare the cam load of a run at rated load with the balance of forces and with the ideal load."""
     run, design = rig.rated_run(FREE, 1640.0, 12)
     reducer = Reducer(design)
     crank, cam = run["crank_angle"], run.forces("cam")[:, 0]
@@ -111,6 +112,7 @@ def body_force(reducer: Reducer, crank: Array, speed: Array) -> Array:
 
 
 def _ideal_run(reducer: Reducer, rpm: float, duration: float) -> Run:
+    """Simulate an ideal reducer at a crank speed [rpm]; return the samples of a last duration [s]."""
     reducer = rig.with_changes(
         reducer,
         f"drive.speed_rpm={rpm!r}",

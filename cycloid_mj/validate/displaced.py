@@ -162,6 +162,7 @@ class DisplacedSprings:
         return self._forces_at(self.gaps(z))
 
     def _forces_at(self, gaps: Array) -> Array:
+        """Compute the forces of contacts and cams [N] from their gaps [m], shape (n + D,)."""
         discs = self.design.gear.discs
         force = -np.append(self.stiffness, [self.cam_stiffness] * discs) * np.minimum(gaps, 0.0)
         if self.bending is not None:

@@ -197,6 +197,7 @@ def _least_energy(locked: LockedReducer, method: Method) -> Array:
 
 
 def _lock_crank(reducer: Reducer, stiffness: Mapping[str, float], crank: float) -> LockedReducer:
+    """Return a reducer with its crank locked at an angle [rad], under the load of its design."""
     design = reducer.design
     gear = reducer.tooth_profile
     roots = np.zeros(0, dtype=np.int64)
@@ -228,6 +229,7 @@ def _stiffness_matrix(locked: LockedReducer, z: Array) -> Array:
 
 
 def _solution(locked: LockedReducer, z: Array) -> Equilibrium:
+    """Return the equilibrium at a solved pose."""
     springs = _springs(locked, z, False)
     ring, cam = springs["ring"], springs["cam"]
     forces = np.zeros((locked.gear.ring_teeth, 2))
@@ -258,6 +260,7 @@ def _mesh(locked: LockedReducer, z: Array) -> NearestPoints:
 
 
 def _ring(locked: LockedReducer, z: Array, uniform: bool) -> PairSprings:
+    """Compute the springs between disc and ring at a pose."""
     mesh, pose, design = _mesh(locked, z), locked.pose(z), locked.design
     count, n = mesh.distance.size, mesh.normals
     slope = np.zeros((count, z.size))
@@ -325,6 +328,7 @@ def seats(reducer: Reducer, shift: Array) -> tuple[Array, Array]:
 
 
 def _cam(locked: LockedReducer, z: Array) -> PairSprings:
+    """Compute the spring between disc and cam at a pose."""
     away = kinematics.gear_centre(locked.gear, locked.crank) / locked.gear.eccentricity
     from_cam = z[:2] - locked.deviations.eccentricity * away
     distance = np.linalg.norm(from_cam)

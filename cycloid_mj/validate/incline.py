@@ -122,6 +122,7 @@ def incline(law: ContactParameters, angle: float, turns: bool) -> Any:
 
 
 def _compile_model(pair: str, angle: float, turns: bool) -> Any:
+    """Compile the model of a body on an incline of an angle [rad]."""
     text = _BODY.format(
         timestep=TIMESTEP,
         along=GRAVITY * math.sin(angle),

@@ -71,6 +71,7 @@ def _ideal_row(
     note: str,
     quick: bool,
 ) -> ValidationRow:
+    """Compare tooth forces of an ideal reducer with a reference, sample by sample."""
     design = _slow(Reducer(reducer_of(kind, *IDEAL)), 100.0 if quick else 40.0)
     run = settled_run(design, STIFF_CAM, separate)
     ideal = np.stack([reference(design, crank) for crank in run["crank_angle"]])
@@ -107,6 +108,7 @@ def clearance_rows(kind: str, quick: bool) -> list[ValidationRow]:
 
 
 def _solved_rows(reducer: Reducer, name: str, cam: float | None, quick: bool) -> list[ValidationRow]:
+    """Compare forces, rotation and cam load of a settled run with the independent static solution."""
     slow = _slow(reducer, 200.0 if quick else 100.0)
     run = settled_run(slow, cam, False)
     stiffness = {kind: law.stiffness for kind, law in build(slow.design).laws.items()}

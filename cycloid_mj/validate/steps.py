@@ -172,6 +172,7 @@ def _is_moving(kind: str) -> bool:
 def _compare_figures(
     kind: str, which: str, figures: StepFigures, reference: StepFigures, source: str, bounds: StepFigures
 ) -> list[ValidationRow]:
+    """Return one row per figure of a run, compared with a reference run."""
     rows = []
     values = (astuple(each) for each in (figures, reference, bounds))
     for (quantity, unit), ours, finest, bound in zip(FIGURES, *values, strict=True):

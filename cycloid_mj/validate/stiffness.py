@@ -36,6 +36,7 @@ def _factor(reducer: Reducer, curvature: Array) -> Array:
 def _share_patches(
     reducer: Reducer, flat: float, mesh: NearestPoints, pose: GearPose, flanks: Flanks, stiffness: Array
 ) -> Array:
+    """Return the stiffness with contact lines of one patch sharing that of a single line [N/m], (n,)."""
     gear, deflection = reducer.tooth_profile, reducer.contacts[reducer.design.tooth_pair].force / flat
     low, stiffness = gear.best_phase, stiffness.copy()
     arcs = {int(lobe): row for row, lobe in enumerate(mesh.owner) if np.isnan(mesh.B[row])}

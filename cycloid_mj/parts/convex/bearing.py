@@ -71,6 +71,7 @@ def facet_count(hole: Hole, settings: ConvexSettings) -> int:
 
 
 def _facets(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
+    """Return the slices of holes as flat facets of a thickness [m], with their positions."""
     play, whole = hole.radius - hole.inner_radius, hole.half_angle == math.pi
     count = math.ceil(facet_count(hole, settings) * hole.half_angle / math.pi)
     step = 2.0 * hole.half_angle / count

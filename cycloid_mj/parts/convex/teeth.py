@@ -120,6 +120,7 @@ def _gear_nodes(gear: CycloidGear, offset: float, chord_error: float) -> Array:
 
 
 def _sagitta(gear: CycloidGear, offset: float, low: float, high: float, chord_error: float) -> Array:
+    """Compute flank parameters between two values whose chords have an error [m], as `profile.sagitta_nodes`."""
     profile.require_no_undercut(gear, offset)
     flank = SmoothArc(
         points=lambda t: profile.outline(gear, t, offset),

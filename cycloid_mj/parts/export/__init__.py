@@ -246,6 +246,7 @@ def _with_halves(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) ->
 
 
 def _encode_parts(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -> Export:
+    """Encode all parts in the format of the encoding; return files and clearances."""
     file_format = encoding.file_format
     if encoding.is_mesh or encoding.is_polylines:
         return _encode_polygons(reducer, encoding, sizes)
@@ -305,6 +306,7 @@ def _loop_points(loop: tuple[Curve, ...]) -> Array:
 
 
 def _curve_points(curve: Curve) -> Array:
+    """Compute points along a curve (n, 2) [m]."""
     match curve:
         case Spline():
             return curve.points(_POINTS_PER_CURVE)

@@ -81,6 +81,7 @@ def places(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = None) ->
 
 
 def _places(reducer: Reducer, crank: float, sizes: Casing | None) -> Iterator[Place]:
+    """Yield the places of all parts at a crank angle [rad]."""
     design, origin = reducer.design, np.zeros(3)
     ring, carrier = float(reducer.member.ring_angle(crank)), float(reducer.member.gear_angle(crank))
     turned = {names.HOUSING: ring, names.SHAFT: crank, names.OUTPUT: carrier}

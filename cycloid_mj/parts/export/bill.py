@@ -94,6 +94,7 @@ def _manufactured(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> It
 
 
 def _bought(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:
+    """Yield the lines of the bought parts."""
     yield from _pins(reducer, sizes)
     yield from _rollers(reducer)
     yield from _bearings(reducer, cam_seat)

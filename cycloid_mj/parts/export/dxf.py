@@ -46,6 +46,7 @@ def dxf_document() -> Iterator[Any]:
 
 
 def _add(space: Any, curve: Curve, attributes: dict[str, str]) -> None:
+    """Add a curve to the drawing."""
     match curve:
         case Circle():
             space.add_circle(_point(curve.centre), curve.radius * MILLIMETRES, dxfattribs=attributes)

@@ -227,6 +227,7 @@ def _cavities(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
 
 
 def _output_bearings(sizes: Casing) -> Joint:
+    """Return the joint of hub and output cover: two bearings on a common shoulder."""
     hub, ((first, inner), (outer, top)) = sizes.hub, sizes.bearings
     seat = 0.5 * hub.outside
     holes: tuple[Hole, ...] = (

@@ -126,6 +126,7 @@ def _extrude(occ: Any, section: PartSection) -> tuple[int, int]:
 
 
 def _edge(occ: Any, curve: Curve, z: float) -> int:
+    """Add a curve at a height [m] to the kernel; return the number of its edge."""
     z *= MILLIMETRES
     match curve:
         case Circle():
