@@ -53,7 +53,7 @@ def tell_error(error: CycloidError) -> None:
 
 def note(text: str) -> None:
     """Print a message as `tell` does, unless ``--quiet`` is given."""
-    logging.getLogger(__name__).info("%s", text)
+    logging.getLogger(__name__).info("%s", escape_controls(text))
 
 
 def show(table: "Table") -> None:
