@@ -10,7 +10,9 @@ from pathlib import Path
 import cycloid_mj
 
 PACKAGE = Path(cycloid_mj.__file__).parent
-CONTRACTS = tomllib.loads((PACKAGE.parent / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
+CONTRACTS = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())["tool"]["importlinter"][
+    "contracts"
+]
 LAYERS = [
     [name.strip().removeprefix("cycloid_mj.") for name in layer.split("|")]
     for layer in next(one for one in CONTRACTS if one["name"].startswith("layers: "))["layers"]

@@ -88,8 +88,10 @@ def command_scope() -> Iterator[None]:
         remove_empty(command.made)
 
 
-def make_folder(path: Path) -> None:
+def make_folder(path: Path) -> bool:
     """Make a folder and those above it; a command that fails before it writes there leaves none of them.
+
+    Returns True if this call made the folder, False if it was there or another command made it first.
 
     Raises
     ------
@@ -97,15 +99,23 @@ def make_folder(path: Path) -> None:
         It cannot be made.
     """
     missing = []
-    while not path.exists() and path != path.parent:
-        missing.append(path)
-        path = path.parent
+    above = path
+    while not above.exists() and above != above.parent:
+        missing.append(above)
+        above = above.parent
+    made = False
     for folder in reversed(missing):
-        folder.mkdir(exist_ok=True)
+        try:
+            folder.mkdir()
+        except FileExistsError:
+            made = False
+            continue
+        made = True
         if (command := _command.get()) is not None:
             command.made.append(folder)
-    if not missing and not path.is_dir():
+    if not path.is_dir():
         raise FileExistsError(f"{path} is a file")
+    return made
 
 
 def remove_empty(folders: Iterable[Path]) -> None:

@@ -95,9 +95,8 @@ def new_folder(name: str, what: str) -> Path | None:
     """Create the folder `name` and return it; None if the name exists. Raise CycloidError if it cannot be created."""
     path = Path(name)
     try:
-        if path.exists():
+        if path.exists() or not make_folder(path):
             return None
-        make_folder(path)
     except OSError as problem:
         raise CycloidError(
             f"cannot create the folder {name} for {what}: {reason(problem)}; choose another folder with --out"
