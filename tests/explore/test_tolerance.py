@@ -413,12 +413,15 @@ def test_samples_without_a_balance_jam_and_the_others_keep_their_figures(monkeyp
         ]
 
     monkeypatch.setattr(sampled, "solve_samples", without_the_eighth)
+    # the eighth sample has no value in any set: draw one more than a budget needs
+    monkeypatch.setattr(budget, "SOBOL", replace(budget.SOBOL, max_samples=budget.SOBOL.min_samples + 1))
     words = {"pin_position": "normal 0.1", "hole_position": "normal 0.1", "eccentricity": "normal 0.1", "cam": "H7/g6"}
     found = tolerance(override(NONPIN, {f"tolerance.{key}": text for key, text in words.items()}), 70, 0)
     lost = np.isnan(found.figures["backlash_arcmin"])
     assert np.flatnonzero(lost).tolist() == [7]
     assert found.jams[lost].all()
     assert not found.jams.all()
+    assert len(found.budget) == len(words)
     assert np.isfinite([share.total for share in found.budget]).all()
     assert found.notes[0] == "pressed without a load: no balance in 1.43%"
     assert "lack pin_position" in found.notes[1]
