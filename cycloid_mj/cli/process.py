@@ -100,7 +100,7 @@ def run() -> None:
     replace_unencodable(sys.stdout, sys.stderr)
     code = FAILURE
     if first_start(sys.argv[1:]):
-        sys.stderr.write("first start: Python compiles its modules, which takes some seconds\\n")
+        sys.stderr.write("first start: Python compiles its modules, which takes some seconds\n")
     look_rarely()
     # pydantic looks for plugins in every package that is installed; no command has a use for one
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")

@@ -1042,3 +1042,15 @@ def test_the_first_start_says_what_it_waits_for(monkeypatch: pytest.MonkeyPatch,
     compiled.parent.mkdir(parents=True)
     compiled.touch()
     assert not first_start(["statics", "pin"])
+
+
+FIRST_START = """
+from cycloid_mj.cli import process
+process.first_start, process.main = (lambda words: True), lambda: 0
+process.run()
+"""
+
+
+def test_message_of_the_first_start_is_one_line() -> None:
+    done = subprocess.run([sys.executable, "-c", FIRST_START], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "first start: Python compiles its modules, which takes some seconds\n")
