@@ -1,4 +1,4 @@
-"""Levels of a signal: its root mean square, about zero or about its mean, and its peak."""
+"""Levels of a signal (root mean square, about zero or about its mean, and peak), and Student's t."""
 
 import numpy as np
 
@@ -24,3 +24,10 @@ def peak(values: Array) -> float:
 def peak_to_peak(values: Array) -> float:
     """Compute the distance from the least of numbers to the largest."""
     return float(np.ptp(values))
+
+
+def student_half_width(freedom: float, confidence: float) -> float:
+    """Compute the half width of a two-sided interval in standard errors, by Student's t distribution."""
+    from scipy.special import stdtrit
+
+    return float(stdtrit(freedom, 0.5 + 0.5 * confidence))

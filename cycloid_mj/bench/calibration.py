@@ -38,7 +38,6 @@ from cycloid_mj.bench.parameters import (
     parameters,
 )
 from cycloid_mj.bench.search import MODEL_ERROR, SETTINGS, FitProblem, Trials
-from cycloid_mj.bench.uncertainty import CONFIDENCE
 from cycloid_mj.design import Design, Friction, Named, resolve
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.friction_path import Held, Losses
@@ -223,8 +222,9 @@ class Calibration(Presented):
 
     def _worst_stretches(self) -> Iterator[str]:
         """Yield the worst stretch of each loop that the fitted model cannot follow, a sentence each."""
+        every = self.stretches
         for loop in self.fitted.loops:
-            stretches = [item for item in self.stretches if item.loop == loop.name]
+            stretches = [item for item in every if item.loop == loop.name]
             missed = [item for item in stretches if not item.followed]
             if missed:
                 worst = max(missed, key=attrgetter("share"))
@@ -581,15 +581,12 @@ def _estimate(fitted: Fitted, number: int) -> Estimate:
     """Collect one fitted value with its intervals, and decide whether the loops determine it."""
     parameter, scaled, ends = fitted.parameters[number], float(fitted.scaled[number]), fitted.ends[number]
     value, low, high = (parameter.from_scale(float(item)) for item in (scaled, *ends))
-    bounds, margin = (
-        (parameter.to_scale(parameter.lower), parameter.to_scale(parameter.upper)),
-        SETTINGS.difference_step,
-    )
-    bounded = bounds[0] + margin < ends[0] and ends[1] < bounds[1] - margin
+    lower, upper = parameter.to_scale(parameter.lower), parameter.to_scale(parameter.upper)
+    margin = SETTINGS.difference_step
+    bounded = lower + margin < ends[0] and ends[1] < upper - margin
     at_bound, prior = bool(fitted.at_bound[number]), float(fitted.prior_share[number])
     identified = bool(not at_bound and bounded and prior < MAX_PRIOR_SHARE and high - low < abs(value))
-    half_width = float(fitted.uncertainty.quantiles(CONFIDENCE)[number] * fitted.uncertainty.errors[number])
-    likeliest = float(fitted.likeliest[number])
+    likeliest, half_width = float(fitted.likeliest[number]), float(fitted.uncertainty.half_widths[number])
     noise = math.nan, math.nan
     if not at_bound:
         noise = parameter.from_scale(likeliest - half_width), parameter.from_scale(likeliest + half_width)

@@ -37,7 +37,7 @@ from cycloid_mj.bench.search import (
     Trials,
     offset_scales,
 )
-from cycloid_mj.bench.uncertainty import CONFIDENCE, FitUncertainty, autocorrelation_time, estimate_uncertainty
+from cycloid_mj.bench.uncertainty import FitUncertainty, autocorrelation_time, estimate_uncertainty
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,8 @@ class Fitted:
     at_bound
         Which values are at a bound, shape (values,).
     ends
-        Ends of the interval of each scaled value, of coverage `CONFIDENCE`, shape (values, 2); one-sided at a bound.
+        Ends of the 95 % interval of each scaled value (`uncertainty.CONFIDENCE`), shape (values, 2); one-sided at a
+        bound.
     prior_share
         Share of the knowledge of each value that is the prior's and not the loops', from 0 to 1, shape (values,).
     torque_offset
@@ -276,10 +277,7 @@ def evaluate_fit(search: FitProblem, scaled: Array) -> Fitted:
     every = estimate_uncertainty(by_loop, weighted, np.ones_like(at_bound), prior) if at_bound.any() else free
     each = (every if bound else free for bound in at_bound.tolist())
     half_width = np.array(
-        [
-            item.quantiles(CONFIDENCE)[index] * item.errors[index] + MODEL_ERROR * item.inverse[index, index] ** 0.5
-            for index, item in enumerate(each)
-        ]
+        [item.half_widths[index] + MODEL_ERROR * item.inverse[index, index] ** 0.5 for index, item in enumerate(each)]
     )
     ends = np.clip(scaled[:, np.newaxis] + np.outer(half_width, [-1.0, 1.0]), low[:, np.newaxis], high[:, np.newaxis])
     return Fitted(

@@ -12,6 +12,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from cycloid_mj.base.array import Array, Mask
+from cycloid_mj.base.statistics import student_half_width
 from cycloid_mj.base.units import DEGREE
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.uncertainty import CONFIDENCE, autocorrelation_time
@@ -60,6 +61,11 @@ class LoopFigure(NamedTuple):
     value: float
     low: float
     high: float
+
+    @classmethod
+    def about(cls, value: float, half_width: float = 0.0) -> Self:
+        """Return a figure with an interval of this half width about its value."""
+        return cls(value, value - half_width, value + half_width)
 
     def scaled(self, factor: float) -> Self:
         """Return the figure in another unit."""
@@ -147,7 +153,7 @@ def lost_motion_of(loop: MeasuredLoop, rated: float) -> LoopFigure:
         return NO_FIGURE
     value = 0.5 * (branches[0][0] + branches[1][0] - branches[2][0] - branches[3][0])
     away = _quantile(min(item[2] for item in branches)) * 0.5 * sum(item[1] for item in branches) ** 0.5
-    return LoopFigure(value, value - away, value + away)
+    return LoopFigure.about(value, away)
 
 
 def hysteresis_of(loop: MeasuredLoop, rated: float) -> LoopFigure:
@@ -167,8 +173,7 @@ def hysteresis_of(loop: MeasuredLoop, rated: float) -> LoopFigure:
             (*line.at(0.0), line.freedom) if line else _between(loop.torque[inside], loop.deflection[inside], 0.0)
         )
     (upper, of_upper, item), (lower, of_lower, other) = sides
-    away = _quantile(min(item, other)) * (of_upper + of_lower) ** 0.5
-    return LoopFigure(upper - lower, upper - lower - away, upper - lower + away)
+    return LoopFigure.about(upper - lower, _quantile(min(item, other)) * (of_upper + of_lower) ** 0.5)
 
 
 def width_of(loop: MeasuredLoop) -> LoopFigure:
@@ -216,7 +221,7 @@ def _play(rising: _Line | None, falling: _Line | None, coulomb: LoopFigure) -> L
     reach = _quantile(min(rising.freedom, falling.freedom))
     by_torque = (rising.slope + falling.slope) * 0.5 * (coulomb.high - coulomb.low)
     away = math.hypot(reach * (of_upper + of_lower) ** 0.5, by_torque)
-    return LoopFigure(upper - lower, upper - lower - away, upper - lower + away)
+    return LoopFigure.about(upper - lower, away)
 
 
 def _apart(loop: MeasuredLoop, along: Array, values: Array, level: float) -> LoopFigure:
@@ -225,8 +230,7 @@ def _apart(loop: MeasuredLoop, along: Array, values: Array, level: float) -> Loo
     if sides is None:
         return NO_FIGURE
     (above, of_above, item), (below, of_below, other) = sides
-    away_from = _quantile(min(item, other)) * (of_above + of_below) ** 0.5
-    return LoopFigure(above - below, above - below - away_from, above - below + away_from)
+    return LoopFigure.about(above - below, _quantile(min(item, other)) * (of_above + of_below) ** 0.5)
 
 
 def _across(
@@ -270,7 +274,5 @@ def _line(x: Array, y: Array, chosen: Mask) -> _Line | None:
 
 
 def _quantile(freedom: float) -> float:
-    """Compute the half width of an interval in standard errors: Student's t."""
-    from scipy.special import stdtrit
-
-    return float(stdtrit(freedom, 0.5 + 0.5 * CONFIDENCE))
+    """Compute the half width of an interval in standard errors."""
+    return student_half_width(freedom, CONFIDENCE)

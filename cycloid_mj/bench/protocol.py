@@ -18,7 +18,7 @@ from cycloid_mj.base.frame import Frame
 from cycloid_mj.base.result import Table
 from cycloid_mj.base.units import ARCMINUTE, ARCSECOND, DEGREE, RPM
 from cycloid_mj.bench.loop import MeasuredLoop, measured_loop, read_columns, require_torque
-from cycloid_mj.bench.loop_figures import LoopFigure, hysteresis_of, lost_motion_of, stiffness_between
+from cycloid_mj.bench.loop_figures import NO_FIGURE, LoopFigure, hysteresis_of, lost_motion_of, stiffness_between
 from cycloid_mj.bench.te import MeasuredError, model_error
 from cycloid_mj.figures import figure
 from cycloid_mj.measure import hysteresis
@@ -312,7 +312,7 @@ def _merge(figures: Sequence[LoopFigure]) -> LoopFigure:
     """Compute the mean of a figure over the positions that have it, and the outermost ends of their intervals."""
     seen = [item for item in figures if not math.isnan(item.value)]
     if not seen:
-        return LoopFigure(math.nan, math.nan, math.nan)
+        return NO_FIGURE
     return LoopFigure(
         float(np.mean([item.value for item in seen])), min(item.low for item in seen), max(item.high for item in seen)
     )
@@ -326,8 +326,8 @@ def _of_model(reducer: Reducer, rated: float) -> dict[str, LoopFigure]:
         "back_driving_torque_nm": "back_driving_torque_free_nm",
     }
     return {
-        "te_arcsec": _within(float(np.ptp(model_error(reducer, UNLOADED_SHARE * rated))) / ARCSECOND, 0.0),
-        **{line: _within(figure(key).value(reducer), 0.0) for line, key in of_catalogue.items()},
+        "te_arcsec": LoopFigure.about(float(np.ptp(model_error(reducer, UNLOADED_SHARE * rated))) / ARCSECOND),
+        **{line: LoopFigure.about(figure(key).value(reducer)) for line, key in of_catalogue.items()},
     }
 
 
@@ -335,19 +335,15 @@ def _of_files(files: BenchFiles) -> dict[str, LoopFigure]:
     """Compute the figures of the bench's other files."""
     figures = {}
     if files.te:
-        figures["te_arcsec"] = _within(float(np.ptp(files.te.error)) / ARCSECOND, 0.0)
+        figures["te_arcsec"] = LoopFigure.about(float(np.ptp(files.te.error)) / ARCSECOND)
     if files.starting:
-        figures["starting_torque_nm"] = _within(read_breakaway_torque(files.starting, CRANK_TORQUE), 0.0)
+        figures["starting_torque_nm"] = LoopFigure.about(read_breakaway_torque(files.starting, CRANK_TORQUE))
     if files.running:
         torque = np.abs(read_columns(files.running, (CRANK_TORQUE,), "a run without a load")[CRANK_TORQUE])
-        figures["running_torque_nm"] = _within(float(torque.mean()), 0.0)
+        figures["running_torque_nm"] = LoopFigure.about(float(torque.mean()))
     if files.back_driving:
-        figures["back_driving_torque_nm"] = _within(read_breakaway_torque(files.back_driving, OUTPUT_TORQUE), 0.0)
+        figures["back_driving_torque_nm"] = LoopFigure.about(read_breakaway_torque(files.back_driving, OUTPUT_TORQUE))
     return figures
-
-
-def _within(value: float, error: float) -> LoopFigure:
-    return LoopFigure(value, value - error, value + error)
 
 
 def _in_words(item: LoopFigure | None) -> str:

@@ -5,7 +5,7 @@ scaled so that a change of 1 matters (`Parameter.to_scale`); "scaled values" are
 offset of torque and of deflection of each loop.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import product
@@ -170,13 +170,19 @@ class FitProblem:
 
     def residuals_by_loop(self, scaled: Array) -> list[Array]:
         """Compute the residuals of the points of each loop, as shares of its ranges."""
-        count, residuals = len(self.parameters), []
-        for number, loop in enumerate(self.loops):
-            offset = offset_scales(loop) * scaled[count + 2 * number : count + 2 * number + 2]
-            branches = self._branches(tuple(scaled[:count].tolist()), number, float(offset[0]))
+        residuals = []
+        for loop, branches, (torque, turn) in self._modelled_loops(scaled):
             failed = np.full(len(loop.torque) - loop.lead, FAILED_RESIDUAL)
-            residuals.append(failed if branches is None else distances(loop, branches, *offset.tolist()))
+            residuals.append(failed if branches is None else distances(loop, branches, torque, turn))
         return residuals
+
+    def _modelled_loops(self, scaled: Array) -> Iterator[tuple[MeasuredLoop, Branches | None, tuple[float, float]]]:
+        """Yield each loop, the model's branches at scaled values, and the offsets of torque [N m] and turn [rad]."""
+        count = len(self.parameters)
+        values = tuple(scaled[:count].tolist())
+        for number, loop in enumerate(self.loops):
+            torque, turn = (offset_scales(loop) * scaled[count + 2 * number : count + 2 * number + 2]).tolist()
+            yield loop, self._branches(values, number, torque), (torque, turn)
 
     def residuals(self, scaled: Array) -> Array:
         """Join the residuals of all loops, each loop with the same weight, and those of the priors.
@@ -193,15 +199,13 @@ class FitProblem:
         Each loop has the same weight.
         """
         self.trials()
-        count, errors = len(self.parameters), []
-        for number, loop in enumerate(self.loops):
-            torque, turn = offset_scales(loop) * scaled[count + 2 * number : count + 2 * number + 2]
-            branches = self._branches(tuple(scaled[:count].tolist()), number, float(torque))
+        errors = []
+        for loop, branches, (torque, turn) in self._modelled_loops(scaled):
             if branches is None:
                 error = np.full(len(loop.torque), FAILED_RESIDUAL * loop.height)
             else:
-                error = deflections(loop, [(loads + torque, turns) for loads, turns in branches]) - loop.deflection
-                error = error + turn
+                moved = [(loads + torque, turns) for loads, turns in branches]
+                error = deflections(loop, moved) - loop.deflection + turn
             errors.append(error[loop.lead :] / (loop.height * np.sqrt(len(error) - loop.lead)))
         return np.concatenate(errors)
 

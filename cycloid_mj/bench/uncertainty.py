@@ -2,10 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from cycloid_mj.base.array import Array, Mask
+from cycloid_mj.base.statistics import student_half_width
 
 CONFIDENCE = 0.95
 """Coverage of an interval."""
@@ -62,6 +64,11 @@ class FitUncertainty:
         """Standard errors, shape (v,)."""
         return np.sqrt(np.diag(self.covariance))
 
+    @cached_property
+    def half_widths(self) -> Array:
+        """Half widths of the intervals of coverage `CONFIDENCE`, shape (v,)."""
+        return self.quantiles(CONFIDENCE) * self.errors
+
     def quantiles(self, confidence: float) -> Array:
         """Compute the half width of each value's interval in standard errors, shape (v,)."""
         return np.array([self.quantile_along(row, confidence) for row in np.eye(len(self.inverse))])
@@ -74,13 +81,11 @@ class FitUncertainty:
         of each point (Bell and McCaffrey, Survey Methodology 28, 2002, 169-181; Imbens and Kolesar, Rev. Econ. Stat.
         98, 2016, 701-712).
         """
-        from scipy.special import stdtrit
-
         shares = (self.influence @ direction) ** 2
         squares = float(self.point_count @ shares**2)
         largest = max(float(np.sum(1.0 / self.point_count)) - np.count_nonzero(np.diag(self.inverse)), 1.0)
         freedom = float(shares.sum()) ** 2 / squares if squares else largest
-        return float(stdtrit(min(max(freedom, 1.0), largest), 0.5 + 0.5 * confidence))
+        return student_half_width(min(max(freedom, 1.0), largest), confidence)
 
 
 def estimate_uncertainty(

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cycloid_mj.base.array import Array, Integers, Mask
+from cycloid_mj.base.statistics import student_half_width
 from cycloid_mj.explore.sampling import WAVE, Batch
 from cycloid_mj.explore.zone import Zone
 
@@ -219,14 +220,12 @@ def _ratio_interval(parts: Array, variance: Array) -> tuple[Array, Array, Array]
 
     The error of the logarithm is estimated by the jackknife: ratios of variances have errors in proportion.
     """
-    from scipy.stats import t as student
-
     count = variance.size
     ratio = parts.mean(axis=1) / variance.mean()
     left_out = (parts.sum(axis=1, keepdims=True) - parts) / (variance.sum() - variance)
     spread = left_out - left_out.mean(axis=1, keepdims=True)
     error = np.sqrt((count - 1.0) / count * np.sum(spread**2, axis=1))
     relative = error / np.maximum(np.abs(ratio), np.finfo(float).tiny)
-    factor = np.exp(np.minimum(student.ppf(0.5 + 0.5 * CONFIDENCE, count - 1) * relative, math.log(1e6)))
+    factor = np.exp(np.minimum(student_half_width(count - 1, CONFIDENCE) * relative, math.log(1e6)))
     size = np.maximum(ratio, 0.0)
     return ratio, size / factor, np.maximum(size * factor, ratio + error)

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.result import Quantity
+from cycloid_mj.base.statistics import student_half_width
 
 TWO_SIDED = 0.683
 """Confidence level of an error: that of one standard deviation."""
@@ -35,13 +36,11 @@ def error_of_mean(values: npt.ArrayLike, known: Known | None = None) -> float | 
     float or None
         In the unit of the values; None for a single value without a closed form.
     """
-    from scipy.special import stdtrit
-
     explained, rest = _split(np.asarray(values, float), known)
     if rest.size == 1:
         return None if known is None else abs(explained(np.mean))
     spread = float(rest.std(ddof=1)) / np.sqrt(rest.size)
-    return abs(explained(np.mean)) + float(stdtrit(rest.size - 1, 0.5 + 0.5 * TWO_SIDED)) * spread
+    return abs(explained(np.mean)) + student_half_width(rest.size - 1, TWO_SIDED) * spread
 
 
 def error_of_extreme(values: npt.ArrayLike, largest: bool, known: Known | None = None) -> float | None:
