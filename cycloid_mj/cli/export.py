@@ -159,7 +159,8 @@ def export(
     )
     from cycloid_mj.parts.export import export as exported
     from cycloid_mj.parts.export import plate as laid_out
-    from cycloid_mj.parts.export.printable import coupon, coupon_words, print_warnings, prints_plastic
+    from cycloid_mj.parts.export.casing import is_plastic
+    from cycloid_mj.parts.export.printable import coupon, coupon_words, print_warnings
 
     if cam_bearing_bore_mm is not None and not plate:
         raise UsageError("--cam-bearing-bore-mm applies to the parts of the plate only: add --plate")
@@ -182,7 +183,7 @@ def export(
     if printed:
         parts |= {PLATE: stl_bytes(printed.mesh, MILLIMETRES), NAMED_PLATE: threemf_bytes(printed)}
         parts |= {BILL: bill_csv(items)}
-        if prints_plastic(reducer):
+        if is_plastic(reducer):
             parts |= {f"{name}.stl": stl_bytes(fuse(one), MILLIMETRES) for name, one in coupon(chord_error).items()}
             warn(design.name, print_warnings(reducer, printed, chord_error, sizes))
     if assembly:
@@ -208,7 +209,7 @@ def export(
         result["plate"] = {"file": str(into / PLATE), "size": printed.size, "parts": printed.counts}
         result["bom"] = [asdict(item) for item in items]
         notes = [f"plate of {' x '.join(f'{MILLIMETRES * length:.1f}' for length in printed.size)} mm"]
-        if prints_plastic(reducer):
+        if is_plastic(reducer):
             notes.append(coupon_words())
         held = [place.part for place, one in zip(printed.places, printed.supports, strict=True) if one]
         if held:

@@ -665,6 +665,11 @@ class Material(Section):
         """Tensile strength of the surface [Pa]; of a hardened surface approximately its yield strength."""
         return max(self.surface_yield, self.tensile_strength)
 
+    @property
+    def is_plastic(self) -> bool:
+        """True for a plastic, by its Young's modulus (`SOFTEST_METAL`)."""
+        return self.youngs_modulus < SOFTEST_METAL
+
     @model_validator(mode="before")
     @classmethod
     def _named(cls, value: Any) -> Any:
@@ -1092,7 +1097,7 @@ def material_limits(design: Design) -> tuple[str, ...]:
     limits = []
     for material, parts_of in by_material.items():
         entry = MATERIALS.get(material.name)
-        if material.youngs_modulus < SOFTEST_METAL:
+        if material.is_plastic:
             what = f"{material.name or 'a plastic'} ({', '.join(parts_of)})"
             hottest = f" and is usable up to {entry.hottest:g} °C ({entry.source})" if entry else ""
             limits.append(f"{what} creeps{hottest}: its stiffness and strength are those of a short load at 23 °C")

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterator, Sequence
 
-from cycloid_mj.design.materials import SOFTEST_METAL
 from cycloid_mj.design.model import Service
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading
@@ -85,6 +84,6 @@ def wear_coefficient(reducer: Reducer, kind: str) -> tuple[float, str]:
     stated = reducer.design.service.wear_coefficient
     if stated != Service.model_fields["wear_coefficient"].default:
         return stated, "service.wear_coefficient of the design file"
-    if any(part.youngs_modulus < SOFTEST_METAL for part in reducer.design.partners(kind)):
+    if any(part.is_plastic for part in reducer.design.partners(kind)):
         return PLASTIC_WEAR, "plastics (assumed)"
     return stated, "metals in mixed lubrication (assumed)"

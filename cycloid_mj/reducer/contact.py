@@ -16,7 +16,6 @@ import numpy.typing as npt
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.errors import ContactError
 from cycloid_mj.base.units import MILLIMETRE
-from cycloid_mj.design.materials import SOFTEST_METAL
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.geometry.profile import CycloidGear
 from cycloid_mj.reducer.bending import pin_flexibility
@@ -152,7 +151,7 @@ class Contact:
     def weaker_is_plastic(self) -> bool:
         """True if the weaker surface is a plastic."""
         weaker = min(self._reducer.design.partners(self.kind), key=lambda part: part.surface_strength)
-        return weaker.youngs_modulus < SOFTEST_METAL
+        return weaker.is_plastic
 
     @property
     def impact(self) -> ImpactLaw | None:

@@ -43,7 +43,7 @@ from cycloid_mj.parts.export import (
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.clearance import flank_distance
 from cycloid_mj.parts.export.plate import GAP, shelves
-from cycloid_mj.parts.export.printable import CLEARANCES, MIN_WALL, coupon, print_warnings, thinnest_wall
+from cycloid_mj.parts.export.printable import CLEARANCES, MIN_PRINTED_WALL, coupon, print_warnings, thinnest_wall
 from cycloid_mj.parts.export.printing import manufactured_parts, printed_parts
 from cycloid_mj.parts.export.supports import GAP_ASIDE, GAP_BELOW, MAX_BRIDGE, MAX_LEDGE, overhangs, support
 from cycloid_mj.reducer import Reducer
@@ -352,7 +352,7 @@ def test_the_coupon_is_a_pin_and_a_block_with_three_sockets_by_their_clearances(
     for solid in drawn.values():
         shape = fuse(solid)
         assert trimesh.Trimesh(shape.vertices, shape.faces, process=False).body_count == 1
-    assert thinnest_wall(block) > MIN_WALL
+    assert thinnest_wall(block) > MIN_PRINTED_WALL
 
 
 def test_thin_walls_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -362,7 +362,7 @@ def test_thin_walls_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     sizes = casing(reducer)
     laid = plate(reducer, CHORD_ERROR, 0.0, sizes)
     assert not list(print_warnings(reducer, laid, CHORD_ERROR, sizes))
-    monkeypatch.setattr("cycloid_mj.parts.export.printable.MIN_WALL", 2e-3)
+    monkeypatch.setattr("cycloid_mj.parts.export.printable.MIN_PRINTED_WALL", 2e-3)
     assert any("output_cover has a wall of" in text for text in print_warnings(reducer, laid, CHORD_ERROR, sizes))
     assert not list(
         print_warnings(Reducer(DESIGNS["pin"]), plate(Reducer(DESIGNS["pin"]), CHORD_ERROR), CHORD_ERROR, None)

@@ -16,7 +16,6 @@ from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import stock
-from cycloid_mj.design.materials import SOFTEST_METAL
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import crank_stretches
 from cycloid_mj.parts.output import RIM
@@ -475,7 +474,7 @@ def insert_in(reducer: Reducer, thread: float) -> stock.Insert | None:
 
 def is_plastic(reducer: Reducer) -> bool:
     """Return whether covers and hub are of a plastic, as the housing."""
-    return reducer.design.material_of(names.HOUSING).youngs_modulus < SOFTEST_METAL
+    return reducer.design.material_of(names.HOUSING).is_plastic
 
 
 def core_radius(reducer: Reducer, thread: float) -> float:

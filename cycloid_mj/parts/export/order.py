@@ -19,9 +19,10 @@ from cycloid_mj.parts.export.casing import (
     SCREW_INSERT,
     SHAFT_BEARING,
     Casing,
+    is_plastic,
     motor_screw,
 )
-from cycloid_mj.parts.export.printing import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT, in_one_piece, is_printed
+from cycloid_mj.parts.export.printing import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT, in_one_piece
 from cycloid_mj.reducer import Reducer
 
 ALONG = (
@@ -56,7 +57,7 @@ ALONG = (
 def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
     """Describe the assembly of a drive in ten steps, with parts and tools of each."""
     design, screws, hub = reducer.design, sizes.screws, sizes.hub.designation
-    printed, free = is_printed(reducer, names.HOUSING), design.ring.has_sockets
+    printed, free = is_plastic(reducer), design.ring.has_sockets
     dowels = ", its dowels in their holes," if sizes.dowel else ""
     return (
         "Deburr and wash all parts; oil what is pressed, grease bearings, holes and teeth.",

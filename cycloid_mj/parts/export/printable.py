@@ -5,7 +5,6 @@ from itertools import combinations
 
 import numpy as np
 
-from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import Prism, Solid, circle
@@ -15,19 +14,14 @@ from cycloid_mj.parts.export.printing import is_printed, material_part, printed_
 from cycloid_mj.parts.export.round_part import SAME_FACE
 from cycloid_mj.reducer import Reducer
 
-MIN_WALL, MIN_HOLE = MIN_PRINTED_WALL, 2.0e-3
-"""Wall of two lines of a 0.4 mm nozzle, and diameter below which holes close (both assumed) [m]."""
+MIN_HOLE = 2.0e-3
+"""Diameter below which printed holes close (assumed) [m]."""
 
 CLEARANCES = (50e-6, 100e-6, 200e-6)
 """Clearances of the sockets of the coupon around its pin [m]."""
 
 PIN, HEIGHT, WALL, MARK = 4e-3, 8e-3, 4e-3, 0.8e-3
 """Coupon: radius of the pin, height of both parts, wall around sockets, radius of the marks [m]."""
-
-
-def prints_plastic(reducer: Reducer) -> bool:
-    """Return whether a drive has printed parts: its housing is of a plastic."""
-    return is_printed(reducer, names.HOUSING)
 
 
 def coupon(chord_error: float) -> dict[str, Solid]:
@@ -61,8 +55,9 @@ def print_warnings(reducer: Reducer, laid: PrintPlate, chord_error: float, sizes
         if not is_printed(reducer, material_part(reducer, name)):
             continue
         wall = min(map(thinnest_wall, part.solid.prisms))
-        if wall < MIN_WALL - SAME_FACE:
-            yield f"{name} has a wall of {MILLIMETRES * wall:.2g} mm; one prints from {MILLIMETRES * MIN_WALL:g} mm on"
+        if wall < MIN_PRINTED_WALL - SAME_FACE:
+            least = MILLIMETRES * MIN_PRINTED_WALL
+            yield f"{name} has a wall of {MILLIMETRES * wall:.2g} mm; one prints from {least:g} mm on"
         hole = min((_diameter(one) for prism in part.solid.prisms for one in prism.holes), default=np.inf)
         if hole < MIN_HOLE:
             yield f"{name} has a hole of {MILLIMETRES * hole:.3g} mm; drill those below {MILLIMETRES * MIN_HOLE:g} mm"

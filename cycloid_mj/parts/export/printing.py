@@ -6,7 +6,6 @@ import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.design.materials import SOFTEST_METAL
 from cycloid_mj.parts import Part, Solid, Stretch, lay_out_parts, output_centres, parts, sleeve_core_radius
 from cycloid_mj.parts.contour import CircleContour, Contour, TurnedContour
 from cycloid_mj.parts.export.casing import FLANGE, MOTOR_COVER, OUTPUT_COVER, Casing
@@ -62,7 +61,7 @@ def widen_clearances(reducer: Reducer, offset: float) -> Reducer:
 
 def is_printed(reducer: Reducer, part: str) -> bool:
     """Return whether plain round parts of the material of a part are printed (plastic) rather than bought (metal)."""
-    return reducer.design.material_of(part).youngs_modulus < SOFTEST_METAL
+    return reducer.design.material_of(part).is_plastic
 
 
 def in_one_piece(reducer: Reducer) -> bool:
