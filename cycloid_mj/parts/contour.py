@@ -3,7 +3,7 @@
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise, repeat
+from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
@@ -32,7 +32,7 @@ class Contour(Protocol):
 class CircleContour:
     """A full circle [m].
 
-    Its polygon has the vertex angles of a circle of `polygon_radius` [m] if that is not None: concentric polygons with
+    Its polygon has the vertex angles of a circle of `polygon_radius` [m] if that is not 0: concentric polygons with
     equal angles do not cross, however close their radii are.
     """
 
@@ -78,12 +78,12 @@ def with_matching_circles(contours: Sequence[Contour], chord_error: float) -> Se
         if type(contour) is CircleContour:
             centres[contour.centre].add(contour.radius)
     matched = {
-        (centre, radius): CircleContour(same, centre, 0.0 if same == group[-1] else group[-1])
+        (centre, radius): CircleContour(same[0], centre, 0.0 if same[0] == group[-1] else group[-1])
         for centre, radii in centres.items()
         for group in _groups(sorted(radii), 2.0 * chord_error)
         if len(group) > 1
-        for same_group in _groups(group, SAME_RADIUS)
-        for radius, same in zip(same_group, repeat(same_group[0]))
+        for same in _groups(group, SAME_RADIUS)
+        for radius in same
     }
     if not matched:
         return contours

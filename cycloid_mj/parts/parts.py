@@ -33,9 +33,6 @@ COLOURS: Mapping[str, Colour] = {
 }
 """Colours by family of parts, in MuJoCo and in viewers."""
 
-CACHED_DESIGNS = 8
-"""Number of designs whose parts are cached (about 2 MB each), enough for a comparison."""
-
 
 def parts(reducer: Reducer, chord_error: float | None = None) -> dict[str, Solid]:
     """Return housing, shaft, disc, pin (one of N, if the ring has pins) and output as solids, each in its own frame.

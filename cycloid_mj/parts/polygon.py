@@ -79,6 +79,12 @@ def rotate_points(points: Array, angle: float) -> Array:
     return points @ np.array([[cos, sin], [-sin, cos]])
 
 
+def rotate_clockwise(points: Array, angle: float) -> Array:
+    """Rotate points (n, 2) clockwise about the origin by an angle [rad]."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    return points @ np.array([[cos, -sin], [sin, cos]])
+
+
 def within(points: Array, loop: Array) -> Mask:
     """Return which points (n, 2) are inside a closed polygon (m, 2), by ray casting along x."""
     (ax, ay), (bx, by) = loop.T, np.roll(loop, -1, axis=0).T

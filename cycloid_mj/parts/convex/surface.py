@@ -8,6 +8,7 @@ from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.parts import Prism
+from cycloid_mj.parts.polygon import rotate_clockwise
 
 
 @dataclass(frozen=True)
@@ -100,12 +101,6 @@ def placed_outline(surface: ConvexSurface, place: SlicePlacement) -> Array:
     if place.mirrored:
         points = (points * [-1.0, 1.0])[::-1]
     return rotate_clockwise(points, place.angle) + place.centre
-
-
-def rotate_clockwise(points: Array, angle: float) -> Array:
-    """Rotate points (n, 2) clockwise about the origin by an angle [rad]."""
-    cos, sin = np.cos(angle), np.sin(angle)
-    return points @ np.array([[cos, -sin], [sin, cos]])
 
 
 def convex_slice(

@@ -15,9 +15,9 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.geometry.profile import CycloidGear, SmoothArc
 from cycloid_mj.parts.convex.settings import OVERLAP, TOLERANCE, ConvexSettings
-from cycloid_mj.parts.convex.surface import ConvexSurface, Slice, SlicePlacement, convex_slice, rotate_clockwise
+from cycloid_mj.parts.convex.surface import ConvexSurface, Slice, SlicePlacement, convex_slice
 from cycloid_mj.parts.convex.walls import gear_depth, housing_depth
-from cycloid_mj.parts.polygon import area_moments
+from cycloid_mj.parts.polygon import area_moments, rotate_clockwise
 from cycloid_mj.reducer import Reducer
 
 SAMPLES = 5000

@@ -9,6 +9,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.geometry import profile
 from cycloid_mj.parts import output_centres
+from cycloid_mj.parts.polygon import rotate_clockwise
 from cycloid_mj.reducer import Reducer
 
 TOLERANCE = 2e-8
@@ -88,7 +89,7 @@ def measure(
     hole_points = [hole - centre for hole, centre in zip(holes, output_centres(reducer), strict=True)]
     teeth = "pin_gear" if design.ring.kind == "pin" else "tooth"
     points: Mapping[str, Array] = {
-        teeth: _flank_clearance(reducer, _rotate_clockwise(outline, -reducer.phases[disc] / design.lobes)),
+        teeth: _flank_clearance(reducer, rotate_clockwise(outline, -reducer.phases[disc] / design.lobes)),
         "cam": np.linalg.norm(bore, axis=1) - design.gear.bore_radius,
         "output": np.linalg.norm(np.concatenate(hole_points), axis=1) - design.output.hole_radius,
     }
@@ -111,14 +112,8 @@ def _flank_clearance(reducer: Reducer, outline: Array) -> Array:
     """
     gear, change = reducer.gear_profile, reducer.design.modification
     turns = (change.rotation, -change.rotation) if change.rotation else (0.0,)
-    inside = [flank_distance(gear, _rotate_clockwise(outline, turn)) for turn in turns]
+    inside = [flank_distance(gear, rotate_clockwise(outline, turn)) for turn in turns]
     return np.asarray(np.min(inside, axis=0) - reducer.design.ring.pin_radius - change.equidistant)
-
-
-def _rotate_clockwise(points: Array, angle: float) -> Array:
-    """Rotate points (n, 2) clockwise about the origin [rad]."""
-    cos, sin = np.cos(angle), np.sin(angle)
-    return points @ np.array([[cos, -sin], [sin, cos]])
 
 
 def _range(values: Array) -> tuple[float, float]:

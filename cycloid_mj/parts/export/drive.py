@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 
 from cycloid_mj.base import names
-from cycloid_mj.base.errors import DesignError
 from cycloid_mj.parts import Part, mass_properties
 from cycloid_mj.parts.export.bearings import cam_bearing
 from cycloid_mj.parts.export.casing import (
@@ -14,6 +13,7 @@ from cycloid_mj.parts.export.casing import (
     SHAFT_BEARING,
     Casing,
     casing,
+    casing_or_none,
 )
 from cycloid_mj.parts.export.casing_parts import casing_parts, casing_places
 from cycloid_mj.parts.export.printing import STEEL, PrintedPart, manufactured_parts, separate_parts
@@ -32,11 +32,7 @@ TURNING = {names.OUTPUT: (names.OUTPUT, FLANGE), names.HOUSING: (names.HOUSING, 
 
 def has_casing(reducer: Reducer) -> bool:
     """Return whether covers, bearings and screws fit a mechanism."""
-    try:
-        casing(reducer)
-    except DesignError:
-        return False
-    return True
+    return casing_or_none(reducer)[0] is not None
 
 
 def casing_mass(reducer: Reducer) -> float:

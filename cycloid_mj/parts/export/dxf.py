@@ -2,10 +2,14 @@
 
 import io
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from itertools import chain
 from typing import Any
 
+import numpy as np
+
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.extras import extra
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import PartSection
@@ -16,22 +20,11 @@ _FORMAT = "R2000"
 
 def dxf_bytes(sections: tuple[PartSection, ...]) -> bytes:
     """Encode the sections of a part as DXF, each on a layer of its name, [mm]; equal sections give equal bytes."""
-    with dxf_document() as document:
-        space = document.modelspace()
-        for section in sections:
-            if section.name not in document.layers:
-                document.layers.add(section.name)
-            for loop in section.loops:
-                for curve in loop:
-                    _add(space, curve, {"layer": section.name})
-        text = io.StringIO()
-        document.write(text)
-    return text.getvalue().encode()
+    return encode_layers((section.name, chain.from_iterable(section.loops)) for section in sections)
 
 
-@contextmanager
-def dxf_document() -> Iterator[Any]:
-    """Yield a new document of ezdxf in millimetres, without time stamps and random identifiers.
+def encode_layers(layers: Iterable[tuple[str, Iterable[Curve | Array]]]) -> bytes:
+    """Encode curves and closed polygons (n, 2) [m] on named layers as DXF [mm], without time stamps and random numbers.
 
     Raises
     ------
@@ -42,12 +35,22 @@ def dxf_document() -> Iterator[Any]:
     with _fixed_metadata(ezdxf):
         document = ezdxf.new(_FORMAT, setup=False)
         document.units = ezdxf.units.MM
-        yield document
+        space = document.modelspace()
+        for name, shapes in layers:
+            if name not in document.layers:
+                document.layers.add(name)
+            for shape in shapes:
+                _add(space, shape, {"layer": name})
+        text = io.StringIO()
+        document.write(text)
+    return text.getvalue().encode()
 
 
-def _add(space: Any, curve: Curve, attributes: dict[str, str]) -> None:
-    """Add a curve to the drawing."""
+def _add(space: Any, curve: Curve | Array, attributes: dict[str, str]) -> None:
+    """Add a curve or a closed polygon to the drawing."""
     match curve:
+        case np.ndarray():
+            space.add_lwpolyline((curve * MILLIMETRES).tolist(), close=True, dxfattribs=attributes)
         case Circle():
             space.add_circle(_point(curve.centre), curve.radius * MILLIMETRES, dxfattribs=attributes)
         case Arc():

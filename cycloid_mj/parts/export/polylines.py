@@ -4,7 +4,6 @@ Several programs drop the entity SPLINE of a DXF file without a message. A polyl
 error; a full circle stays a circle.
 """
 
-import io
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -15,7 +14,7 @@ from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import Part
 from cycloid_mj.parts.contour import Contour, circle_of
 from cycloid_mj.parts.curve import Circle
-from cycloid_mj.parts.export.dxf import dxf_document
+from cycloid_mj.parts.export.dxf import encode_layers
 
 STROKE_MM, MARGIN_MM = 0.1, 1.0
 """Width of the lines, and the margin around a part, in an SVG file [mm]; both change no coordinate."""
@@ -44,21 +43,7 @@ def polyline_sections(part: Part, chord_error: float) -> tuple[PolylineSection, 
 
 def dxf_polylines(sections: tuple[PolylineSection, ...]) -> bytes:
     """Encode sections as DXF of LWPOLYLINE and CIRCLE, each on a layer of its name; equal sections, equal bytes."""
-    with dxf_document() as document:
-        space = document.modelspace()
-        for section in sections:
-            if section.name not in document.layers:
-                document.layers.add(section.name)
-            attributes = {"layer": section.name}
-            for loop in section.loops:
-                if isinstance(loop, Circle):
-                    x, y = (MILLIMETRES * value for value in loop.centre)
-                    space.add_circle((x, y), loop.radius * MILLIMETRES, dxfattribs=attributes)
-                else:
-                    space.add_lwpolyline((loop * MILLIMETRES).tolist(), close=True, dxfattribs=attributes)
-        text = io.StringIO()
-        document.write(text)
-    return text.getvalue().encode()
+    return encode_layers((section.name, section.loops) for section in sections)
 
 
 def svg_bytes(sections: tuple[PolylineSection, ...]) -> bytes:
