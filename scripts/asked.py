@@ -177,7 +177,7 @@ def seconds(name: str, asked: float, *words: str) -> Demand:
 COMPARED = ("compare", "pin", "nonpin", "--quiet")
 AT_TEN_KILOHERTZ = ("--ramp-s", "0", *flags(("ring.pins=fixed", "settings.log_rate_hz=10000")))
 SHORT_RUN = ("simulate", "--solver", "planar", "--ramp-s", "0", "--hold-s", "0.01")
-TEN_SECONDS = ("--hold-s", "10", "--ramp-s", "0", *flags(("ring.pins=fixed", "settings.log_rate_hz=10000")))
+TEN_SECONDS = ("--hold-s", "10", *AT_TEN_KILOHERTZ)
 
 DEMANDS = (
     *(

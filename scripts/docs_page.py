@@ -1,10 +1,13 @@
-"""Replace the generated sections of the documentation's pages; the other `docs_*.py` scripts use this module.
+"""Generated sections of the documentation's pages, and tables for download; the other `docs_*.py` scripts use them.
 
 A generated section lies between two comments, which name the section and the script that writes it.
 """
 
+import csv
+import io
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from cycloid_mj.base.result import Table
 
@@ -43,3 +46,16 @@ def replace_sections(page: str, sections: Mapping[str, str], script: str) -> str
 def markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """Return a Markdown table."""
     return Table("", tuple(head), tuple(map(tuple, rows))).as_markdown()
+
+
+def csv_text(lines: Iterable[Iterable[Any]]) -> str:
+    """Return lines of cells as CSV text."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(lines)
+    return text.getvalue()
+
+
+def read_csv(path: Path) -> list[dict[str, str]]:
+    """Read the rows of a table for download, each by its column names."""
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))

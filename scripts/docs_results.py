@@ -5,15 +5,13 @@ python scripts/docs_results.py FOLDER    # from the output folder of `cycloid-mj
                                          # are kept first; with --as-the-authors its tables, else claims and errata
 """
 
-import csv
-import io
 import json
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from docs_page import DATA, DOCS, markdown_table, replace_sections
+from docs_page import DATA, DOCS, csv_text, markdown_table, replace_sections
 from picture import keep_small
 
 from cycloid_mj.base.atomic_write import write_files
@@ -163,18 +161,14 @@ def _upper_bound(error: float) -> str:
 
 def hypothesis_csv(content: Mapping[str, Any]) -> str:
     """Return the tables of `--as-the-authors` as one CSV text, each behind a line with its title."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    for table in content["tables"]:
-        writer.writerows([[table["title"]], table["columns"], *table["rows"]])
-    return text.getvalue()
+    return csv_text(
+        line for table in content["tables"] for line in ([table["title"]], table["columns"], *table["rows"])
+    )
 
 
 def claims_csv(content: Mapping[str, Any]) -> str:
     """Return the claims as CSV text."""
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows([CLAIM_COLUMNS, *claim_rows(content)])
-    return text.getvalue()
+    return csv_text([CLAIM_COLUMNS, *claim_rows(content)])
 
 
 def kept(content: Mapping[str, Any]) -> dict[str, Any]:

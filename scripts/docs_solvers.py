@@ -10,8 +10,6 @@ nearly removes the lift that MuJoCo's friction cone adds to sliding contacts.
 """
 
 import argparse
-import csv
-import io
 import itertools
 import sys
 import warnings
@@ -19,7 +17,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from unittest.mock import patch
 
 import numpy as np
-from docs_page import DATA, DOCS, markdown_table, replace_sections
+from docs_page import DATA, DOCS, csv_text, markdown_table, read_csv, replace_sections
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.atomic_write import write_files
@@ -163,19 +161,13 @@ def summary(rows: Iterable[Row]) -> str:
 
 def read_rows() -> list[dict[str, str]]:
     """Read the kept rows; none where there is no file."""
-    if not KEPT.exists():
-        return []
-    with KEPT.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
+    return read_csv(KEPT) if KEPT.exists() else []
 
 
 def write_rows(rows: Iterable[Row]) -> None:
     """Write the table for download."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, COLUMNS, restval="", lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    write_files({KEPT: text.getvalue().encode()})
+    lines = ([row.get(name, "") for name in COLUMNS] for row in rows)
+    write_files({KEPT: csv_text([COLUMNS, *lines]).encode()})
 
 
 def run_layouts(chosen: Sequence[str]) -> None:

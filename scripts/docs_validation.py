@@ -6,7 +6,6 @@ python scripts/docs_validation.py FILE     # from the output of `cycloid-mj vali
 `scripts/docs_figures.py` runs the command and calls this script.
 """
 
-import csv
 import json
 import re
 import sys
@@ -15,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from docs_page import DATA, DOCS, markdown_table, replace_sections
+from docs_page import DATA, DOCS, csv_text, markdown_table, read_csv, replace_sections
 
 PAGE, KEPT = DOCS / "trust.md", DATA / "validation.csv"
 SCRIPT = "scripts/docs_validation.py"
@@ -140,19 +139,19 @@ def table(rows: Sequence[Mapping[str, str]]) -> str:
 
 def read_rows() -> list[dict[str, str]]:
     """Read the kept rows."""
-    with KEPT.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
+    return read_csv(KEPT)
 
 
 def keep(content: Mapping[str, Any]) -> None:
     """Write the rows of the command's JSON to the table for download; raise ValueError if a check failed."""
     if not content["passed"] or content["quick"]:
         raise ValueError("the page is written from a full run of `cycloid-mj validate` in which every check passes")
-    with KEPT.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS, extrasaction="ignore", lineterminator="\n")
-        writer.writeheader()
-        for row in content["rows"]:
-            writer.writerow({key: f"{value:.6g}" if isinstance(value, float) else value for key, value in row.items()})
+    lines = ([_cell(row.get(name, "")) for name in COLUMNS] for row in content["rows"])
+    KEPT.write_text(csv_text([COLUMNS, *lines]), encoding="utf-8", newline="")
+
+
+def _cell(value: Any) -> Any:
+    return f"{value:.6g}" if isinstance(value, float) else value
 
 
 def main(arguments: Sequence[str]) -> int:

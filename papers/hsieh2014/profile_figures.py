@@ -20,7 +20,6 @@ POINTS, ORBIT = 7000, 360
 PIN_STEPS = 41
 """Positions of a pin along one lobe."""
 
-THIN: dict[str, Any] = {"linewidth": 0.6}
 GEAR: dict[str, Any] = {"color": BLUE, "linewidth": 1.2}
 TROCHOID: dict[str, Any] = {"color": ORANGE, "linewidth": 1.0, "linestyle": (0, (4, 2))}
 PIN: dict[str, Any] = {"color": GREY, "linewidth": 0.6}

@@ -112,7 +112,7 @@ def height(design: str, part: str, idle_stress: IdleStress, evidence: Evidence, 
 def smaller(
     statement: Statement, part: str, property_of: Callable[[Array], float], evidence: Evidence, ranges: Sequence[Range]
 ) -> Claim:
-    """Judge whether a part's stress is lower without pins, by a property `of` its curve over a turn."""
+    """Judge whether a part's stress is lower without pins, by `property_of` its curve over a turn."""
 
     def sizes(changed: Variation | None) -> tuple[StartSpread, StartSpread]:
         pin, nonpin = (evidence.sizes(name, part, property_of, changed) for name in ("pin", "nonpin"))

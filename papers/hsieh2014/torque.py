@@ -159,7 +159,7 @@ def claims(measurements: Mapping[str, Measurement], searches: Mapping[str, Torqu
 
 
 def _verdict(ours: float, paper: float, reproduced: bool) -> Verdict:
-    """Return the verdict on a torque [N m]; `given` states whether something left open reproduces the paper's."""
+    """Return the verdict on a torque [N m]; `reproduced` states whether something left open reproduces the paper's."""
     if abs(ours - paper) <= NEAR * IDEAL:
         return Verdict.AGREES
     return Verdict.DEPENDS if reproduced else Verdict.DISAGREES
