@@ -2,6 +2,7 @@
 
 import os
 import signal
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -42,6 +43,13 @@ def compiled(tmp_path_factory: pytest.TempPathFactory) -> None:
             if fcntl:
                 fcntl.flock(lock, fcntl.LOCK_EX)
             part()
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Make an empty folder the working directory and return it."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
 
 
 def _contact() -> None:

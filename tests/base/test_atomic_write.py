@@ -2,43 +2,26 @@
 
 import math
 import signal
-from collections.abc import Iterator
-from contextlib import contextmanager, redirect_stderr, redirect_stdout
-from io import StringIO
 from pathlib import Path
 
 import pytest
+from commands import told
+from folders import contents, disk_of
 from made_run import made_groups, made_run
 
 from cycloid_mj.base.atomic_write import atomic_file, atomic_files, write_files
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.interrupt import defer_signals
 from cycloid_mj.base.outcome import Outcome
-from cycloid_mj.cli import main
 from cycloid_mj.cli.delivery import Destination, write
 from cycloid_mj.cli.flags import Delivery
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.mjcf.folder import write_folder
 from cycloid_mj.log import LogWriter
 
-resource = pytest.importorskip("resource", reason="limits of processes are of POSIX alone")
+pytest.importorskip("resource", reason="limits of processes are of POSIX alone")
 
 DESIGN = override(PRESETS["nonpin"], ["drive.ramp_s=0", "drive.hold_s=0.08", "load.torque_nm=36"])
-
-
-@contextmanager
-def disk_of(size: int) -> Iterator[None]:
-    """Let no file of this process or its children grow beyond `size` bytes: a write fails as on a full disk."""
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
-
-
-def contents(folder: Path) -> dict[str, bytes]:
-    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
 def test_files_that_belong_together_are_replaced_together(tmp_path):
@@ -135,19 +118,17 @@ COMMANDS = {
 @pytest.mark.parametrize("name", COMMANDS)
 def test_full_disk_leaves_the_files_of_before(name, log, tmp_path):
     argv = [word.replace("RUN", str(log)).replace("DIR", str(tmp_path)) for word in COMMANDS[name]]
-    with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
-        assert main(argv) == 0
+    assert told(*argv)[0] == 0
     before = {file: content + b"old" for file, content in contents(tmp_path).items()}
     assert before
     for file, content in before.items():
         (tmp_path / file).write_bytes(content)
     argv += [] if "--force" in argv else ["--force"]
-    out, err = StringIO(), StringIO()
-    with disk_of(1000), redirect_stdout(out), redirect_stderr(err):
-        code = main(argv)
+    with disk_of(1000):
+        code, _, err = told(*argv)
     assert code == 1
-    assert err.getvalue().startswith(("error: cannot write", "note: "))
-    assert "error: cannot write" in err.getvalue().splitlines()[-1]
+    assert err.startswith(("error: cannot write", "note: "))
+    assert "error: cannot write" in err.splitlines()[-1]
     assert contents(tmp_path) == before
 
 

@@ -2,11 +2,11 @@
 
 import os
 from collections.abc import Iterator
-from contextlib import redirect_stderr, redirect_stdout
-from io import StringIO
 from pathlib import Path
 
 import pytest
+from commands import told
+from folders import contents
 from made_run import made_groups, made_run
 
 from cycloid_mj.base.atomic_write import write_files
@@ -94,14 +94,8 @@ QUICK |= {"export", "sweep"}
 
 def called(*argv: str) -> tuple[int, str]:
     """Run a command; return its exit code and what it says on stderr."""
-    out, err = StringIO(), StringIO()
-    with redirect_stdout(out), redirect_stderr(err):
-        code = main(list(argv))
-    return code, err.getvalue()
-
-
-def contents(folder: Path) -> dict[str, bytes]:
-    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+    code, _, err = told(*argv)
+    return code, err
 
 
 @pytest.fixture(scope="module")
@@ -226,9 +220,9 @@ def test_a_log_is_never_replaced_by_what_is_made_from_it(words: str, here: Path)
 )
 def test_no_input_is_replaced_even_by_force(words: str, file: str, here: Path) -> None:
     for source, name in (("printed", "printed"), ("pin", "best"), ("pin", "my"), ("pin", "pin-worst-1")):
-        with redirect_stdout(StringIO()) as printed:
-            assert main(["design", "show", source]) == 0
-        Path(f"{name}.toml").write_text(printed.getvalue())
+        code, printed, _ = told("design", "show", source)
+        assert code == 0
+        Path(f"{name}.toml").write_text(printed)
     Path("sweep.csv").write_text("clearance.cam_um\n1\n2\n")
     Path("page.html").write_text("torque_nm,speed_rpm,share\n10,1000,1\n")
     if file == "pin-calibrated.toml":

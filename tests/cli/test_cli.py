@@ -99,12 +99,6 @@ def run(tmp_path_factory):
     return one_object(out), folder / "pin.mcap"
 
 
-@pytest.fixture
-def here(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 # --- help and start ---------------------------------------------------------------------------------------------------
 
 

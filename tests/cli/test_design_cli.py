@@ -18,12 +18,6 @@ from cycloid_mj.reducer import Reducer
 MEASURED = {"pin": (0.9678, 28.1), "nonpin": (0.7471, 34.55)}
 
 
-@pytest.fixture
-def here(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 @pytest.mark.parametrize("name", ["my", "my.toml"])
 def test_new_writes_a_commented_file_that_carries_its_own_name(here, name):
     assert told("design", "new", name) == (0, "my.toml\n", "")

@@ -231,9 +231,7 @@ def designs_of(bound: BoundArguments) -> tuple[str, ...]:
     return (*given.get("names", ()), *given.get("designs", ()), *given.get("design", ()))
 
 
-def test_a_flag_that_was_renamed_still_works_and_tells_its_name(
-    empty: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_flag_that_was_renamed_still_works_and_tells_its_name(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["compare", "pin", "--jobs=2"]) == 2
     assert capsys.readouterr().err.splitlines() == [
         "warning: --jobs is now --workers; the old name will be removed in the next release",
@@ -253,13 +251,6 @@ def test_no_whole_number_is_rounded() -> None:
     assert {flag for flag, converter in found.items() if converter is not whole} == set()
 
 
-@pytest.fixture
-def empty(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Stand in an empty folder."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 @pytest.mark.parametrize(
     ("flags", "told"),
     [
@@ -270,13 +261,13 @@ def empty(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     ],
 )
 def test_the_nearest_whole_numbers_are_offered(
-    flags: tuple[str, ...], told: str, empty: Path, capsys: pytest.CaptureFixture[str]
+    flags: tuple[str, ...], told: str, here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["design", "new", "my", *flags, "--diameter-mm", "60", "--torque-nm", "5"]) == 2
     err = capsys.readouterr().err
     assert told in err
     assert err.count("\n") == 1
-    assert not list(empty.iterdir())
+    assert not list(here.iterdir())
 
 
 HELPS = {

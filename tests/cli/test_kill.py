@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from folders import contents
 
 import cycloid_mj
 from cycloid_mj.base.errors import LogError
@@ -110,10 +111,6 @@ def processor_time(process: "subprocess.Popen[str]") -> float:
     except OSError:
         return float("inf")
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-
-
-def contents(folder: Path) -> dict[str, bytes]:
-    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
 def stamps(folder: Path) -> dict[str, tuple[int, int]]:

@@ -62,12 +62,6 @@ def compared(tmp_path_factory):
 
 
 @pytest.fixture
-def here(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-@pytest.fixture
 def undrawn(monkeypatch):
     """Draw no figures."""
     monkeypatch.setattr("cycloid_mj.cli.compare._pictures", lambda comparison, motions: {})

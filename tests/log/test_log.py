@@ -6,11 +6,12 @@ import sys
 import zlib
 from collections import Counter
 from collections.abc import Callable
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 import pytest
+from folders import disk_of
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 from mcap.data_stream import RecordBuilder
 from mcap.reader import make_reader
@@ -22,7 +23,7 @@ from cycloid_mj.base.errors import LogError
 from cycloid_mj.base.record import Run
 from cycloid_mj.log import ColumnGroup, LogWriter, read
 
-resource = pytest.importorskip("resource", reason="limits of processes are of POSIX alone")
+pytest.importorskip("resource", reason="limits of processes are of POSIX alone")
 
 GROUPS = {
     "/reducer": [("crank_angle", "rad"), ("gear_torque", "N m"), ("transmission_error", "rad")],
@@ -115,17 +116,6 @@ def read_or_error(path: Path) -> Run | LogError:
         return read(path)
     except LogError as error:
         return error
-
-
-@contextmanager
-def disk_of(size: int):
-    """Let no file of this process grow beyond `size` bytes: a write fails as on a full disk."""
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
 @pytest.fixture(scope="module")

@@ -118,12 +118,6 @@ def test_log_written_anew_appears_whole_or_not_at_all(old, tmp_path):
 
 
 @pytest.fixture
-def here(tmp_path, monkeypatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-@pytest.fixture
 def at_the_end(monkeypatch):
     """Let runs last an instant; what is put in the list is called when half of the samples are logged."""
     calls = []

@@ -3,11 +3,11 @@
 import json
 import math
 import re
-from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import replace
-from io import StringIO
+from functools import partial
 from types import SimpleNamespace
 
+import commands
 import numpy as np
 import pytest
 from hsieh2014 import PAPER
@@ -18,7 +18,6 @@ from made_run import TORQUE, made_run
 from cycloid_mj.base.array import cross
 from cycloid_mj.base.errors import LogError, UsageError
 from cycloid_mj.base.names import gears
-from cycloid_mj.cli import app
 from cycloid_mj.cli import stress as command
 from cycloid_mj.cli.terminal import say_table
 from cycloid_mj.comparison import settling_time
@@ -583,14 +582,7 @@ def unwarned(err):
 @pytest.fixture
 def told():
     """Run a command in-process: exit code, stdout, stderr."""
-
-    def run(*argv):
-        out, err = StringIO(), StringIO()
-        with redirect_stdout(out), redirect_stderr(err):
-            code = app.main(["stress", *argv])
-        return code, out.getvalue(), err.getvalue()
-
-    return run
+    return partial(commands.told, "stress")
 
 
 @pytest.fixture(scope="module")
