@@ -6,20 +6,16 @@ import sys
 import threading
 from pathlib import Path
 
+import against
+import asked
+import benchmark
+import passes
 import pytest
+import sweeping
 
 from cycloid_mj.checks import require_sound
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.reducer import Reducer
-
-SCRIPTS = Path(__file__).parents[1] / "scripts"
-sys.path.insert(0, str(SCRIPTS))
-
-import against  # noqa: E402
-import asked  # noqa: E402
-import benchmark  # noqa: E402
-import passes  # noqa: E402
-import sweeping  # noqa: E402
 
 
 @pytest.mark.slow
@@ -147,7 +143,7 @@ def test_an_unknown_section_is_an_error(monkeypatch, capsys) -> None:
     assert "choose of loop" in capsys.readouterr().err
 
 
-@pytest.mark.skipif(not (SCRIPTS.parent / ".git").exists(), reason="not in a clone")
+@pytest.mark.skipif(not (Path(__file__).parents[1] / ".git").exists(), reason="not in a clone")
 def test_against_needs_one_revision_that_git_knows(monkeypatch, capsys) -> None:
     monkeypatch.setattr(sys, "argv", ["benchmark.py", "loop", "against"])
     with pytest.raises(SystemExit):

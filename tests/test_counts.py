@@ -2,16 +2,11 @@
 
 import ast
 import re
-import sys
 from pathlib import Path
 
+import counts
+import moved
 import pytest
-
-SCRIPTS = Path(__file__).parents[1] / "scripts"
-sys.path.insert(0, str(SCRIPTS))
-
-import counts  # noqa: E402
-import moved  # noqa: E402
 
 SOURCE = """
 from functools import cache, lru_cache
@@ -59,7 +54,7 @@ def test_a_class_name_of_two_modules_is_a_homonym(module: counts.Module) -> None
 
 def test_no_count_is_above_what_contributing_says() -> None:
     """The counts that the sources alone decide; those of a data sheet take ten seconds."""
-    page = (SCRIPTS.parent / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[1] / "CONTRIBUTING.md").read_text(encoding="utf-8")
     stated = dict(re.findall(r"^\| (.+?) \| (\d+) \| under", page, re.MULTILINE))
     counted = {one.name: one.value for one in counts.of_sources()}
     assert counted.keys() < stated.keys()

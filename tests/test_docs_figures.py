@@ -1,6 +1,5 @@
 """One script lists every figure that the documentation prints, tells when it is stale, and writes it anew."""
 
-import importlib.util
 import json
 import re
 import subprocess
@@ -8,38 +7,28 @@ import sys
 from pathlib import Path
 from types import ModuleType
 
+import docs_figures
 import pytest
 
 ROOT = Path(__file__).parent.parent
 
 
-@pytest.fixture(scope="module")
-def script() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("docs_figures", ROOT / "scripts" / "docs_figures.py")
-    assert spec
-    assert spec.loader
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
-
-
 @pytest.fixture
-def made(script: ModuleType, monkeypatch, tmp_path: Path) -> ModuleType:
+def made(monkeypatch, tmp_path: Path) -> ModuleType:
     """Return the script in a folder of its own, with one artefact of two steps, and a probe."""
     copy = (sys.executable, "-c", "import sys; open('runs', 'a').write(sys.argv[1]); print(sys.argv[1])")
     join = "import sys, pathlib; a, b = map(pathlib.Path, sys.argv[1:]); "
     join += "pathlib.Path('out').write_text(a.read_text() + b.read_text())"
-    both = {"a": script.Step((*copy, "1"), stdout=True), "b": script.Step((*copy, "2"), stdout=True)}
-    one = script.Artefact(("out",), both, ((sys.executable, "-c", join, "{a}", "{b}"),), ("probe",), 0.1)
-    monkeypatch.setattr(script, "ROOT", tmp_path)
-    monkeypatch.setattr(script, "STAMPS", tmp_path / "figures.json")
-    monkeypatch.setattr(script, "SCRATCH", tmp_path / "scratch")
-    monkeypatch.setattr(script, "ARTEFACTS", {"one": one})
-    monkeypatch.setattr(script, "probed", lambda _: script.now)
+    both = {"a": docs_figures.Step((*copy, "1"), stdout=True), "b": docs_figures.Step((*copy, "2"), stdout=True)}
+    one = docs_figures.Artefact(("out",), both, ((sys.executable, "-c", join, "{a}", "{b}"),), ("probe",), 0.1)
+    monkeypatch.setattr(docs_figures, "ROOT", tmp_path)
+    monkeypatch.setattr(docs_figures, "STAMPS", tmp_path / "figures.json")
+    monkeypatch.setattr(docs_figures, "SCRATCH", tmp_path / "scratch")
+    monkeypatch.setattr(docs_figures, "ARTEFACTS", {"one": one})
+    monkeypatch.setattr(docs_figures, "probed", lambda _: docs_figures.now)
     monkeypatch.setattr(sys, "argv", ["docs_figures.py"])
-    script.now = {"force": 100.0, "word": "as it was"}
-    return script
+    docs_figures.now = {"force": 100.0, "word": "as it was"}
+    return docs_figures
 
 
 @pytest.mark.parametrize(
@@ -50,15 +39,15 @@ def made(script: ModuleType, monkeypatch, tmp_path: Path) -> ModuleType:
         pytest.param("tutorial", marks=pytest.mark.slow),
     ],
 )
-def test_what_is_printed_is_what_the_model_says_now(script: ModuleType, name: str) -> None:
+def test_what_is_printed_is_what_the_model_says_now(name: str) -> None:
     """Where this fails: `python scripts/docs_figures.py --list` says by how much, without --list it writes it anew."""
-    assert script.stale(script.ARTEFACTS[name], script.stamps().get(name)) == []
+    assert docs_figures.stale(docs_figures.ARTEFACTS[name], docs_figures.stamps().get(name)) == []
 
 
-def test_the_script_lists_all_that_is_generated(script: ModuleType) -> None:
+def test_the_script_lists_all_that_is_generated() -> None:
     """Pictures and marked sections of the pages; `_drawings` are drawn with the pages."""
-    listed = {name for artefact in script.ARTEFACTS.values() for name in artefact.files}
-    commands = [" ".join(command) for artefact in script.ARTEFACTS.values() for command in artefact.last]
+    listed = {name for artefact in docs_figures.ARTEFACTS.values() for name in artefact.files}
+    commands = [" ".join(command) for artefact in docs_figures.ARTEFACTS.values() for command in artefact.last]
     for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
         text = page.read_text(encoding="utf-8")
         for picture in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", text):
@@ -66,8 +55,10 @@ def test_the_script_lists_all_that_is_generated(script: ModuleType) -> None:
                 assert str((page.parent / picture).resolve().relative_to(ROOT)) in listed, picture
         for writer in re.findall(r"<!-- Begin of \w+: (\S+) writes", text):
             assert any(writer in command for command in commands), writer
-    assert set(script.stamps()) <= set(script.ARTEFACTS)
-    assert {name for artefact in script.ARTEFACTS.values() for name in artefact.probes} == set(script.PROBES)
+    assert set(docs_figures.stamps()) <= set(docs_figures.ARTEFACTS)
+    assert {name for artefact in docs_figures.ARTEFACTS.values() for name in artefact.probes} == set(
+        docs_figures.PROBES
+    )
 
 
 def test_an_artefact_is_stale_where_what_it_prints_has_moved(made: ModuleType, tmp_path: Path, capsys) -> None:
@@ -140,7 +131,6 @@ def test_pages_print_no_place_of_this_machine(made: ModuleType, tmp_path: Path) 
 
 @pytest.mark.slow
 def test_the_moving_picture_is_replaced(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.syspath_prepend(str(ROOT / "scripts"))
     import picture
 
     monkeypatch.setattr(picture, "LENGTH", ("--hold-s", "0.012"))

@@ -1,44 +1,37 @@
 """The table of measures in docs/results.md is what the script writes from what was measured."""
 
-import importlib.util
 import json
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
+import docs_measured
 import pytest
 
 ROOT = Path(__file__).parent.parent
 
 
-@pytest.fixture(scope="module")
-def script() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("docs_measured", ROOT / "scripts" / "docs_measured.py")
-    assert spec
-    assert spec.loader
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-def test_the_page_says_what_was_measured(script: ModuleType) -> None:
-    page = script.PAGE.read_text(encoding="utf-8")
-    found = json.loads(script.KEPT.read_text(encoding="utf-8"))
-    assert script.written_page(page) == page
+def test_the_page_says_what_was_measured() -> None:
+    page = docs_measured.PAGE.read_text(encoding="utf-8")
+    found = json.loads(docs_measured.KEPT.read_text(encoding="utf-8"))
+    assert docs_measured.written_page(page) == page
     for design, quantities in found.items():
-        for label, keys in script.ROWS:
+        for label, keys in docs_measured.ROWS:
             assert sum(key in quantities for key in keys) == 1, (design, label)
 
 
-def test_the_page_says_what_was_compared(script: ModuleType) -> None:
+def test_the_page_says_what_was_compared() -> None:
     """Two idle starts and a loaded run, as the command's JSON has them."""
     levels = {name: {"rms": value} for name, value in (("gear_speed_rad_s", 0.002), ("q_path_um", 0.03))}
     vibration = {"gear_centre_m_s2": {"rms": 1.7}, "output_rad_s2": {"rms": 55.0}}
     run = {"design": "nonpin-like-pin", "starts": 2, "fluctuation": levels | {"q_velocity_mm_s": {"rms": 0.09}}}
     run |= {"vibration": vibration, "findings": {"timestep_s": 3.1e-6, "efficiency": 0.8804}}
-    spreads = [{"quantity": name, "least": 114.2, "largest": 157.0, "mean": 0.013} for _, name, _ in script.LEVELS]
+    spreads = [
+        {"quantity": name, "least": 114.2, "largest": 157.0, "mean": 0.013} for _, name, _ in docs_measured.LEVELS
+    ]
     runs = [run | {"load_nm": 0.0, "spreads": spreads}, run | {"load_nm": 36.68, "spreads": []}]
-    told = script.comparison(script.read_comparison({"conditions": {"drive.speed_rpm": 1640.0}, "runs": runs}))
+    told = docs_measured.comparison(
+        docs_measured.read_comparison({"conditions": {"drive.speed_rpm": 1640.0}, "runs": runs})
+    )
     assert "at 1640 rpm." in told
     assert "Time steps: 3.1 us." in told
     assert "| | no load, nonpin like pin | 36.68 N m, nonpin like pin |" in told
@@ -46,9 +39,9 @@ def test_the_page_says_what_was_compared(script: ModuleType) -> None:
     assert "| efficiency [%] | 88.0 | 88.0 |" in told
 
 
-def test_the_page_tells_which_design_is_rougher_by_the_starts_of_both_commands(script: ModuleType) -> None:
+def test_the_page_tells_which_design_is_rougher_by_the_starts_of_both_commands() -> None:
     def run(design: str, load: float, *figures: list[float] | float) -> dict[str, Any]:
-        told = dict(zip((label for label, *_ in script.LEVELS), figures, strict=True))
+        told = dict(zip((label for label, *_ in docs_measured.LEVELS), figures, strict=True))
         return {"design": design, "load_nm": load, "figures": told}
 
     apart, wide = [2.0, 3.0, 2.5], [1.0, 3.0, 2.0]
@@ -60,8 +53,8 @@ def test_the_page_tells_which_design_is_rougher_by_the_starts_of_both_commands(s
         run("nonpin", 36.0, *([2.0] * 5)),
     ]
     spreads = ([1.1, 2.0], [1.04, 2.0], [0.3, 0.9], [0.3, 0.96], [0.5, 3.0])
-    claims = [{"key": key, "ours": {"spread": one}} for key, one in zip(script.CLAIMS, spreads, strict=True)]
-    rows = [line.strip("| ").split(" | ") for line in script.orders({"runs": runs}, claims).splitlines()[2:]]
+    claims = [{"key": key, "ours": {"spread": one}} for key, one in zip(docs_measured.CLAIMS, spreads, strict=True)]
+    rows = [line.strip("| ").split(" | ") for line in docs_measured.orders({"runs": runs}, claims).splitlines()[2:]]
     assert [row[0] for row in rows[:2]] == ["gear speed", "path of q, without its steady shift"]
     assert [row[1] for row in rows] == ["1.5"] * 5
     # beyond all starts of the other, by more than 5 %
@@ -70,14 +63,16 @@ def test_the_page_tells_which_design_is_rougher_by_the_starts_of_both_commands(s
     assert [row[4:] for row in rows] == [["nonpin", "pin"]] * 5
 
 
-def test_a_number_stands_with_its_error_and_its_closed_form(script: ModuleType) -> None:
+def test_a_number_stands_with_its_error_and_its_closed_form() -> None:
     one = {"value": 1.23456, "unit": "m", "numerical_error": 0.0123, "reference": 1.2}
-    table = script.table({"pin": dict.fromkeys([key for _, keys in script.ROWS for key in keys], one)})
+    table = docs_measured.table({"pin": dict.fromkeys([key for _, keys in docs_measured.ROWS for key in keys], one)})
     assert "| 1.235 ± 0.01 (1.2) |" in table
     bare = {**one, "numerical_error": None, "reference": None}
-    assert "| 1.235 |" in script.table({"pin": dict.fromkeys([key for _, keys in script.ROWS for key in keys], bare)})
+    assert "| 1.235 |" in docs_measured.table(
+        {"pin": dict.fromkeys([key for _, keys in docs_measured.ROWS for key in keys], bare)}
+    )
 
 
-def test_a_page_without_marks_is_refused(script: ModuleType) -> None:
+def test_a_page_without_marks_is_refused() -> None:
     with pytest.raises(ValueError, match="lacks"):
-        script.written_page("nothing")
+        docs_measured.written_page("nothing")

@@ -1,15 +1,14 @@
 """The mesh model and the folders in models/: geometry as compiled, stiffness, masses, keyframes, running, bytes."""
 
 import dataclasses
-import importlib.util
 import itertools
 import json
 import warnings
 from collections import Counter
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
+import build_models
 import mujoco
 import numpy as np
 import pytest
@@ -544,15 +543,6 @@ def test_errors_and_modification_are_in_the_meshes() -> None:
         assert data.contact.dist.min(initial=0.0) > -0.1e-6
 
 
-def scripted() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("build_models", ROOT / "scripts" / "build_models.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 def without_rest(name: str, content: bytes) -> Any:
     """Return a generated file less what CoACD decides, whose search may go another way on another machine."""
     if name == "reducer.xml":
@@ -585,15 +575,16 @@ def test_the_committed_models_come_out_again(kind: str, tmp_path: Path, capsys: 
     assert told["quality"]["teeth"]["normals"] == 5000
     made = {str(path.relative_to(out)): path.read_bytes() for path in out.rglob("*") if path.is_file()}
     assert sorted(made) == told["files"]
-    script = scripted()
-    assert script.designs()[kind] == changed(kind)
-    made["README.md"] = script.readme(kind, json.loads(made["manifest.json"]), script.measured(script.PLAIN)).encode()
+    assert build_models.designs()[kind] == changed(kind)
+    made["README.md"] = build_models.readme(
+        kind, json.loads(made["manifest.json"]), build_models.measured(build_models.PLAIN)
+    ).encode()
     require_committed(kind, made)
 
 
 @pytest.mark.slow
 def test_the_committed_model_of_two_discs_comes_out_again() -> None:
-    require_committed("twodisc", scripted().two_disc_files())
+    require_committed("twodisc", build_models.two_disc_files())
 
 
 def require_committed(name: str, made: dict[str, bytes]) -> None:
@@ -625,14 +616,13 @@ def test_a_model_is_made_with_a_warning_of_what_spoils_its_figures(monkeypatch: 
 
 
 def test_the_overview_of_the_models_comes_out_again() -> None:
-    script = scripted()
     manifests = {kind: json.loads((MODELS / kind / "manifest.json").read_text(encoding="utf-8")) for kind in KINDS}
-    assert (MODELS / "README.md").read_text(encoding="utf-8") == script.overview(manifests)
+    assert (MODELS / "README.md").read_text(encoding="utf-8") == build_models.overview(manifests)
 
 
 def test_the_overview_tells_that_mesh_and_profile_agree() -> None:
     """The committed figures hold what is asked of them: 10 % in mean transmission error and cam force at 1 N m."""
-    rows = scripted().measured("agreement.json")
+    rows = build_models.measured("agreement.json")
     keys = ("gear_transmission_error_arcsec", "output_transmission_error_arcsec", "cam_force_n", "crank_torque_nm")
 
     def run(*wanted: Any) -> dict[str, Any]:
@@ -643,7 +633,7 @@ def test_the_overview_tells_that_mesh_and_profile_agree() -> None:
     for kind, torque, key in itertools.product(KINDS, (1.0, 36.0), keys):
         mesh, exact = run(kind, torque, "mesh", STEP_US[kind]), run(kind, torque, "profile", 1.0)
         assert mesh[key] == pytest.approx(exact[key], rel=0.1), (kind, torque, key)
-    for found in scripted().measured("free_running.json").values():
+    for found in build_models.measured("free_running.json").values():
         assert found["warnings"] == 0
         assert found["largest_mesh_period_error_percent"] < 1.0
 

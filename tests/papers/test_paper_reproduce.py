@@ -12,6 +12,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 from types import SimpleNamespace
 
+import docs_results
 import numpy as np
 import pytest
 from docs_page import replace_sections
@@ -356,31 +357,33 @@ def test_every_stage_has_a_name_and_a_time():
 # --- the page of the documentation
 
 
-def test_the_page_agrees_with_the_json(script):
-    content, hypothesis = (json.loads(path.read_text(encoding="utf-8")) for path in (script.KEPT, script.AUTHORS))
-    page = script.PAGE.read_text(encoding="utf-8")
-    assert replace_sections(page, script.sections(content), script.SCRIPT) == page
-    assert script.CLAIMS.read_text(encoding="utf-8") == script.claims_csv(content)
-    assert script.HYPOTHESIS.read_text(encoding="utf-8") == script.hypothesis_csv(hypothesis)
-    assert script.tally(content) in page
+def test_the_page_agrees_with_the_json():
+    content, hypothesis = (
+        json.loads(path.read_text(encoding="utf-8")) for path in (docs_results.KEPT, docs_results.AUTHORS)
+    )
+    page = docs_results.PAGE.read_text(encoding="utf-8")
+    assert replace_sections(page, docs_results.sections(content), docs_results.SCRIPT) == page
+    assert docs_results.CLAIMS.read_text(encoding="utf-8") == docs_results.claims_csv(content)
+    assert docs_results.HYPOTHESIS.read_text(encoding="utf-8") == docs_results.hypothesis_csv(hypothesis)
+    assert docs_results.tally(content) in page
     content["claims"][0]["verdict"] = "disagrees" if content["claims"][0]["verdict"] == "agrees" else "agrees"
-    assert replace_sections(page, script.sections(content), script.SCRIPT) != page
+    assert replace_sections(page, docs_results.sections(content), docs_results.SCRIPT) != page
     with pytest.raises(ValueError, match="not on the page once: poisson"):
-        script.sections(content | {"claims": content["claims"][1:]})
+        docs_results.sections(content | {"claims": content["claims"][1:]})
 
 
-def test_the_tables_of_the_hypothesis_are_kept(script):
+def test_the_tables_of_the_hypothesis_are_kept():
     stage = {"key": "authors", "error": "", "notes": ["two maxima", "a hypothesis"]}
     stage["tables"] = [{"title": "what brings it", "columns": ["feature", "by"], "rows": [["Fig. 12", "soft"]]}]
-    kept = script.kept_authors({"stages": [stage]})
-    assert script.hypothesis_csv(kept) == "what brings it\nfeature,by\nFig. 12,soft\n"
+    kept = docs_results.kept_authors({"stages": [stage]})
+    assert docs_results.hypothesis_csv(kept) == "what brings it\nfeature,by\nFig. 12,soft\n"
     with pytest.raises(ValueError, match="broken stage: ZeroDivisionError"):
-        script.kept_authors({"stages": [stage | {"error": "ZeroDivisionError"}]})
+        docs_results.kept_authors({"stages": [stage | {"error": "ZeroDivisionError"}]})
 
 
-def test_what_brings_a_feature_follows_from_the_table(script):
+def test_what_brings_a_feature_follows_from_the_table():
     """By removal: each row says yes or no of neither change, of each alone, and of both."""
-    features, varied, torques = json.loads(script.AUTHORS.read_text(encoding="utf-8"))["tables"]
+    features, varied, torques = json.loads(docs_results.AUTHORS.read_text(encoding="utf-8"))["tables"]
     names = dict(zip(features["columns"][1:5], CHANGES, strict=True))
     assert {row[0].split(",")[0] for row in features["rows"]} >= {f"Fig. {number}" for number in (6, 8, 9, 12, 13, 14)}
     for row in features["rows"]:
@@ -391,12 +394,12 @@ def test_what_brings_a_feature_follows_from_the_table(script):
     assert [row[0] for row in torques["rows"]] == [f"{name}, {way}" for name, ways in TORQUES.items() for way in ways]
 
 
-def test_the_reproduced_page_sums_up_as_the_readme_does(script):
+def test_the_reproduced_page_sums_up_as_the_readme_does():
     tally = {str(verdict): words.removesuffix(" under its condition") for verdict, words in PAGE_TALLY.items()}
-    assert tally == script.TALLY
+    assert tally == docs_results.TALLY
 
 
-def test_a_row_of_the_page_names_its_load(script):
+def test_a_row_of_the_page_names_its_load():
     claim = {
         **{"figure": "Fig. 6", "design": "both", "condition": {"load_nm": 0.0, "speed_rpm": 1640.0}},
         "paper": {"claim": "more with pins", "text": "pin > nonpin"},
@@ -406,27 +409,27 @@ def test_a_row_of_the_page_names_its_load(script):
     }
     loaded = claim | {"condition": {"load_nm": 36.68, "input_torque_nm": 1.048}, "at_rated_load": None}
     content = {"quick": True, "claims": [claim, loaded]}
-    assert script.tally(content).startswith("`cycloid-mj reproduce --quick` compares 2 claims")
-    assert ", 0 disagree, 2 are not determined." in script.tally(content)
-    rows = script.claim_rows(content)
+    assert docs_results.tally(content).startswith("`cycloid-mj reproduce --quick` compares 2 claims")
+    assert ", 0 disagree, 2 are not determined." in docs_results.tally(content)
+    rows = docs_results.claim_rows(content)
     assert rows[0][:6] == ("Fig. 6", "both", "none", "more with pins", "pin > nonpin", "0.4 to 1")
     assert rows[0][6].startswith("0.12 pin / nonpin (")
     assert rows[0][7:] == ("not determined", "friction", "2.3 to 1")
     assert rows[1][2] == "1.048 N m in"
 
 
-def test_the_errata_of_the_json_are_those_of_the_code(script):
-    found = json.loads(script.KEPT.read_text(encoding="utf-8"))
+def test_the_errata_of_the_json_are_those_of_the_code():
+    found = json.loads(docs_results.KEPT.read_text(encoding="utf-8"))
     # rounding differs between machines; the page rounds
-    assert script.errata(found["errata"]) == script.errata(errata())
+    assert docs_results.errata(found["errata"]) == docs_results.errata(errata())
 
 
-def test_a_run_with_a_broken_or_missing_stage_is_refused(script):
-    assert list(script.STAGES) == [step.key for step in stages.STEPS]
-    whole = [{"key": key, "error": ""} for key in script.STAGES]
+def test_a_run_with_a_broken_or_missing_stage_is_refused():
+    assert list(docs_results.STAGES) == [step.key for step in stages.STEPS]
+    whole = [{"key": key, "error": ""} for key in docs_results.STAGES]
     found = {"quick": True, "claims": [], "errata": [], "stages": whole}
-    assert set(script.kept(found)) == {"quick", "claims", "errata"}
+    assert set(docs_results.kept(found)) == {"quick", "claims", "errata"}
     with pytest.raises(ValueError, match="missing: torque"):
-        script.kept(found | {"stages": whole[:-1]})
+        docs_results.kept(found | {"stages": whole[:-1]})
     with pytest.raises(ValueError, match="broken stage: torque"):
-        script.kept(found | {"stages": [*whole[:-1], {"key": "torque", "error": "RunError: it jumped"}]})
+        docs_results.kept(found | {"stages": [*whole[:-1], {"key": "torque", "error": "RunError: it jumped"}]})

@@ -6,19 +6,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import flip_signs
 import pytest
 
 from cycloid_mj.design import PRESETS
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer import gaps as unspoiled
-
-SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "flip_signs.py"
-SPEC = importlib.util.spec_from_file_location("flip_signs", SCRIPT)
-assert SPEC is not None
-assert SPEC.loader is not None
-flip_signs = importlib.util.module_from_spec(SPEC)
-sys.modules["flip_signs"] = flip_signs
-SPEC.loader.exec_module(flip_signs)
 
 
 def test_every_sign_is_found_and_flipped_alone(tmp_path: Path) -> None:
@@ -48,6 +41,6 @@ def test_a_module_is_loaded_with_its_sign_flipped(monkeypatch) -> None:
 @pytest.mark.slow
 def test_a_sample_of_flips_is_seen_by_tests() -> None:
     """In a process of its own, where nothing of the project is loaded before a sign is flipped."""
-    command = [sys.executable, str(SCRIPT), "--sample", "8", "--workers", "1"]
+    command = [sys.executable, flip_signs.__file__, "--sample", "8", "--workers", "1"]
     ended = subprocess.run(command, capture_output=True, text=True, check=False)
     assert ended.returncode == 0, ended.stdout

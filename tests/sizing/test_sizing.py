@@ -3,11 +3,11 @@
 import json
 import math
 import re
-import sys
 from collections import Counter
 from pathlib import Path
 
 import pytest
+from requirements_grid import drawn
 
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.units import RPM
@@ -28,10 +28,6 @@ from cycloid_mj.sizing.reasons import reasons_of
 from cycloid_mj.sizing.requirement import Requirement, required
 from cycloid_mj.sizing.trial import rate_drive
 from cycloid_mj.statics.sheet import sheet
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
-
-from requirements_grid import drawn
 
 SMALL = Requirement(20, 0.06, 10.0)
 TOO_MUCH = Requirement(15, 0.06, 30.0, process="printed")
