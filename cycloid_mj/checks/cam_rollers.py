@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 
 from cycloid_mj.geometry import ideal_loads
-from cycloid_mj.parts.export.bearings import cam_bearing
+from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.reducer import Reducer
 
 

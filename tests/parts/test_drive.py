@@ -10,10 +10,10 @@ from cycloid_mj.design import PRESETS
 from cycloid_mj.figures import figure
 from cycloid_mj.life.figures import input_inertia
 from cycloid_mj.parts import PartSection
+from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.curve import Circle
 from cycloid_mj.parts.export import casing, drive, places
 from cycloid_mj.parts.export.assembly import assembly_sections
-from cycloid_mj.parts.export.bearings import cam_bearing
 from cycloid_mj.parts.export.printing import PRESSED_PIN, separate_parts
 from cycloid_mj.reducer import Reducer
 

@@ -15,9 +15,10 @@ from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.parts import Mesh, Part, PartSection, Solid, fuse, lay_out_parts, mass_properties, part_sections, parts
 from cycloid_mj.parts.accuracy import mass_chord_error
+from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.curve import Arc, Circle, Curve, LineSegment, Spline
 from cycloid_mj.parts.export.assembly import Place, assembly_parts, assembly_sections, assembly_step, places
-from cycloid_mj.parts.export.bearings import cam_bearing, shaft_bearing
+from cycloid_mj.parts.export.bearings import shaft_bearing
 from cycloid_mj.parts.export.bill import BillLine, bill, bill_csv
 from cycloid_mj.parts.export.casing import Casing, Motor, casing, casing_or_none
 from cycloid_mj.parts.export.casing_parts import bored_shaft

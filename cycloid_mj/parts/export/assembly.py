@@ -11,7 +11,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import Part, PartSection, carried, output_centres
-from cycloid_mj.parts.export.bearings import cam_bearing
+from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.export.casing import (
     CAM_BEARING,
     DOWEL,

@@ -1,4 +1,4 @@
-"""Choice of rolling bearings in stock for cams and shaft, and the fits of bearings and dowels."""
+"""Choice of rolling bearings in stock for the shaft, and the fits of bearings and dowels."""
 
 from cycloid_mj.design import stock
 from cycloid_mj.parts.export.casing import bearing_width_of
@@ -15,19 +15,6 @@ HUB_BEARING_FIT = "H7 outside, k6 on the hub"
 
 SHAFT_BEARINGS = 2
 """Number of bearings of the shaft."""
-
-
-def cam_bearing(reducer: Reducer) -> tuple[stock.StockBearing, int] | None:
-    """Return the bearing in stock for each cam and the number side by side; None if none fits disc and cam."""
-    design = reducer.design
-    gear = design.gear
-    flush = round(2.0 * (gear.eccentricity + design.shaft.radius), 9)
-    wide_enough = [
-        bearing
-        for bearing in stock.bearings_outside(2.0 * gear.bore_radius)
-        if bearing.bore > flush or (gear.discs == 1 and bearing.bore == flush)
-    ]
-    return stock.side_by_side(wide_enough, gear.face_width) if gear.bearing == "rolling" else None
 
 
 def shaft_bearing(reducer: Reducer) -> stock.StockBearing | None:

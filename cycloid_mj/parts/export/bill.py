@@ -13,11 +13,11 @@ from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.design import stock
 from cycloid_mj.parts import parts, sleeve_core_radius
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
+from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.export.bearings import (
     PRESS_FIT,
     SHAFT_BEARINGS,
     SOCKET_FIT,
-    cam_bearing,
     fit_of,
     shaft_bearing,
 )

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from cycloid_mj.base import names
 from cycloid_mj.parts import Part, mass_properties
-from cycloid_mj.parts.export.bearings import cam_bearing
+from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.export.casing import (
     FLANGE,
     MOTOR_COVER,
