@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
+from grimp import build_graph
+
 import cycloid_mj
 
 PACKAGE = Path(cycloid_mj.__file__).parent
@@ -30,31 +32,10 @@ def module_name(path: Path) -> str:
 TREES = {module_name(path): ast.parse(path.read_text(encoding="utf-8")) for path in PACKAGE.rglob("*.py")}
 
 
-def type_checking(tree: ast.Module) -> set[ast.AST]:
-    """Return the nodes that a type checker alone reads."""
-    blocks = [node for node in ast.walk(tree) if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)]
-    return {child for block in blocks for statement in block.body for child in ast.walk(statement)}
-
-
 def docstrings(tree: ast.Module) -> set[ast.AST]:
     return {
         node.value for node in ast.walk(tree) if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
     }
-
-
-def imported(name: str) -> Iterator[str]:
-    """Yield the modules that a module imports, at its top or inside of functions."""
-    tree = TREES[name]
-    skipped = type_checking(tree)
-    for node in ast.walk(tree):
-        if node in skipped:
-            continue
-        if isinstance(node, ast.ImportFrom) and node.module:
-            for alias in node.names:
-                inner = f"{node.module}.{alias.name}"
-                yield inner if inner in TREES else node.module
-        elif isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
 
 
 def named(name: str) -> Iterator[str]:
@@ -70,7 +51,8 @@ def package_of(module: str) -> str:
     return module.split(".")[1] if module.count(".") else ""
 
 
-GRAPH = {name: {other for other in imported(name) if other in TREES} for name in TREES}
+IMPORTS = build_graph("cycloid_mj", exclude_type_checking_imports=True)
+GRAPH = {name: set(IMPORTS.find_modules_directly_imported_by(name)) for name in IMPORTS.modules}
 
 
 def test_no_modules_import_each_other_in_a_circle() -> None:
@@ -85,7 +67,7 @@ def test_no_module_imports_or_names_a_layer_above_its_own() -> None:
     upward = {
         f"{name} -> {other}"
         for name in TREES
-        for other in (*imported(name), *named(name))
+        for other in (*GRAPH[name], *named(name))
         if package_of(name) in LEVEL and LEVEL.get(package_of(other), 0) > LEVEL[package_of(name)]
     }
     assert upward == set()

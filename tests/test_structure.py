@@ -24,7 +24,6 @@ PUBLIC_DESPITE_THE_UNDERSCORE = {
 JUDGED_BY_WORDS = {
     # a file of the Linux kernel, whose lines have no other key
     ("scripts/benchmark.py", "model name"),
-    # the heading at which the picture of a report ends: it is the page's words that make the picture stale
 }
 METHODS_OF_TEXT = (
     "startswith",
