@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from docs_page import replace_sections
+from docs_page import markdown_table, replace_sections
 
 from cycloid_mj.comparison.starts import StartSpread, compare_order
 
@@ -119,12 +119,10 @@ def comparison(data: Mapping[str, Any]) -> str:
         f"`compare pin nonpin` at {data['speed_rpm']:g} rpm. Rms of the differences from the closed form.\n"
         f"Without load: smallest to largest of {starts} independent starts, and mean. Time steps: {steps} us."
     )
-    lines = ["| | " + " | ".join(map("{}, {}".format, loads, names)) + " |", "|---" * (len(runs) + 1) + "|"]
-    lines += [
-        f"| {label} | " + " | ".join(_level(run["figures"][label]) for run in runs) + " |" for label, *_ in LEVELS
-    ]
+    rows = [(label, *(_level(run["figures"][label]) for run in runs)) for label, *_ in LEVELS]
     shares = (f"{100.0 * run['efficiency']:.1f}" if run["efficiency"] is not None else "" for run in runs)
-    return "\n".join([condition, "", *lines, "| efficiency [%] | " + " | ".join(shares) + " |"])
+    head = ("", *map("{}, {}".format, loads, names))
+    return f"{condition}\n\n{markdown_table(head, [*rows, ('efficiency [%]', *shares)])}"
 
 
 def orders(data: Mapping[str, Any], claims: Sequence[Mapping[str, Any]]) -> str:
@@ -139,9 +137,8 @@ def orders(data: Mapping[str, Any], claims: Sequence[Mapping[str, Any]]) -> str:
         *("Larger fluctuation", "Under load, pin / nonpin", "No load, `compare`", "No load, `reproduce`"),
         *("No load: nonpin or nonpin like pin", "No load: pin or nonpin like pin"),
     )
-    lines = [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
-    for (label, *_), key in zip(LEVELS, CLAIMS, strict=True):
-        cells = (
+    rows = [
+        (
             label.split(" [")[0],
             f"{loaded['pin'][label] / loaded['nonpin'][label]:.2g}",
             _rougher(compare_order(pin[label], nonpin[label]), "pin", "nonpin"),
@@ -149,8 +146,9 @@ def orders(data: Mapping[str, Any], claims: Sequence[Mapping[str, Any]]) -> str:
             _rougher(compare_order(nonpin[label], alike[label]), "nonpin", "nonpin like pin"),
             _rougher(compare_order(pin[label], alike[label]), "pin", "nonpin like pin"),
         )
-        lines.append(f"| {' | '.join(cells)} |")
-    return "\n".join(lines)
+        for (label, *_), key in zip(LEVELS, CLAIMS, strict=True)
+    ]
+    return markdown_table(head, rows)
 
 
 def _idle(data: Mapping[str, Any], design: str) -> Mapping[str, StartSpread]:
@@ -172,11 +170,11 @@ def _level(value: float | Sequence[float]) -> str:
 
 def table(quantities: Mapping[str, Quantities]) -> str:
     """Return the table of values with numerical errors, and closed forms or static results in brackets."""
-    lines = ["| | " + " | ".join(quantities) + " |", "|---" * (len(quantities) + 1) + "|"]
-    for label, keys in ROWS:
-        cells = [_cell(next(quantity[key] for key in keys if key in quantity)) for quantity in quantities.values()]
-        lines.append(f"| {label} | " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+    rows = [
+        (label, *(_cell(next(quantity[key] for key in keys if key in quantity)) for quantity in quantities.values()))
+        for label, keys in ROWS
+    ]
+    return markdown_table(("", *quantities), rows)
 
 
 def _cell(quantity: Mapping[str, Any]) -> str:
