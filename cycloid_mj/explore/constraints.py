@@ -12,7 +12,7 @@ from cycloid_mj.figures import COMPUTED, Need, figure
 from cycloid_mj.reducer import Reducer
 
 MIN_BOUND = 1e-12
-"""Size of a bound below which the excess over it is not relative to it, but to this number."""
+"""Smallest size of a bound that a relative excess, or a relative distance to the bound, refers to."""
 
 
 @dataclass(frozen=True)

@@ -169,8 +169,8 @@ def _summed_up(reducer: Reducer) -> Measured:
         Quantity("backlash", "", figures.backlash / ARCMINUTE, "arcmin"),
         Quantity("capacity", "", figures.capacity, "N m"),
     )
-    measure_design = _from_quantities(numbers)
-    return Measured({**measure_design.values, "weakest": figures.weakest}, measure_design.units)
+    measured = _from_quantities(numbers)
+    return Measured({**measured.values, "weakest": figures.weakest}, measured.units)
 
 
 def _figures(reducer: Reducer, _: MeasureSettings) -> Measured:

@@ -18,7 +18,7 @@ from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.explore.journal import create_folder, open_journal
 from cycloid_mj.explore.optimum import BestChecks, Optimum
 from cycloid_mj.explore.points import Wanted
-from cycloid_mj.explore.problem import FEASIBLE, Objective, Problem, define_problem, evaluate_point
+from cycloid_mj.explore.problem import FEASIBLE, Problem, define_problem, evaluate_point
 from cycloid_mj.explore.row import PointResult
 from cycloid_mj.explore.sampling import tolerance_zones
 from cycloid_mj.explore.search import CMA, REQUIREMENT, Point, search_minimum
@@ -177,9 +177,7 @@ def _sheet(reducer: Reducer) -> Sheet | None:
 def _search(task: Problem, work: "_Work", evaluations: int, starts: int, seed: int) -> None:
     """Search for the best point, or in turn for several points of the front."""
     if len(task.objectives) == 1:
-        (objective,) = task.objectives
-        cost = partial(_cost, objective)
-        search_minimum(task, work.rows_of, cost, evaluations, starts, [seed])
+        search_minimum(task, work.rows_of, lambda row: task.costs(row)[0], evaluations, starts, [seed])
         return
     each = max(1, evaluations // len(WEIGHTS))
     for number, weight in enumerate(WEIGHTS):
@@ -190,27 +188,19 @@ def _search(task: Problem, work: "_Work", evaluations: int, starts: int, seed: i
         search_minimum(task, work.rows_of, figure, each, starts if number < 2 else 1, [seed, number], first, sigma)
 
 
-def _cost(objective: Objective, row: PointResult) -> float:
-    return objective.sign * float(row.values[objective.key])
-
-
 def _weighted(task: Problem, rows: Sequence[PointResult], weight: float) -> Callable[[PointResult], float]:
     """Return the augmented weighted Chebyshev scalarization of both objectives, normalized by their ranges so far.
 
     Steuer and Choo 1983 (Math. Program. 26, 326-344); `weight` is that of the first objective.
     """
     feasible = [row for row in rows if row.values[FEASIBLE]]
-
-    def costs(row: PointResult) -> tuple[float, ...]:
-        return tuple(_cost(objective, row) for objective in task.objectives)
-
-    both = [costs(row) for row in feasible] or [(0.0, 0.0)]
+    both = [task.costs(row) for row in feasible] or [(0.0, 0.0)]
     low = [min(cost) for cost in zip(*both, strict=True)]
     best = [min(both), min(both, key=lambda cost: cost[1])]
     reach = [abs(best[1 - i][i] - low[i]) or abs(low[i]) or 1.0 for i in (0, 1)]
 
     def figure(row: PointResult) -> float:
-        shares = [(cost - low[i]) / reach[i] for i, cost in enumerate(costs(row))]
+        shares = [(cost - low[i]) / reach[i] for i, cost in enumerate(task.costs(row))]
         weighted = [weight * shares[0], (1.0 - weight) * shares[1]]
         return (max(weighted) if 0.0 < weight < 1.0 else sum(weighted)) + SUM_WEIGHT * sum(shares)
 

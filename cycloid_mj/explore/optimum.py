@@ -15,6 +15,7 @@ from cycloid_mj.base.result import Quantity, Table
 from cycloid_mj.checks import check
 from cycloid_mj.design import Design, declaration_of
 from cycloid_mj.design.units import unit_of
+from cycloid_mj.explore.constraints import MIN_BOUND
 from cycloid_mj.explore.problem import FEASIBLE, REJECTED_BY, VIOLATION, Problem
 from cycloid_mj.explore.row import PointResult
 from cycloid_mj.explore.tolerances import VERIFIED_HEADER, Tolerances
@@ -27,9 +28,6 @@ AT_END = 0.01
 
 UNMOVED = 1e-9
 """Relative range of an objective up to which it counts as constant: rounding errors are below."""
-
-TINY = 1e-12
-"""Size of a bound below which the distance to a limit is relative to this number."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +107,7 @@ class Optimum(Tabular):
     @cached_property
     def front(self) -> tuple[int, ...]:
         """Indices of the points of the Pareto front, in the order of the first objective."""
-        costs = {index: self._costs(self.rows[index]) for index in self.feasible}
+        costs = {index: self.task.costs(self.rows[index]) for index in self.feasible}
         front: list[int] = []
         for index in sorted(costs, key=costs.__getitem__):
             if not front or costs[index][-1] < costs[front[-1]][-1]:
@@ -121,10 +119,10 @@ class Optimum(Tabular):
         """Index of the best point; on a front the one with the smallest normalized Chebyshev distance to the ideal."""
         if not self.front:
             return None
-        columns = list(zip(*(self._costs(self.rows[index]) for index in self.front), strict=True))
+        columns = list(zip(*(self.task.costs(self.rows[index]) for index in self.front), strict=True))
 
         def distance(index: int) -> float:
-            pairs = zip(self._costs(self.rows[index]), columns, strict=True)
+            pairs = zip(self.task.costs(self.rows[index]), columns, strict=True)
             return max((cost - min(column)) / ((max(column) - min(column)) or 1.0) for cost, column in pairs)
 
         return min(self.front, key=distance)
@@ -277,7 +275,7 @@ class Optimum(Tabular):
         limits = [
             f"{limit.key} is at its limit {limit}: {figures[limit.key]:.5g}"
             for limit in self.task.limits
-            if abs(figures[limit.key] - limit.bound) < AT_END * max(abs(limit.bound), TINY)
+            if abs(figures[limit.key] - limit.bound) < AT_END * max(abs(limit.bound), MIN_BOUND)
         ]
         return (*ends, *limits)
 
@@ -297,9 +295,6 @@ class Optimum(Tabular):
             "dynamics": {**vars(dynamics), "differences": dynamics.differences},
             "tolerances": None if checked.tolerances is None else checked.tolerances.as_json(),
         }
-
-    def _costs(self, row: PointResult) -> tuple[float, ...]:
-        return tuple(objective.sign * float(row.values[objective.key]) for objective in self.task.objectives)
 
 
 def _short(value: Cell) -> str:

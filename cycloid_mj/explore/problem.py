@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from cycloid_mj.base.errors import CycloidError, CycloidWarning, DesignError, UsageError
 from cycloid_mj.checks import WALLS, check, soundness
 from cycloid_mj.design import Design, declaration_of, override, value_of
-from cycloid_mj.explore.constraints import FigureLimit, parse_limit, require_consistent
+from cycloid_mj.explore.constraints import MIN_BOUND, FigureLimit, parse_limit, require_consistent
 from cycloid_mj.explore.linked_keys import Link, apply_links, default_links, parse_links
 from cycloid_mj.explore.points import Value, Wanted, axis_values, parse_axis
 from cycloid_mj.explore.row import PointResult, error_line
@@ -28,9 +28,6 @@ LIMIT_VIOLATION, CHECK_VIOLATION, NO_FIGURE, INVALID_VALUE = 1.0, 1e3, 1e6, 1e9
 
 FILE, STATICS, RANGES = "design file", "statics", "ranges"
 """Reasons of rejection besides checks and limits."""
-
-TINY = 1e-12
-"""Smallest size that a relative excess refers to."""
 
 
 @dataclass(frozen=True)
@@ -116,6 +113,10 @@ class Problem:
         """Return the design at a point; raise DesignError where the design file does not allow a value."""
         design = override(self.reducer.design, dict(zip(self.keys, values, strict=True)))
         return apply_links(self.reducer, Reducer(design), self.links)
+
+    def costs(self, row: PointResult) -> tuple[float, ...]:
+        """Return the objectives of a feasible point, all to be minimized: those to maximize have the sign changed."""
+        return tuple(objective.sign * float(row.values[objective.key]) for objective in self.objectives)
 
     @property
     def combinations(self) -> int:
@@ -216,9 +217,7 @@ def _evaluate(task: Problem, values: Sequence[Value]) -> tuple[dict[str, float],
         figures = compute(Reducer(design), task.figures)
     except CycloidError as error:
         return {}, {STATICS: 1.0}, NO_FIGURE, error_line(error)
-    violated = {
-        str(limit): limit.excess(figures[limit.key]) for limit in task.limits if limit.excess(figures[limit.key]) > 0.0
-    }
+    violated = {str(limit): excess for limit in task.limits if (excess := limit.excess(figures[limit.key])) > 0.0}
     if not task.allows(values):
         violated[RANGES] = 1.0
     if missing := [objective.key for objective in task.objectives if not math.isfinite(figures[objective.key])]:
@@ -241,4 +240,4 @@ def _excess(value: float | None, bound: float | None) -> float:
     """Compute by how much a value misses its bound, relative to the larger of both; 1 where that is no number."""
     if value is None or bound is None or not math.isfinite(value - bound):
         return 1.0
-    return abs(value - bound) / max(abs(value), abs(bound), TINY)
+    return abs(value - bound) / max(abs(value), abs(bound), MIN_BOUND)
