@@ -16,35 +16,35 @@ from cycloid_mj.parts import turning_inertia
 from cycloid_mj.reducer import Reducer
 
 GROWTHS, GROWS_FOR = (0.025, 0.1), 0.04
-"""The torque from rest grows to this share of the rated output torque, over this time [s] or a longer one; to the
-second share where the crank has stayed at rest under the first, or hardly left it."""
+"""Shares of the rated output torque to which the torque grows, and the time this takes at least [s]. The second share
+applies where the crank stays at rest under the first, or hardly turns."""
 
 TURNED = math.radians(0.1)
-"""A free crank that has come this far [rad] turns: the clearances let it move by less."""
+"""Rotation of a free crank [rad] from which it turns; within the clearances it moves by less."""
 
 LEAST_TRAVEL = 0.25
-"""Share of the way of a crank without friction; one that comes less far creeps at best."""
+"""Rotation over that of a crank without friction, below which the crank only creeps, or stays at rest."""
 
 LEAST_WAY = 30.0 * TURNED
-"""Way [rad] of a crank without friction, while the torque grows."""
+"""Rotation of a crank without friction [rad] while the torque grows, at least."""
 
 CROSSED = 0.25
-"""Share of the time in which the torque carries the output across all of its play."""
+"""Share of the time in which the torque moves the output across all of its play."""
 
 FEWEST = 40
-"""Samples of a turning crank."""
+"""Smallest number of samples of a turning crank."""
 
 
 @dataclass(frozen=True, eq=False)
 class FromRest:
-    """A free crank under a growing output torque, from one place of rest.
+    """A free crank under a growing output torque, from one position at rest.
 
     Attributes
     ----------
     torque
         Output torque from which the crank speeds up [N m]; not a number where it stays at rest: self-locking.
     error
-        By how much the first quarter and the second half of the samples differ [N m].
+        Largest change of the torque if only the first quarter, or the second half, of the samples is used [N m].
     largest
         Largest output torque that was tried [N m].
     run
@@ -64,7 +64,7 @@ class FromRest:
 
 @dataclass(frozen=True, eq=False)
 class BreakAway:
-    """The same from several places of rest: `starts`, the first that of the design as it is."""
+    """The same from several positions: `starts`, the first being that of the design itself."""
 
     starts: tuple[FromRest, ...]
 
@@ -90,7 +90,7 @@ class BreakAway:
 
     @property
     def error(self) -> float:
-        """Error of that [N m]: half of what the starts spread, or the mean of their own errors if that is more."""
+        """Error of the mean [N m]: half the range of the starts, or the mean of their own errors if that is larger."""
         if self.spread is None:
             return math.nan
         return max(self.spread.half, sum(start.error for start in self.turning) / len(self.turning))
@@ -132,7 +132,7 @@ class BreakAway:
         return f"{words} N m over {turning} starts around the crank turn{stuck}"
 
     def as_json(self) -> dict[str, Any]:
-        """Convert what the starts spread to JSON values."""
+        """Convert the scatter of the starts to JSON values."""
         return {
             "from_rest": self.spread.as_json() if self.spread else None,
             "from_rest_locked": len(self.starts) - len(self.turning),
@@ -154,10 +154,10 @@ def break_away(reducer: Reducer, solver: Solver = "planar") -> BreakAway:
 def _from_rest(reducer: Reducer, solver: Solver) -> FromRest:
     """Increase the torque from one start, to a larger share where the crank stays at rest."""
     for growth in GROWTHS:
-        found = _under(reducer, growth * reducer.design.rated_torque, solver)
-        if found.torque + found.error < found.largest:
+        start = _under(reducer, growth * reducer.design.rated_torque, solver)
+        if start.torque + start.error < start.largest:
             break
-    return found
+    return start
 
 
 def _under(reducer: Reducer, largest: float, solver: Solver) -> FromRest:
@@ -183,7 +183,7 @@ def _under(reducer: Reducer, largest: float, solver: Solver) -> FromRest:
 
 
 def _crossing(reducer: Reducer, largest: float) -> float:
-    """Compute the time [s] of growth to a torque that carries the output across its play in `CROSSED` of it."""
+    """Compute the rise time [s] of a torque [N m] that crosses the output's play in the share `CROSSED` of it."""
     return math.sqrt(6.0 * reducer.play * turning_inertia(reducer) / (largest * CROSSED**3))
 
 

@@ -59,19 +59,20 @@ MOST_HALVINGS = 3
 """Number of times that the time step of a failed run is halved."""
 
 STEADIER = 2.0
-"""Step that contacts are made for, over the step taken: the added mass of a run is the least that is stable, and light
-pins at a long step would ring on it; four times as much, which a slow torque does not feel, settles them."""
+"""Time step for which contacts are designed, over that of the run. The added mass of a run is the smallest that is
+stable, and light pins with a long step would oscillate on it. Four times as much stops this, and does not affect a slow
+motion."""
 
 HEAVIER = 3.0
-"""The same of contacts with friction, once more: their added mass, which slow motion does not
-feel, is larger by the square of it, and their creep speed may be as much lower."""
+"""Further factor on that step for contacts with friction: their added mass, which does not affect a slow motion, is
+larger by its square, and their creep speed may be lower by as much."""
 
 DAMPING_RATIO = 1.0
 """Damping of contacts as a share of critical: parts that cross their play settle soon; at rest it has no effect."""
 
 
 def crank_angles(reducer: Reducer, count: int) -> Array:
-    """Find crank angles [rad], shape (count,), spread over the turn and, at equal distances, over the mesh period."""
+    """Return crank angles [rad], shape (count,), spread over the turn and, at equal distances, over the mesh period."""
     period = np.round(reducer.mesh_periods * np.arange(count) / count)
     return np.asarray(2.0 * np.pi / reducer.mesh_periods * (period + np.arange(count) / count))
 
@@ -84,7 +85,7 @@ def without_friction(reducer: Reducer) -> Reducer:
 
 
 def step(reducer: Reducer, torque: float, solver: Solver = "planar") -> float:
-    """Compute the step [s] for a torque on the output [N m]: the one given, if any."""
+    """Compute the time step [s] for a torque on the output [N m]; that of the design file has precedence."""
     design = reducer.design
     if design.settings.timestep:
         return design.settings.timestep
@@ -111,8 +112,8 @@ def prepare_bench(
 ) -> Reducer:
     """Return the design for a run of some `duration` [s] under torques up to `torque` [N m]; `finer` divides the step.
 
-    Below its creep speed the model's friction is viscous, and a slow motion would feel none of it: the creep speed is
-    lowered as far as the step bears.
+    Below the creep speed the model's friction is viscous, so that a slow motion would have nearly none. The creep speed
+    is therefore as low as the time step allows.
     """
     design = reducer.design
     timestep = step(reducer, torque, solver) / finer
@@ -130,19 +131,17 @@ def prepare_bench(
     )
 
 
-def locked_run(prepare_bench: Reducer, crank: float, torque: Signal, solver: Solver = "planar") -> Run:
-    """Run a design on the bench: crank locked at an angle [rad], a torque [N m] over time [s] on the output."""
-    timestep = prepare_bench.design.settings.timestep
+def locked_run(reducer: Reducer, crank: float, torque: Signal, solver: Solver = "planar") -> Run:
+    """Run a design of `prepare_bench`: crank locked at an angle [rad], a torque [N m] over time [s] on the output."""
+    timestep = reducer.design.settings.timestep
     if solver == "planar":
-        planar = _planar(
-            prepare_bench.but(drive={"ramp": 0.0, "hold": 1.0}, settings={"log_rate": 1.0 / timestep}), timestep
-        )
-        return simulate(prepare_bench.design, planar, locked_crank(planar, crank, torque))
-    made_for = timestep * STEADIER * (HEAVIER if _rubbing(prepare_bench) else 1.0)
-    drive = Drive(rotor_inertia=prepare_bench.design.drive.rotor_inertia)
+        planar = _planar(reducer.but(drive={"ramp": 0.0, "hold": 1.0}, settings={"log_rate": 1.0 / timestep}), timestep)
+        return simulate(reducer.design, planar, locked_crank(planar, crank, torque))
+    made_for = timestep * STEADIER * (HEAVIER if _rubbing(reducer) else 1.0)
+    drive = Drive(rotor_inertia=reducer.design.drive.rotor_inertia)
     same = {"drive": drive, "load": Load(), "settings": Settings(timestep=made_for)}
-    compiled = _reducer(Reducer(prepare_bench.design.model_copy(update=same)), timestep)
-    return simulate(prepare_bench.design, compiled, locked_crank(compiled, crank, torque))
+    compiled = _reducer(Reducer(reducer.design.model_copy(update=same)), timestep)
+    return simulate(reducer.design, compiled, locked_crank(compiled, crank, torque))
 
 
 def run_to_the_end(
@@ -155,41 +154,41 @@ def run_to_the_end(
     finer: float = 1.0,
     solver: Solver = "planar",
 ) -> Run:
-    """Run a design on the bench as in `prepare_bench` and `locked_run`, at half the step again where it goes wrong.
+    """Run a design as in `prepare_bench` and `locked_run`, and repeat a run that fails with half the time step.
 
     Parameters
     ----------
     reducer
-        What to run.
+        The drive.
     crank
-        Where it is locked [rad].
+        Angle at which the crank is locked [rad].
     torque
-        On the output [N m] over time [s].
+        Torque on the output [N m] over time [s].
     largest
-        Of it [N m].
+        Largest torque [N m].
     duration, samples
-        Of the run [s].
+        Duration of the run [s], and number of its samples.
     finer
-        Divides the first step.
+        Divisor of the first time step.
     solver
-        What takes the steps.
+        Solver of the run.
 
     Returns
     -------
     Run
-        `step_of` tells the step that it was made with.
+        The run; `step_of` returns its time step.
 
     Raises
     ------
     RunError
-        It went wrong at the shortest step, too.
+        The run failed at the shortest time step, too.
     """
     shortest, problem = 0.0, None
     for halvings in range(MOST_HALVINGS + 1):
-        one = prepare_bench(reducer, largest, duration, samples, finer * 2.0**halvings, solver)
-        shortest = one.design.settings.timestep
+        prepared = prepare_bench(reducer, largest, duration, samples, finer * 2.0**halvings, solver)
+        shortest = prepared.design.settings.timestep
         try:
-            return locked_run(one, crank, torque, solver)
+            return locked_run(prepared, crank, torque, solver)
         except (RunError, ContactError) as error:
             problem = error
     raise RunError(
@@ -199,7 +198,7 @@ def run_to_the_end(
 
 
 def step_of(run: Run) -> float:
-    """Compute the step [s] that a run was made with."""
+    """Return the time step of a run [s]."""
     return float(run.provenance["timestep_s"])
 
 
@@ -210,7 +209,7 @@ def steps_text(runs: Iterable[Run]) -> str:
 
 @once
 def _reducer(reducer: Reducer, timestep: float) -> ReducerModel:
-    """Build a model once for all crank angles; a run leaves it as it is."""
+    """Build a model once for all crank angles; a run does not change it."""
     compiled = build(reducer.design)
     compiled = replace(compiled, warnings=at_rest(reducer, compiled.laws))
     compiled.spec.option.timestep = compiled.model.opt.timestep = timestep
@@ -219,19 +218,19 @@ def _reducer(reducer: Reducer, timestep: float) -> ReducerModel:
 
 @once
 def _planar(reducer: Reducer, timestep: float) -> PlanarModel:
-    """Make a model once for all crank angles."""
+    """Build a planar model once for all crank angles."""
     return planar_model(reducer, step=timestep)
 
 
 def _rubbing(reducer: Reducer) -> float:
-    """Largest friction of a contact at its working force [N]."""
+    """Return the largest friction of a contact at its working force [N]."""
     return max(reducer.design.friction_of(kind) * reducer.contacts[kind].force for kind in reducer.design.pair_kinds)
 
 
 def centre_lead(run: Run, reducer: Reducer) -> Array:
-    """Compute how far the gear's centre leads its ideal place on the eccentric's circle [m], counter-clockwise.
+    """Compute how far the gear's centre leads its ideal position on the eccentric's circle [m], counter-clockwise.
 
-    Of several discs, in the mean.
+    It is the mean of all discs.
     """
     leads = []
     for gear, phase in zip(reducer.gears, reducer.phases, strict=True):

@@ -1,10 +1,10 @@
-"""The paper's test stand: a motor of given torque on the crank, a brake that holds the output's speed.
+"""The paper's test stand: a motor of given torque on the crank, a brake that keeps the output's speed constant.
 
-A motor crosses the play of the reducer at the speed at which its slope takes all of its torque, which may take longer
-than all else.
+The crank's inertia oscillates on the stiffness of the mesh for some 100 ms at about 100 Hz. The torque of a motor falls
+with its speed, which damps this; the mean torque is the given one, as the output determines the mean crank speed.
 
-The crank's inertia on the stiffness of the mesh rings for some 100 ms near 100 Hz. A motor's torque falls with its
-speed, and that damps it; in the mean the slope takes nothing, as the output holds the mean speed of the crank.
+The motor first crosses the play of the reducer, at the speed at which this slope consumes all of its torque. That may
+take longer than all else.
 """
 
 import math
@@ -20,21 +20,21 @@ from cycloid_mj.measure.steady import run_steady
 from cycloid_mj.reducer import Reducer
 
 DECAY = 2e-3
-"""Time [s] in which the motor's slope lets the ringing fall to 1/e: with the paper's motor, 5 % of its speed take all
-of its torque, as with induction motors (2 to 10 %)."""
+"""Time [s] in which the motor's slope damps the oscillation to 1/e: with the paper's motor, 5 % of its speed consume
+all of its torque, as with induction motors (2 to 10 %)."""
 
 RISE = 2e-3
-"""Time over which the torque comes on [s]."""
+"""Rise time of the torque [s]."""
 
 SETTLED = 15e-3
-"""Time after which a run counts [s]: the ringing is below 0.2 % of the torque then."""
+"""Time after which a run is evaluated [s]: the oscillation is then below 0.2 % of the torque."""
 
 
 def run_brake_test(reducer: Reducer, torque: float, periods: int, solver: Solver = "planar") -> Run:
-    """Run with a torque on the crank [N m] and the output held; give the samples of so many mesh periods.
+    """Run with a torque on the crank [N m] against the brake; return the samples of some mesh periods.
 
-    Contacts have the stiffness of the output torque that it holds without losses. Without a torque the crank is free,
-    and the output drives it.
+    Contacts have the stiffness of the output torque without losses. Without a torque the crank is free, and the output
+    drives it.
     """
     reducer = reducer.working_at(torque * reducer.design.reduction) if torque else reducer
     speed = reducer.design.drive.speed

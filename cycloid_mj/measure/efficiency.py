@@ -236,8 +236,8 @@ def _tables(efficiency_map: EfficiencyMap) -> tuple[Table, ...]:
     """Tabulate the map with the losses at each of its points."""
     rows: list[tuple[str | float, ...]] = []
     for point in efficiency_map.grid:
-        efficiency, shift, left = (1e2 * value for value in _efficiency_cells(point))
-        numbers = [efficiency, shift, *_shares(point).values(), left]
+        powers = point.powers
+        numbers = [1e2 * powers.efficiency, 1e2 * point.shift, *_shares(point).values(), 1e2 * powers.residual]
         rows.append((f"{point.speed / RPM:g}", point.torque, *(round(number, 4) for number in numbers)))
     header = ("speed [rpm]", "torque [N m]", "efficiency", "num. error", *_shares(efficiency_map.grid[0]), "residual")
     return (Table("efficiency, and losses by pair, in % of the input power", header, tuple(rows)),)
@@ -246,10 +246,6 @@ def _tables(efficiency_map: EfficiencyMap) -> tuple[Table, ...]:
 def _details(point: Point) -> dict[str, float]:
     """Convert a point's torque, speed and every loss, as shares of the input, to JSON values."""
     return {"torque_nm": point.torque, "speed_rpm": point.speed / RPM, **point.powers.loss_shares()}
-
-
-def _efficiency_cells(point: Point) -> tuple[float, float, float]:
-    return point.powers.efficiency, point.shift, point.powers.residual
 
 
 def _shares(point: Point) -> dict[str, float]:

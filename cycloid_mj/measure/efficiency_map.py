@@ -151,8 +151,9 @@ def run_map(
     varied |= {value: sensitivity.with_common_friction(reducer, value) for value in sensitivity.COMMON}
     tasks |= {key: partial(forward, massless(one), rated, speed, SPREAD_PERIODS, solver) for key, one in varied.items()}
     points = all_in_threads(tasks, progress)
-    told = [key for key in tasks if key not in slow_ends(assumed)]
-    warn(design.name, creeping_in({_run_name(key, points[key], assumed): points[key].reducer for key in told}))
+    slow = slow_ends(assumed)
+    named = {_run_name(key, points[key], assumed): points[key].reducer for key in tasks if key not in slow}
+    warn(design.name, creeping_in(named))
     rates = {key: points[key].powers.efficiency for key in varied}
     return EfficiencyMap(
         grid=tuple(points.get(place, points["rated"]) for place in grid),

@@ -22,11 +22,12 @@ from cycloid_mj.geometry.profile import unit
 from cycloid_mj.measure.conditions import halve_time_step
 from cycloid_mj.measure.contact_pressure import CARRYING_SHARE, ContactPressures, contact_pressures
 from cycloid_mj.measure.measurement import Measurement
+from cycloid_mj.measure.reaction import of_discs
 from cycloid_mj.measure.steady import SETTLING_TIME, run_steady, steady_design
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.contact import HERTZ_REACH, STRIBECK
-from cycloid_mj.statics.bearings import reaction_quantities, spatial
+from cycloid_mj.statics.bearings import reaction_quantities
 from cycloid_mj.statics.ideal import ideal_peak
 from cycloid_mj.statics.sheet import disc_shares
 
@@ -248,12 +249,10 @@ def _of_discs(run: Run, finer: Run, reducer: Reducer) -> Iterator[Quantity]:
 
 
 def _spatial(run: Run, reducer: Reducer) -> Iterator[Quantity]:
-    """Yield shares and reactions over a run: forces on shaft, output and ring are those on the discs, reversed."""
+    """Yield the shares of the discs in the torque on the output, and the reactions of the bearings, over a run."""
     design = reducer.design
-    output, discs = design.output, design.gear.discs
-    shaft, pins, ring = (
-        -run.forces(kind).reshape(len(run), discs, -1, 2) for kind in ("cam", "output", design.tooth_pair)
-    )
+    output = design.output
+    pins = -run.forces("output").reshape(len(run), design.gear.discs, -1, 2)
     _, carrier = reducer.member.ring_and_carrier(run["output_angle"])
     around = 2.0 * math.pi * np.arange(output.pins) / output.pins - carrier[:, np.newaxis]
     position = output.pin_circle_radius * unit(around)[:, np.newaxis]
@@ -261,7 +260,7 @@ def _spatial(run: Run, reducer: Reducer) -> Iterator[Quantity]:
     total = moments.sum(axis=1, keepdims=True)
     # without a load, as parts cross their clearance, there are no shares
     yield from disc_shares(moments[total[:, 0] != 0.0] / total[total != 0.0][:, np.newaxis])
-    yield from reaction_quantities(spatial(reducer, *(force.sum(axis=2) for force in (shaft, pins, ring))))
+    yield from reaction_quantities(of_discs(run, reducer))
 
 
 def _limits(kinds: Kinds, reducer: Reducer, allowed: float) -> dict[str, float]:

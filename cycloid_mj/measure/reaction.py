@@ -58,7 +58,7 @@ class Reaction:
 
 
 def masses(reducer: Reducer) -> dict[str, MassProperties]:
-    """Collect the mass properties of a gear, the crank and what the load is on, under the name of the output."""
+    """Collect the mass properties of a gear, the crank, and the loaded body under the name of the output."""
     shaft, output = body_solids(reducer)[SHAFT], moving_masses(reducer)[reducer.mechanism.turning]
     return {GEAR: _gear(reducer.shape), SHAFT: mass_properties(shaft), OUTPUT: output}
 
@@ -69,7 +69,7 @@ def _gear(reducer: Reducer) -> MassProperties:
 
 
 def weight(reducer: Reducer) -> Array:
-    """Find the weight of all that moves [N], shape (2,): gear, shaft, output, and pins or sleeves that are bodies."""
+    """Compute the weight of all moving bodies [N], shape (2,): gears, shaft, output, and moving pins or sleeves."""
     design = reducer.design
     bodies = masses(reducer)
     mass = sum(part.mass for part in bodies.values()) + (design.gear.discs - 1) * bodies[GEAR].mass
@@ -97,7 +97,10 @@ def unbalance(reducer: Reducer) -> Unbalance:
 
 
 def of_discs(run: Run, reducer: Reducer) -> Reactions:
-    """Find what the discs put on shaft, output and ring in planes of their own, and what their bearings answer with."""
+    """Compute the forces of the discs on shaft, output and ring, each in its plane, and the reactions of the bearings.
+
+    The forces are those of the contacts on the discs, reversed.
+    """
     design = reducer.design
     crank, teeth, output = (run.forces(kind) for kind in ("cam", design.tooth_pair, "output"))
     by_disc = (-force.reshape(len(run), design.gear.discs, -1, 2).sum(axis=2) for force in (crank, output, teeth))
@@ -107,8 +110,9 @@ def of_discs(run: Run, reducer: Reducer) -> Reactions:
 def reaction(run: Run, reducer: Reducer) -> Reaction:
     """Compute the forces on the housing over a run, from its contact forces.
 
-    The ring's are logged. A bearing's is what the contacts and the weight of its body leave of its mass times
-    acceleration; the shaft's centroid goes round the axis at the measured speed of the crank, the output's rests on it.
+    Those of the ring are logged. The force of a body on its bearing is the sum of its contact forces and its weight
+    less its mass times acceleration. The shaft's centroid circles the axis at the measured crank speed; that of the
+    output is on the axis.
     """
     of = masses(reducer)
     gravity = np.array([reducer.design.environment.gravity_x, reducer.design.environment.gravity_y])
@@ -121,14 +125,14 @@ def reaction(run: Run, reducer: Reducer) -> Reaction:
 
 
 def shaft_acceleration(run: Run, shaft: MassProperties) -> Array:
-    """Acceleration of the shaft's centroid [m/s2], shape (n, 2); the crank's own acceleration is left out."""
+    """Compute the centripetal acceleration of the shaft's centroid [m/s2], shape (n, 2)."""
     return -((run["crank_speed"] ** 2)[:, np.newaxis]) * _outward(run) * shaft.centroid[1]
 
 
 def without_counterweight(run: Run, reducer: Reducer, force: Array) -> Array:
-    """Compute a force on the housing [N], shape (n, 2), as it were without the counterweight.
+    """Compute a force on the housing [N], shape (n, 2), as it would be without the counterweight.
 
-    The crank's bearing is rigid, so nothing else changes: the unbalance that the counterweight takes comes on top.
+    The crank's bearing is rigid, so that only the unbalance that the counterweight compensates is added.
     """
     unbalanced = unbalance(reducer)
     pull = (unbalanced.bare - unbalanced.balanced) * run["crank_speed"] ** 2
@@ -141,6 +145,6 @@ def _outward(run: Run) -> Array:
 
 
 def _sum(run: Run, stems: list[str]) -> Array:
-    """Sum of some pairs' logged forces [N], shape (n, 2)."""
+    """Add the logged forces of some pairs [N], shape (n, 2)."""
     axes = [run.block([column(stem, along) for stem in stems]).sum(axis=1) for along in (FORCE_X, FORCE_Y)]
     return np.stack(axes, axis=1)

@@ -89,7 +89,7 @@ def te(
         quantities=keyed(te_table.quantities(reducer, traces, finer, statics, turns)),
         curves=te_table.curves(reducer, traces, statics),
         assumptions=_assumptions(reducer, turns),
-        runs={case.key: run_trace.run for case, run_trace in traces.items()},
+        runs={case.key: trace.run for case, trace in traces.items()},
         details={"orders": te_table.details(reducer, traces, turns)},
     )
 

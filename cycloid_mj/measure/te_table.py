@@ -101,7 +101,7 @@ def details(reducer: Reducer, traces: Found, turns: int) -> dict[str, Any]:
 
 
 def chosen(traces: Found) -> list[TraceCondition]:
-    """List the cases whose orders are told: forward, at the first pace that was run."""
+    """List the cases whose orders are evaluated: forward, at the first pace that was run."""
     first = next(iter(traces)).pace
     return [case for case in traces if case.way == "forward" and case.pace == first]
 

@@ -19,7 +19,7 @@ from cycloid_mj.design import Named, resolve
 from cycloid_mj.dynamics.massless import assumptions, massless
 from cycloid_mj.dynamics.regime import creeping, creeping_in
 from cycloid_mj.dynamics.run import Solver
-from cycloid_mj.measure import loss_breakdown, sensitivity, spread, steady
+from cycloid_mj.measure import loss_breakdown, sensitivity, spread
 from cycloid_mj.measure.brake_test import DECAY, run_brake_test
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency
 from cycloid_mj.measure.conditions import drag_assumption, halve_time_step
@@ -27,7 +27,7 @@ from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.published import Published, friction_quantities, tables
 from cycloid_mj.measure.sensitivity import FrictionVariant
 from cycloid_mj.measure.spread import InputEffect
-from cycloid_mj.measure.steady import first_half, steady_design, whole_periods
+from cycloid_mj.measure.steady import SETTLING_TIME, first_half, run_steady, steady_design, whole_periods
 from cycloid_mj.reducer import Reducer
 
 _RUNS: dict[Hashable, str] = {"own": "as designed", "halved": "the same with half the time step"}
@@ -146,9 +146,7 @@ def rated_test(reducer: Reducer, periods: int, solver: Solver = "planar") -> Bra
 
 def held_efficiency(reducer: Reducer, load: float, periods: int, solver: Solver = "planar") -> float:
     """Compute the efficiency under a load [N m] at constant crank speed, as a second method."""
-    return mean_powers(
-        steady.run_steady(reducer.but(load={"torque": load}), steady.SETTLING_TIME, periods, solver)
-    ).efficiency
+    return mean_powers(run_steady(reducer.but(load={"torque": load}), SETTLING_TIME, periods, solver)).efficiency
 
 
 def rate_error(ours: BrakedRun, finer: BrakedRun | None) -> float:

@@ -1,7 +1,7 @@
 """Vibration over crank speed: acceleration of gear centre and output, force on the housing, and unbalance."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from operator import methodcaller
+from operator import attrgetter, methodcaller
 from typing import Any
 
 import numpy as np
@@ -150,7 +150,7 @@ def _levels(
             error = None if error is None else 1e2 * error
             note = f"sampled at {1e-3 * one.sampled_rate:.4g} kHz; the figures include the part below"
             yield Quantity(f"{key}_above_band_{one.load}", words, 1e2 * one.above(key), "%", error, note=note)
-        words, error = f"full acceleration of the disc's centre, {one.load}", _error(one, check, _orbit)
+        words, error = f"full acceleration of the disc's centre, {one.load}", _error(one, check, attrgetter("orbit"))
         yield Quantity(f"orbit_{one.load}", words, one.orbit, "m/s2", error, closed, "c omega^2")
         words, error = f"mean force on the housing, {one.load}", _error(one, check, _mean_force)
         yield Quantity(
@@ -186,10 +186,6 @@ def _unbalance(
 def _error(run: VibrationRun, check: VibrationRun | None, read: Callable[[VibrationRun], float]) -> float | None:
     """Compute the change of a reading with half the time step; None without a check."""
     return None if check is None else abs(read(check) - read(run))
-
-
-def _orbit(run: VibrationRun) -> float:
-    return run.orbit
 
 
 def _mean_force(run: VibrationRun) -> float:

@@ -25,13 +25,10 @@ from cycloid_mj.reducer.limits import best_fit, stops
 from cycloid_mj.statics import loads, springs_of
 from cycloid_mj.statics.kernel import gap
 from cycloid_mj.validate import equilibrium, rig
-from cycloid_mj.validate.balance import NEAR, random_pose
+from cycloid_mj.validate.balance import CRANK, FRICTION, NEAR, random_pose
 from cycloid_mj.validate.displaced import cam_offsets, exact_gaps, in_ring_frame, pose_of
 from cycloid_mj.validate.gaps import rotate
 from cycloid_mj.validate.rig import FIXED, FREE, NONPIN, SLEEVED, reducer_of
-
-CRANK = 1.9
-"""A crank angle with no symmetry [rad]."""
 
 TURN = (1.9, 3.1, 5.2)
 """Crank angles of the equilibria [rad]."""
@@ -65,9 +62,6 @@ FAR_POSE = np.array([20e-6, -12e-6, 100e-6, -80e-6])
 
 PIN_SHIFT = np.array([2e-6, 1e-6])
 """Displacement of the pins [m]."""
-
-FRICTION = 0.1
-"""Coefficient of friction of all pairs in the cases with friction."""
 
 SEARCH = "static solution by scipy"
 

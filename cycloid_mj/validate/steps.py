@@ -5,7 +5,7 @@ convergence. A light load is checked, too, where the time step could reverse fri
 """
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import astuple, dataclass, replace
 
 from scipy.optimize import brentq
@@ -78,10 +78,9 @@ def light_rows(kind: str) -> list[ValidationRow]:
     load = f"load.torque_nm={LIGHT_LOAD}"
     step = 1e6 * timestep(Reducer(rated_design(kind, load)))
     figures, finer = (_run(kind, 6, load, f"settings.timestep_us={share * step!r}") for share in (1.0, 0.5))
-    rows = _compare_figures(
+    return _compare_figures(
         kind, f"{LIGHT_LOAD:g} N m, {step:.3g} us", figures, finer, f"{0.5 * step:.3g} us", LIGHT_LOAD_BOUNDS
     )
-    return _without_infinite_bounds(rows)
 
 
 def massless_rows(real: StepFigures | RunError, quick: bool) -> list[ValidationRow]:
@@ -91,9 +90,7 @@ def massless_rows(real: StepFigures | RunError, quick: bool) -> list[ValidationR
     changes = 'ring.pins="massless"'
     step = 1e6 * timestep(Reducer(rated_design(FREE, changes)))
     figures = _run(FREE, _periods(FREE, quick), changes)
-    return _without_infinite_bounds(
-        _compare_figures(FREE, f"massless, {step:g} us", figures, real, "real pins", MASSLESS_BOUNDS)
-    )
+    return _compare_figures(FREE, f"massless, {step:g} us", figures, real, "real pins", MASSLESS_BOUNDS)
 
 
 def judge_study(kind: str, study: Study, default: float) -> list[ValidationRow]:
@@ -172,18 +169,15 @@ def _is_moving(kind: str) -> bool:
 def _compare_figures(
     kind: str, which: str, figures: StepFigures, reference: StepFigures, source: str, bounds: StepFigures
 ) -> list[ValidationRow]:
-    """Return one row per figure of a run, compared with a reference run."""
+    """Return one row per figure of a run, compared with a reference run; a figure with an infinite bound has none."""
     rows = []
     values = (astuple(each) for each in (figures, reference, bounds))
     for (quantity, unit), ours, finest, bound in zip(FIGURES, *values, strict=True):
         judge = absolute if unit == "%" else relative
-        rows.append(judge(f"{quantity}, {kind}, {which}", ours, finest, unit, source, bound))
+        rows.append(
+            judge(f"{quantity}, {kind}, {which}", ours, finest, unit, source, bound if math.isfinite(bound) else None)
+        )
     return rows
-
-
-def _without_infinite_bounds(rows: Iterable[ValidationRow]) -> list[ValidationRow]:
-    """Return the rows, with infinite bounds replaced by None."""
-    return [row if math.isfinite(row.bound or 0.0) else replace(row, bound=None) for row in rows]
 
 
 def _order_rows(kind: str, study: Study) -> list[ValidationRow]:
