@@ -13,7 +13,7 @@ from cycloid_mj.base.units import DEGREE
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.loop_figures import coulomb_of
 from cycloid_mj.design import Design, override
-from cycloid_mj.design.units import MICROMETRE, file_key, section_of, unit_of
+from cycloid_mj.design.units import MICROMETRE, bounds_of, file_key, section_of, unit_of
 from cycloid_mj.explore.sampling import tolerance_zones
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.friction_path import Losses
@@ -415,12 +415,7 @@ def _of_file(reducer: Reducer, key: str) -> Parameter:
         raise UsageError(f"--fit: {key} is {value!r}; only real numbers of the design file can be fitted")
     unit = unit_of(declared)
     start = unit.from_si(value)
-    bounds = {
-        side: getattr(item, side)
-        for item in declared.metadata
-        for side in ("gt", "ge", "lt", "le")
-        if hasattr(item, side)
-    }
+    bounds = bounds_of(declared)
     least = unit.from_si(bounds.get("ge", bounds.get("gt", -1e12)))
     most = unit.from_si(bounds.get("le", bounds.get("lt", 1e12)))
     scale = 0.2 * abs(start) or 1e-3 * min(abs(most), 1e3)

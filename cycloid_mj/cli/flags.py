@@ -12,16 +12,10 @@ from pydantic.fields import FieldInfo
 from cycloid_mj.base.engine import Engine
 from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.design import PRESETS, Design, override, resolve
-from cycloid_mj.design.units import Unit, file_key, unit_of
+from cycloid_mj.design.units import BOUNDS, Unit, bounds_of, file_key, unit_of
 from cycloid_mj.reducer import Reducer
 
 SYMBOLS = {"nm": "N m"}
-SIDES = {
-    "gt": ("more than", operator.gt),
-    "ge": ("at least", operator.ge),
-    "lt": ("less than", operator.lt),
-    "le": ("at most", operator.le),
-}
 LARGEST_Q = 10_000.0
 """Bound on a coordinate of q [mm]: twice the largest pin circle."""
 
@@ -191,7 +185,7 @@ class DesignValue:
     @property
     def range(self) -> str:
         """The limits in words, in the file's unit."""
-        words = [f"{SIDES[side][0]} {self.unit.from_si(bound):.10g}" for side, bound in self._bounds()]
+        words = [f"{BOUNDS[side]} {self.unit.from_si(bound):.10g}" for side, bound in self._bounds.items()]
         return " and ".join(words) + (", not 0" if self.nonzero else "")
 
     def require(self, value: float | None) -> None:
@@ -199,7 +193,7 @@ class DesignValue:
         if value is None:
             return
         si = self.unit.to_si(value)
-        kept = all(SIDES[side][1](si, bound) for side, bound in self._bounds())
+        kept = all(getattr(operator, side)(si, bound) for side, bound in self._bounds.items())
         if not (kept and math.isfinite(si) and (si or not self.nonzero)):
             raise ValueError(f"must be {self.range} [{self.symbol}]")
 
@@ -209,9 +203,13 @@ class DesignValue:
         help_text = f"{text} [{self.symbol}], {self.range}{rest or default}"
         return Parameter(metavar="X", help=help_text, validator=self.require)
 
-    def _bounds(self) -> list[tuple[str, float]]:
-        limits = [(side, getattr(one, side)) for one in self.field.metadata for side in SIDES if hasattr(one, side)]
-        return [("gt", 0.0), *(limit for limit in limits if limit[0][0] == "l")] if self.positive else limits
+    @property
+    def _bounds(self) -> dict[str, float]:
+        """The limits [SI]; those of a positive value are 0 and the upper one."""
+        bounds = bounds_of(self.field)
+        if not self.positive:
+            return bounds
+        return {"gt": 0.0} | {side: bound for side, bound in bounds.items() if side in ("lt", "le")}
 
 
 TIMESTEP = DesignValue("settings", "timestep")

@@ -73,6 +73,9 @@ FILM = Unit("w_m2_k")
 WEAR = Unit("mm3_nm", divisor=1e9)
 HERTZ = Unit("hz")
 
+BOUNDS = {"gt": "more than", "ge": "at least", "lt": "less than", "le": "at most"}
+"""Name of a bound in pydantic and in `operator`, and in words."""
+
 
 def quantity(default: Any, text: str, unit: Unit = NONE, source: str = ASSUMED, **bounds: Any) -> Any:
     """Declare one value of the design.
@@ -156,6 +159,11 @@ def unit_of(field: FieldInfo) -> Unit:
     """Return the file's unit of a declared value."""
     extra = field.json_schema_extra
     return UNITS[str(extra["unit"])] if isinstance(extra, dict) else NONE
+
+
+def bounds_of(field: FieldInfo) -> dict[str, float]:
+    """Return the bounds [SI] of a declared number by the names of `BOUNDS`."""
+    return {name: getattr(item, name) for item in field.metadata for name in BOUNDS if hasattr(item, name)}
 
 
 def source_of(field: FieldInfo) -> str:

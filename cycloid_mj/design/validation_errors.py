@@ -1,7 +1,6 @@
 """Validation errors of pydantic, restated in the words of the design file."""
 
 import re
-from collections.abc import Iterator
 from difflib import get_close_matches
 from typing import Any, get_args
 
@@ -11,7 +10,7 @@ from pydantic_core import ErrorDetails
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.text import escape_controls
-from cycloid_mj.design.units import Unit, file_key, section_of, unit_of
+from cycloid_mj.design.units import BOUNDS, NONE, Unit, bounds_of, file_key, section_of, unit_of
 from cycloid_mj.design.unsupported import unsupported_value
 
 MAX_LISTED_ERRORS = 5
@@ -19,9 +18,6 @@ MAX_LISTED_ERRORS = 5
 
 MAX_VALUE_LENGTH = 80
 """Characters of a wrong value that are quoted."""
-
-BOUNDS = {"gt": "more than", "ge": "at least", "lt": "less than", "le": "at most"}
-"""Name of a bound in pydantic, and in words."""
 
 REQUIREMENTS = {
     "bool_type": "true or false",
@@ -75,7 +71,7 @@ def _sentence(details: ErrorDetails, root: type[BaseModel]) -> str:
     keys, field = _locate(details, root)
     key = ".".join(keys)
     if not keys or field is None:
-        requirement = _requirement(details, Unit(""))
+        requirement = _requirement(details, NONE)
         return f"{key}: {requirement}" if keys else requirement
     if details["type"] == "missing":
         return f"{key} is missing ({field.description})"
@@ -116,9 +112,8 @@ def _describe_allowed(details: ErrorDetails, field: FieldInfo, unit: Unit) -> st
         meant = f'; did you mean "{near[0]}"?' if near else ""
         return f"it must be {_either(choices)}{meant}"
     if details["type"] in ("greater_than", "greater_than_equal", "less_than", "less_than_equal"):
-        bounds = dict(_bounds(field)) or {
-            name: bound for name, bound in details.get("ctx", {}).items() if isinstance(bound, (int, float))
-        }
+        # the bounds of the items of a list stand in the error alone
+        bounds = bounds_of(field) or details.get("ctx", {})
         return f"it must be {range_words({name: unit.from_si(float(bound)) for name, bound in bounds.items()})}"
     return _requirement(details, unit)
 
@@ -129,14 +124,6 @@ def range_words(bounds: dict[str, float]) -> str:
     if numbers.keys() == {"ge", "le"}:
         return f"from {numbers['ge']} to {numbers['le']}"
     return " and ".join(f"{BOUNDS[name]} {number}" for name, number in numbers.items())
-
-
-def _bounds(field: FieldInfo) -> Iterator[tuple[str, float]]:
-    """Yield name and value [SI] of the bounds of a declared value."""
-    for item in field.metadata:
-        for name in BOUNDS:
-            if (bound := getattr(item, name, None)) is not None:
-                yield name, bound
 
 
 def _requirement(details: ErrorDetails, unit: Unit) -> str:
