@@ -91,7 +91,7 @@ def suppress_warnings(texts: Collection[str]) -> Iterator[None]:
 
 
 def warn(design: str, texts: Iterable[str]) -> None:
-    """Issue warnings about a design of some name, but those that are `suppress_warnings`."""
+    """Issue warnings about a design of this name, except those inside `suppress_warnings`."""
     for text in texts:
         if text not in _suppressed.get():
             warnings.warn(legible(f"{design}: {text}"), CycloidWarning, stacklevel=3)

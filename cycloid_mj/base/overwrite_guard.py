@@ -98,13 +98,8 @@ def make_folder(path: Path) -> bool:
     OSError
         It cannot be made.
     """
-    missing = []
-    above = path
-    while not above.exists() and above != above.parent:
-        missing.append(above)
-        above = above.parent
     made = False
-    for folder in reversed(missing):
+    for folder in reversed([folder for folder in (path, *path.parents) if not folder.exists()]):
         try:
             folder.mkdir()
         except FileExistsError:

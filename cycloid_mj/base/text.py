@@ -1,6 +1,7 @@
-"""Text for messages: control characters made visible, and text from outside shortened."""
+"""Text from outside: words matched without regard to case, and messages made legible and short."""
 
 import re
+from collections.abc import Iterable
 
 MAX_WORD_LENGTH = 240
 """Characters of a word in a message; a longer one, such as a hostile path, is shortened in its middle."""
@@ -21,6 +22,11 @@ def escape_controls(text: str, keep: str = "") -> str:
     return "".join(
         sign if sign.isprintable() or sign in keep else sign.encode("unicode_escape").decode() for sign in text
     )
+
+
+def match_case(word: str, choices: Iterable[str]) -> str:
+    """Return the choice that equals a word except for capital and small letters; the word itself if there is none."""
+    return next((choice for choice in choices if choice.casefold() == word.casefold()), word)
 
 
 def shorten(text: str, length: int) -> str:

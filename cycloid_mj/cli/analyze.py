@@ -62,7 +62,7 @@ def outcome_of(findings: "Findings") -> Outcome:
     if findings.timestep_for:
         notes.append(f"time step {findings.timestep}, for {findings.timestep_for}")
     if findings.wall_s is not None:
-        step = f"{findings.steps} time steps of {findings.timestep_s * 1000000.0:g} us"
+        step = f"{findings.steps} time steps of {findings.timestep_s * 1e6:g} us"
         notes.append(f"{step} in {findings.wall_s:.1f} s of wall time")
     return Outcome(
         title=f"{findings.design}, {findings.condition_words}",

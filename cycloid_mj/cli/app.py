@@ -118,9 +118,7 @@ def application(wanted: Collection[str] | None = None) -> App:
         if title == HERE:
             for flag in (*app.help_flags, *app.version_flags):
                 app[flag].group = group
-            app.register_install_completion_command(
-                help="Install completion of commands, flags and files for this shell.", group=group
-            )
+            app.register_install_completion_command(help=ABOUT_COMPLETION, group=group)
     return app
 
 

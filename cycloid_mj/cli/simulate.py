@@ -1,4 +1,4 @@
-"""``cycloid-mj simulate``: run a design, log it as it goes, and hold the run against the closed form."""
+"""``cycloid-mj simulate``: simulate a design, log the run, and compare it with theory."""
 
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
@@ -258,7 +258,7 @@ def require_possible(design: Design, solver: "Solver" = "mujoco") -> None:
     steps = (design.drive.ramp + design.drive.hold) / step
     if steps > MAX_STEPS:
         raise UsageError(
-            f"the run would take {steps:.3g} steps of {step * 1000000.0:g} us; at most {MAX_STEPS:.0e} are "
+            f"the run would take {steps:.3g} steps of {step * 1e6:g} us; at most {MAX_STEPS:.0e} are "
             "allowed: increase --timestep-us, or reduce --ramp-s and --hold-s"
         )
 

@@ -14,6 +14,7 @@ from cyclopts.exceptions import (
     ValidationError,
 )
 
+from cycloid_mj.base.text import match_case
 from cycloid_mj.cli.contents import GROUPS
 from cycloid_mj.cli.page import commands
 
@@ -26,21 +27,21 @@ def describe_error(error: CycloptsError) -> str:
 
 
 def with_known_case(error: CoercionError, words: Sequence[str]) -> list[str] | None:
-    """Return a command line whose wrong word is replaced by the choice that differs in capital and small letters alone.
+    """Return a command line whose wrong word is replaced by the choice that differs in case only.
 
     None where the flag has no fixed choices, or none of them is that word.
     """
     if error.token is None or error.argument is None:
         return None
     flag, wrong = error.token.keyword or "", error.token.value
-    known = [choice for choice in _choices(error.argument.hint) if choice.casefold() == wrong.casefold()]
+    choice = match_case(wrong, _choices(error.argument.hint))
     corrected, current = list(words), ""
-    for place, word in enumerate(words):
+    for index, word in enumerate(words):
         current = word if word.startswith("--") else current
-        if word == f"{flag}={wrong}" and wrong not in known and known:
-            corrected[place] = f"{flag}={known[0]}"
-        elif word == wrong and current == flag and wrong not in known and known:
-            corrected[place] = known[0]
+        if word == f"{flag}={wrong}":
+            corrected[index] = f"{flag}={choice}"
+        elif word == wrong and current == flag:
+            corrected[index] = choice
     return corrected if corrected != words else None
 
 

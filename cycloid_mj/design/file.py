@@ -15,6 +15,7 @@ from pydantic.fields import FieldInfo
 
 from cycloid_mj.base.errors import DesignError, UsageError, reason
 from cycloid_mj.base.overwrite_guard import note_input
+from cycloid_mj.base.text import match_case
 from cycloid_mj.design.model import Design, Section
 from cycloid_mj.design.presets import PRESETS
 from cycloid_mj.design.units import Unit, counted_by, file_key, section_of, source_of, unit_of
@@ -341,15 +342,10 @@ def _to_si(
         elif inner is float or (isinstance(value, int) and abs(value) > LARGEST_INTEGER):
             values[name] = _number_to_si(unit_of(field), value)
         elif isinstance(value, str):
-            values[name] = _canonical(value, literal_choices(field))
+            values[name] = match_case(value, literal_choices(field))
         else:
             values[name] = value
     return values
-
-
-def _canonical(word: str, choices: Sequence[str]) -> str:
-    """Return the choice that equals `word` except for case, else `word`."""
-    return next((choice for choice in choices if choice.casefold() == word.casefold()), word)
 
 
 def _number_to_si(unit: Unit, value: Any) -> Any:

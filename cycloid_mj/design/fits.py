@@ -141,6 +141,6 @@ def _step(ends: tuple[int, ...], size: float) -> int:
     """Find the step of nominal sizes that a size [m] is in."""
     if not 0.0 < size <= 1e-3 * ends[-1]:
         raise ValueError(
-            f"the size {1000.0 * size:g} mm is out of range: fits of ISO 286-1 are available up to {ends[-1]} mm"
+            f"the size {1e3 * size:g} mm is out of range: fits of ISO 286-1 are available up to {ends[-1]} mm"
         )
     return bisect_left(ends, round(1e3 * size, 9))

@@ -47,9 +47,9 @@ def choose_scenes(
     requested = choose_time_step(free, inertia, timestep, *([] if integrator is None else [(integrator,)]))
     if reduced.level == "rigid":
         return requested, None
-    return requested, requested if requested.integrator == "discrete" else choose_time_step(
-        free, inertia, timestep, ("discrete",)
-    )
+    if requested.integrator == "discrete":
+        return requested, requested
+    return requested, choose_time_step(free, inertia, timestep, ("discrete",))
 
 
 def joint_files(reduced: ReducedJoint, requested: StepTrial, lossy: StepTrial | None) -> dict[str, bytes]:
