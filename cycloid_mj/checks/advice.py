@@ -1,6 +1,5 @@
 """Try each change that a failed check proposes, and complete it until no other check fails because of it."""
 
-import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
@@ -8,6 +7,7 @@ from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.judgement import Judgement
 from cycloid_mj.checks import Check, Checks, soundness
 from cycloid_mj.checks.check import Change
+from cycloid_mj.checks.limit import rounded
 from cycloid_mj.checks.margin import margin_rules
 from cycloid_mj.checks.rule import evaluate
 from cycloid_mj.design import override, value_of
@@ -131,24 +131,18 @@ def _further(reducer: Reducer, failed: Check, done: Change) -> Change | None:
 
     near = value
     for stride in STRIDES:
-        far = _round_beyond(value / (1.0 + stride) if lower else value * (1.0 + stride), lower, is_integer)
+        far = float(rounded(value / (1.0 + stride) if lower else value * (1.0 + stride), lower, is_integer))
         if passes(far):
             break
         near = far
     else:
         return None
     while abs(far - near) > max(FINENESS * abs(far), float(is_integer)):
-        middle = _round_beyond(0.5 * (near + far), lower, is_integer)
+        middle = float(rounded(0.5 * (near + far), lower, is_integer))
         if middle in (near, far):
             break
         near, far = (near, middle) if passes(middle) else (middle, far)
     return {key: far}
-
-
-def _round_beyond(value: float, lower: bool, is_integer: bool) -> float:
-    """Round to four digits, or a whole number, away from the value of the design."""
-    increment = 1.0 if is_integer else 10.0 ** (math.floor(math.log10(abs(value))) - 3)
-    return float(f"{(math.floor if lower else math.ceil)(value / increment) * increment:.10g}")
 
 
 def quick_checks(reducer: Reducer, change: Change) -> dict[str, Check] | None:

@@ -4,6 +4,7 @@ import math
 import operator
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import TypedDict
 
 import numpy as np
 from pydantic.fields import FieldInfo
@@ -28,6 +29,14 @@ SMALLEST_BOUND = 1e-30
 """Bounds nearer to 0 [SI] are no remedy."""
 
 
+class Numbers(TypedDict):
+    """Value, bound and unit of a check, as arguments of `Check`."""
+
+    value: float
+    bound: float
+    unit: str
+
+
 @dataclass(frozen=True)
 class Limit:
     """A `bound` [SI] on the value at `key` (table.field of the model); `side` is one of `SIDES`."""
@@ -49,9 +58,9 @@ class Limit:
         """Format value and limit in the file's unit."""
         return value_and_limit(self.value(reducer), self.side, self.bound, self.unit)
 
-    def numbers(self, reducer: Reducer) -> tuple[float, float, str]:
-        """Return value, bound and the file's unit of both."""
-        return self.unit.from_si(self.value(reducer)), self.unit.from_si(self.bound), self.unit.suffix
+    def numbers(self, reducer: Reducer) -> Numbers:
+        """Return value and bound in the file's unit."""
+        return numbers(self.value(reducer), self.bound, self.unit)
 
     def remedy(self, reducer: Reducer) -> str:
         """Describe the change that meets the limit, rounded to the safe side; empty if the file does not allow it."""
@@ -86,10 +95,7 @@ class Limit:
         inward = -1 if self.side in UPPER else 1
         margin = STRICT_MARGIN * abs(self.bound) if self.side in STRICT else 0.0
         bound = self.unit.from_si(self.bound + inward * margin)
-        is_integer = self._field.annotation is int
-        increment = 1.0 if is_integer else 10.0 ** (math.floor(math.log10(abs(bound))) - 3)
-        count = math.floor(bound / increment) if inward < 0 else math.ceil(bound / increment)
-        return f"{count * increment:.10g}"
+        return rounded(bound, inward < 0, self._field.annotation is int)
 
     @property
     def _field(self) -> FieldInfo:
@@ -113,6 +119,22 @@ def joint_change(reducer: Reducer, limits: Iterable[Limit]) -> tuple[Change, ...
 def alternatives(reducer: Reducer, limits: Iterable[Limit]) -> str:
     """Describe the changes that each meet one of some limits; empty if the file allows none."""
     return ", or ".join(filter(None, (limit.remedy(reducer) for limit in limits)))
+
+
+def joint_remedy(reducer: Reducer, limits: Iterable[Limit]) -> str:
+    """Describe the one change that meets all of some limits, without those for which the file allows none."""
+    return " and ".join(filter(None, (limit.remedy(reducer) for limit in limits)))
+
+
+def rounded(value: float, down: bool, is_integer: bool) -> str:
+    """Write the next lower or higher number of four digits, or whole number."""
+    increment = 1.0 if is_integer else 10.0 ** (math.floor(math.log10(abs(value))) - 3)
+    return f"{(math.floor if down else math.ceil)(value / increment) * increment:.10g}"
+
+
+def numbers(value: float, bound: float, unit: Unit) -> Numbers:
+    """Convert a value and its bound [SI] to a unit of the file."""
+    return {"value": unit.from_si(value), "bound": unit.from_si(bound), "unit": unit.suffix}
 
 
 def value_and_limit(value: float, side: str, bound: float, unit: Unit) -> tuple[str, str]:

@@ -59,15 +59,15 @@ def _undercut_margin(reducer: Reducer) -> Rule:
 def _gear_tool(reducer: Reducer) -> Rule:
     """Return the rule that a cutter that fits into the disc's valleys reaches through the face width."""
     radius = -1.0 / float(profile.curvature(reducer.gear_profile, 0.0, reducer.profile_offset))
-    return _tool(reducer, "gear_tool", radius if radius > 0.0 else math.inf, "valleys of the disc")
+    return _tool("gear_tool", radius if radius > 0.0 else math.inf, "valleys of the disc")
 
 
 def _ring_tool(reducer: Reducer) -> Rule:
     """Return the same rule for the roots of the internal gear."""
-    return _tool(reducer, "ring_tool", envelope.tightest_radius(reducer.tooth_profile), "roots of the internal gear")
+    return _tool("ring_tool", envelope.tightest_radius(reducer.tooth_profile), "roots of the internal gear")
 
 
-def _tool(reducer: Reducer, name: str, radius: float, where: str) -> Rule:
+def _tool(name: str, radius: float, where: str) -> Rule:
     """Return the rule that a cutter of a radius [m] reaches through the face width."""
     return Rule(
         name,

@@ -4,7 +4,15 @@ import math
 from collections.abc import Iterator
 
 from cycloid_mj.checks.check import Check
-from cycloid_mj.checks.limit import STRICT_MARGIN, Limit, joint_change, millimetres, value_and_limit
+from cycloid_mj.checks.limit import (
+    STRICT_MARGIN,
+    Limit,
+    joint_change,
+    joint_remedy,
+    millimetres,
+    numbers,
+    value_and_limit,
+)
 from cycloid_mj.checks.rule import Rule
 from cycloid_mj.checks.teeth import circles_on_circle
 from cycloid_mj.design import PARTS, Material
@@ -148,7 +156,7 @@ def _clearance_checks(reducer: Reducer, has_shape: bool) -> Iterator[Check]:
         got=f"{got} ({' + '.join(names)})",
         limit=f"{limit} ({MAX_CLEARANCE_SHARE:.0%} of the smaller of c and rho, assumed)",
         why="with larger clearances the teeth are not in conjugate contact: statics and closed forms are estimates",
-        remedy=" and ".join(share.remedy(reducer) for share in tighter),
+        remedy=joint_remedy(reducer, tighter),
         severity="warning",
         key="clearance",
         changes=joint_change(reducer, tighter),
@@ -199,12 +207,10 @@ def _jump(reducer: Reducer) -> Check:
         got=f"{got} from stop to stop",
         limit=f"{limit} (half a lobe)",
         why="with a larger backlash the disc skips a tooth",
-        remedy="" if backlash <= allowed else " and ".join(limit.remedy(reducer) for limit in lower),
+        remedy="" if backlash <= allowed else joint_remedy(reducer, lower),
         key="the backlash of the output",
-        value=DEGREE.from_si(backlash),
-        bound=DEGREE.from_si(allowed),
-        unit=DEGREE.suffix,
         changes=() if backlash <= allowed else joint_change(reducer, lower),
+        **numbers(backlash, allowed, DEGREE),
     )
 
 

@@ -68,7 +68,6 @@ def _evaluate(reducer: Reducer, rule: Rule) -> Check:
     remedies = [] if passed else [*([] if rule.tied else [limit]), *rule.alternatives]
     keys = " and ".join(remedy.file_key for remedy in remedies)
     text = alternatives(reducer, remedies) or f"no change of a single key is enough: change {keys} together"
-    value, bound, unit = limit.numbers(reducer)
     check = Check(
         name=rule.name,
         passed=passed,
@@ -78,10 +77,8 @@ def _evaluate(reducer: Reducer, rule: Rule) -> Check:
         remedy="" if passed else text,
         severity=rule.severity,
         key=limit.file_key,
-        value=value,
-        bound=bound,
-        unit=unit,
         changes=single_changes(reducer, remedies),
+        **limit.numbers(reducer),
     )
     if rule.failure is None or rule.failure.limit.is_met(reducer):
         return check

@@ -6,16 +6,23 @@ Forces are those of `rated_load`, with clearances, errors, friction, and the sti
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TypedDict
 
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.checks.cam_rollers import has_bare_rollers, roller_contacts
 from cycloid_mj.checks.check import Check
-from cycloid_mj.checks.limit import Limit, alternatives, joint_change, single_changes, value_and_limit
+from cycloid_mj.checks.limit import (
+    Limit,
+    alternatives,
+    joint_change,
+    joint_remedy,
+    numbers,
+    single_changes,
+    value_and_limit,
+)
 from cycloid_mj.checks.rated_load import RatedLoad, rated_load
-from cycloid_mj.design import PARTNERS, Design
+from cycloid_mj.design import PARTNERS
 from cycloid_mj.design.materials import HARDNESS_PRESSURE, SHAKEDOWN_PRESSURE, YIELD_PRESSURE
-from cycloid_mj.design.units import DEGREE, MEGAPASCAL, NEWTON_METRE, NONE, Unit
+from cycloid_mj.design.units import DEGREE, MEGAPASCAL, NEWTON_METRE, NONE
 from cycloid_mj.reducer import Reducer
 
 MAX_CONCENTRATION = 3.0
@@ -40,12 +47,6 @@ TENSION, SHEAR = 1.0, 1.0 / math.sqrt(3.0)
 """Strength of a wall over the yield strength in tension (von Mises)."""
 
 PARTS = {"tooth": "the teeth", "output": "the output pins in their holes", "cam": "the cam's bearing"}
-
-
-class _Numbers(TypedDict):
-    value: float
-    bound: float
-    unit: str
 
 
 def strength_checks(reducer: Reducer) -> Iterator[Check]:
@@ -80,8 +81,7 @@ def _no_balance(error: CycloidError) -> Check:
 
 def _pressures(state: RatedLoad, part: str) -> Iterator[Check]:
     """Check the Hertz pressure of one part's contacts against first yield, shakedown and hardness."""
-    design = state.reducer.design
-    reducer = Reducer(design)
+    reducer, design = state.reducer, state.reducer.design
     kind = design.tooth_pair if part == "tooth" else part
     pressure = state.peak_pressure(kind)
     yields = _weaker(reducer, kind, "yield_strength", "surface_strength")
@@ -120,7 +120,7 @@ def _pressures(state: RatedLoad, part: str) -> Iterator[Check]:
             severity="warning",
             key=f"the Hertz pressure of {PARTS[part]} at {_newton_metres(abs(state.torque))}",
             changes=single_changes(reducer, remedies),
-            **_numbers(pressure, allowed, MEGAPASCAL),
+            **numbers(pressure, allowed, MEGAPASCAL),
         )
 
 
@@ -156,20 +156,15 @@ def _face_width(reducer: Reducer, value: Callable[[RatedLoad], float], allowed: 
 
 def _concentration(state: RatedLoad) -> Check:
     """Check the largest tooth force over that of ideal load sharing."""
-    design, ratio = state.reducer.design, state.concentration
-    reducer = Reducer(design)
+    reducer, design, ratio = state.reducer, state.reducer.design, state.concentration
     names = _clearances(reducer)
     passed = ratio <= MAX_CONCENTRATION
     got, limit = value_and_limit(ratio, "at most", MAX_CONCENTRATION, NONE)
 
-    def tighter(share: float) -> Design:
-        return design.but(clearance={name: share * getattr(design.clearance, name) for name in names})
+    def tighter(share: float) -> Reducer:
+        return reducer.but(clearance={name: share * getattr(design.clearance, name) for name in names})
 
-    share = (
-        1.0
-        if passed
-        else _threshold(lambda share: rated_load(Reducer(tighter(share))).concentration <= MAX_CONCENTRATION)
-    )
+    share = 1.0 if passed else _threshold(lambda share: rated_load(tighter(share)).concentration <= MAX_CONCENTRATION)
     limits = [Limit(f"clearance.{name}", "at most", share * getattr(design.clearance, name)) for name in names]
     return Check(
         name="load_concentration",
@@ -179,14 +174,14 @@ def _concentration(state: RatedLoad) -> Check:
         why="with clearances and a compliant cam, few teeth carry what ideal sharing distributes over half of them",
         remedy=""
         if passed
-        else " and ".join(filter(None, (limit.remedy(reducer) for limit in limits)))
+        else joint_remedy(reducer, limits)
         if share
         else "smaller clearances are not enough: a wider face or more rollers make the cam stiffer"
         " (gear.face_width_mm, contact.cam_rollers)",
         severity="warning",
         key="the largest tooth force over that of ideal load sharing",
         changes=() if passed or not share else joint_change(reducer, limits),
-        **_numbers(ratio, MAX_CONCENTRATION, NONE),
+        **numbers(ratio, MAX_CONCENTRATION, NONE),
     )
 
 
@@ -199,22 +194,22 @@ def _clearances(reducer: Reducer) -> tuple[str, ...]:
 
 def _pressure_angle(state: RatedLoad) -> Check:
     """Check the mean pressure angle of the tooth forces."""
-    design, angle = state.reducer.design, state.pressure_angle
+    reducer, design, angle = state.reducer, state.reducer.design, state.pressure_angle
     passed = angle <= MAX_PRESSURE_ANGLE
     got, limit = value_and_limit(angle, "at most", MAX_PRESSURE_ANGLE, DEGREE)
     least, most = design.gear.eccentricity, design.ring.pin_circle_radius / design.ring.teeth
 
-    def steeper(share: float) -> Design:
+    def steeper(share: float) -> Reducer:
         eccentricity = most + share * (least - most)
-        return design.but(
+        return reducer.but(
             gear={"eccentricity": eccentricity}, output={"hole_radius": design.output.pin_radius + eccentricity}
         )
 
     def is_met(share: float) -> bool:
-        return rated_load(Reducer(steeper(share))).pressure_angle <= MAX_PRESSURE_ANGLE
+        return rated_load(steeper(share)).pressure_angle <= MAX_PRESSURE_ANGLE
 
     share = 1.0 if passed else _threshold(is_met)
-    better = steeper(share) if share else design
+    better = steeper(share).design if share else design
     limits = [
         Limit("gear.eccentricity", "at least", better.gear.eccentricity),
         Limit("output.hole_radius", "at least", better.output.hole_radius),
@@ -227,13 +222,13 @@ def _pressure_angle(state: RatedLoad) -> Check:
         why="with a larger angle the tooth forces load cam and housing instead of turning the disc",
         remedy=""
         if passed
-        else " and ".join(filter(None, (limit.remedy(Reducer(design)) for limit in limits)))
+        else joint_remedy(reducer, limits)
         if share
         else "a larger eccentricity is not enough: lower the clearances",
         severity="warning",
         key="the mean pressure angle at the nominal torque",
-        changes=() if passed or not share else joint_change(Reducer(design), limits),
-        **_numbers(angle, MAX_PRESSURE_ANGLE, DEGREE),
+        changes=() if passed or not share else joint_change(reducer, limits),
+        **numbers(angle, MAX_PRESSURE_ANGLE, DEGREE),
     )
 
 
@@ -298,7 +293,7 @@ def walls(reducer: Reducer) -> tuple[Wall, ...]:
 
 def _wall(state: RatedLoad, wall: Wall) -> Check:
     """Check that no pin tears out its wall."""
-    design = state.reducer.design
+    reducer, design = state.reducer, state.reducer.design
 
     def acting(state: RatedLoad) -> float:
         return wall.stress(state.peak_force(wall.kind), state.reducer.design.line_length(wall.kind))
@@ -312,7 +307,7 @@ def _wall(state: RatedLoad, wall: Wall) -> Check:
     enough = Limit(
         f"{design.material_table(wall.part)}.yield_strength", "at least", material.yield_strength * stress / strength
     )
-    remedies = [] if passed else [_face_width(Reducer(design), acting, strength, 1.0), enough]
+    remedies = [] if passed else [_face_width(reducer, acting, strength, 1.0), enough]
     return Check(
         name=wall.name,
         passed=passed,
@@ -320,17 +315,12 @@ def _wall(state: RatedLoad, wall: Wall) -> Check:
         limit=f"{limit} (the yield strength in {kind} over {WALL_SAFETY:g}, assumed)",
         why=f"the largest force there, {state.peak_force(wall.kind):.4g} N, must not tear the wall of"
         f" {1e3 * wall.thickness:.4g} mm",
-        remedy=alternatives(Reducer(design), remedies),
+        remedy=alternatives(reducer, remedies),
         severity="warning",
         key=f"the wall {wall.where}",
-        changes=single_changes(Reducer(design), remedies),
-        **_numbers(stress, strength, MEGAPASCAL),
+        changes=single_changes(reducer, remedies),
+        **numbers(stress, strength, MEGAPASCAL),
     )
-
-
-def _numbers(value: float, bound: float, unit: Unit) -> _Numbers:
-    """Return a value and its bound [SI] in a unit of the file, as arguments of `Check`."""
-    return {"value": unit.from_si(value), "bound": unit.from_si(bound), "unit": unit.suffix}
 
 
 def _newton_metres(torque: float) -> str:
