@@ -33,7 +33,8 @@ from mcap.records import (
     SummaryOffset,
 )
 
-from cycloid_mj.log.container import HEAD, LEAST_MESSAGE, MAGIC, MESSAGE_HEAD, Bytes
+from cycloid_mj.base.array import Bytes
+from cycloid_mj.log.container import HEAD, LEAST_MESSAGE, MAGIC, MESSAGE_HEAD
 
 INDEX_ENTRY = np.dtype([("time", "<u8"), ("offset", "<u8")])
 _MESSAGE_HEAD = struct.Struct("<BQHIQQ")
@@ -123,8 +124,7 @@ class BlockWriter:
             message.time,
             message.time,
         )
-        self._register(message.channel)
-        self._places[message.channel].append((message.time, self._filled))
+        self._entries[message.channel].append(np.array([(message.time, self._filled)], INDEX_ENTRY))
         self._counts[message.channel] += 1
         self._fill(head + message.content)
 
@@ -157,8 +157,9 @@ class BlockWriter:
         for row in [*sorted(between), len(times)]:
             starts[done:row] = self._filled + width * np.arange(row - done)
             self._fill(data[width * done : width * row])
-            if row > done:
-                self._register(*channels)
+            # the index of the chunk lists channels in the order of their first messages, as mcap's writer does
+            for channel in channels if row > done else ():
+                self._entries.setdefault(channel, [])
             for message in between.get(row, ()):
                 self.add_message(message)
             done = row
@@ -207,12 +208,6 @@ class BlockWriter:
         self._parts: list[bytes] = []
         self._filled = 0
         self._entries: dict[int, list[npt.NDArray[np.void]]] = defaultdict(list)
-        self._places: dict[int, list[tuple[int, int]]] = defaultdict(list)
-
-    def _register(self, *channels: int) -> None:
-        """List channels in the index of the chunk, in the order of their first messages, as mcap's writer does."""
-        for channel in channels:
-            self._entries.setdefault(channel, [])
 
     def _fill(self, content: bytes) -> None:
         self._parts.append(content)
@@ -224,8 +219,6 @@ class BlockWriter:
 
     def _end_chunk(self) -> None:
         """Compress the chunk and write it with its message indexes; do nothing if it has no message."""
-        for channel, places in self._places.items():
-            self._entries[channel].append(np.array(places, INDEX_ENTRY))
         if not self._entries:
             return
         entries = {channel: np.concatenate(found) for channel, found in self._entries.items()}

@@ -16,15 +16,13 @@ from typing import Any, BinaryIO
 
 import lz4.frame
 import numpy as np
-import numpy.typing as npt
 import zstandard
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, Metadata, Schema
 
+from cycloid_mj.base.array import Bytes
 from cycloid_mj.base.errors import LogError
-
-Bytes = npt.NDArray[np.uint8]
 
 MAGIC = b"\x89MCAP0\r\n"
 HEAD = struct.Struct("<BQ")  # opcode, length of the content

@@ -11,10 +11,9 @@ import numpy as np
 import numpy.typing as npt
 from google.protobuf.descriptor_pb2 import FieldDescriptorProto, FileDescriptorSet
 
-from cycloid_mj.base.array import Array
+from cycloid_mj.base.array import Array, Bytes
 from cycloid_mj.base.errors import LogError
-
-Bytes = npt.NDArray[np.uint8]
+from cycloid_mj.base.protobuf import varint
 
 FORMAT = "1"
 PACKAGE = "cycloid_mj"
@@ -151,6 +150,4 @@ def group_of(channel: Any, schema: Any) -> ColumnGroup:
 
 def _key(number: int) -> bytes:
     """Encode the key of field `number` as a double (protobuf encoding, "Message Structure")."""
-    value = number << 3 | FIXED64
-    groups = [value >> shift & 0x7F for shift in range(0, max(value.bit_length(), 1), 7)]
-    return bytes([*(group | 0x80 for group in groups[:-1]), groups[-1]])
+    return varint(number << 3 | FIXED64)

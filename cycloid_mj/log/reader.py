@@ -9,10 +9,9 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
-import numpy.typing as npt
 from mcap.opcode import Opcode
 
-from cycloid_mj.base.array import Array, Integers
+from cycloid_mj.base.array import Array, Bytes, Integers
 from cycloid_mj.base.errors import LogError, NoLogError, reason
 from cycloid_mj.base.overwrite_guard import note_input
 from cycloid_mj.base.record import Run
@@ -20,8 +19,6 @@ from cycloid_mj.log import container
 from cycloid_mj.log.encoding import FORMAT, PACKAGE, TIME, ColumnGroup, group_of
 from cycloid_mj.log.preamble import PROVENANCE, missing_contents
 from cycloid_mj.log.viewer import RATE
-
-Bytes = npt.NDArray[np.uint8]
 
 END = f"{PACKAGE}.end"
 

@@ -12,13 +12,13 @@ from typing import BinaryIO
 import numpy as np
 import numpy.typing as npt
 
-from cycloid_mj.base.array import Array
+from cycloid_mj.base.array import Array, Bytes
 from cycloid_mj.base.atomic_write import encodable_text
 from cycloid_mj.base.errors import LogError, reason
 from cycloid_mj.base.interrupt import defer_signals
 from cycloid_mj.base.record import Run
 from cycloid_mj.log.blocks import BlockWriter, ChannelMessage
-from cycloid_mj.log.encoding import PACKAGE, Bytes, ColumnGroup
+from cycloid_mj.log.encoding import PACKAGE, ColumnGroup
 from cycloid_mj.log.place import LogFile, LogTakenError, unwritable
 from cycloid_mj.log.preamble import Metadata, preamble
 from cycloid_mj.log.viewer import RATE, Message, Viewer, due

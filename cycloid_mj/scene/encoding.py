@@ -8,11 +8,9 @@ import struct
 from collections.abc import Callable, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
-from cycloid_mj.base.array import Array, Integers
-
-Bytes = npt.NDArray[np.uint8]
+from cycloid_mj.base.array import Array, Bytes, Integers, Mask
+from cycloid_mj.base.protobuf import varint
 
 Build = Callable[[Sequence[float], int], bytes]
 """Encodes one message from its doubles and its time stamp [ns]."""
@@ -53,15 +51,7 @@ def encode_messages(build: Build, values: Array, stamps: Integers) -> list[bytes
     return messages
 
 
-def varint(value: int) -> bytes:
-    """Encode a number of 7 bits a byte, the lowest first (protobuf encoding, "Base 128 Varints")."""
-    groups = [value >> shift & 0x7F for shift in range(0, max(value.bit_length(), 1), 7)]
-    return bytes([*(group | 0x80 for group in groups[:-1]), groups[-1]])
-
-
-def _fill(
-    build: Build, present: npt.NDArray[np.bool_], values: Array, second: int, length: int, nanoseconds: Integers
-) -> Bytes:
+def _fill(build: Build, present: Mask, values: Array, second: int, length: int, nanoseconds: Integers) -> Bytes:
     """Return messages (k, size) of rows whose fields have one presence and whose nanoseconds have one length."""
     marks = np.where(present, 1000.0 + np.arange(len(present)) / 7.0, 0.0)
     nanosecond = (1 << 7 * (length - 1)) + 0x5A5A5 if length else 0

@@ -24,9 +24,10 @@ from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.names import pin
+from cycloid_mj.base.protobuf import varint
 from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.scene.encoding import Build, encode_messages, varint
+from cycloid_mj.scene.encoding import Build, encode_messages
 from cycloid_mj.scene.force import (
     ARROW,
     FORCE_COLOURS,
