@@ -166,7 +166,7 @@ class Series:
     def whole_periods(self) -> slice:
         """Samples of mean values: full crank turns of the evaluated samples, or else full mesh periods."""
         first = int(np.argmax(self.judged))
-        part = window.whole_periods(self.crank_angle[first:], 2 * np.pi / Reducer(self.design).mesh_periods)
+        part = window.whole_periods(self.crank_angle[first:], 2 * np.pi / self.reducer.mesh_periods)
         return slice(first, first + part.stop)
 
     @property

@@ -52,7 +52,7 @@ PENETRATION_WARNING = 0.5
 
 def warnings(motion: Series, judged: Window, contacts: ContactSummary) -> Iterator[str]:
     """Yield the warnings of a run that was judged over a window."""
-    run, design = motion.run, motion.design
+    run = motion.run
     if not run.complete:
         yield f"the run is incomplete: {run.note or 'the reason is unknown'}"
     elif run.note:
@@ -62,7 +62,7 @@ def warnings(motion: Series, judged: Window, contacts: ContactSummary) -> Iterat
     elif _turns(judged) < 1.0:
         yield _short(motion, judged)
     yield from run_warnings(motion)
-    limit = MICROMETRE.from_si(penetration_limit(Reducer(design)))
+    limit = MICROMETRE.from_si(penetration_limit(motion.reducer))
     if contacts.max_penetration_um > PENETRATION_WARNING * limit:
         yield (
             f"largest contact deflection {contacts.max_penetration_um:.3g} um; a run stops with an error at {limit:g} "
@@ -72,8 +72,7 @@ def warnings(motion: Series, judged: Window, contacts: ContactSummary) -> Iterat
 
 def run_warnings(motion: Series) -> tuple[str, ...]:
     """Return the warnings of a run but for its end: what is wrong, where, and what to change."""
-    run, design = motion.run, motion.design
-    reducer = Reducer(design)
+    run, reducer = motion.run, motion.reducer
     # the columns of powers suffice: most columns of a run are forces, whose copy would be as large as the run
     judged = run.of_topic(REDUCER).select(motion.whole_periods)
     powers = balance_warnings(judged, reducer) if motion.phase == "hold" and len(judged) > 1 else ()

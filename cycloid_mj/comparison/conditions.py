@@ -40,8 +40,8 @@ def apply_conditions(reducer: Reducer, shared: Mapping[str, Any], load: float) -
 def differences(designs: Sequence[Design]) -> dict[str, tuple[Any, ...]]:
     """Return the values that differ between designs, except the load torque: key -> values, None for a missing one."""
     all_values = [design_values(Reducer(design)) for design in designs]
-    keys = dict.fromkeys(key for design_values in all_values for key in design_values if key != "load.torque_nm")
-    each = {key: tuple(design_values.get(key) for design_values in all_values) for key in keys}
+    keys = dict.fromkeys(key for values in all_values for key in values if key != "load.torque_nm")
+    each = {key: tuple(values.get(key) for values in all_values) for key in keys}
     return {key: of_each for key, of_each in each.items() if any(value != of_each[0] for value in of_each)}
 
 

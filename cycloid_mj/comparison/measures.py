@@ -69,7 +69,7 @@ def _fluctuation(motion: Series) -> Fluctuation:
     rows = slice(parts[0].start, parts[-1].stop)
     within = [slice(part.start - rows.start, part.stop - rows.start) for part in parts]
     angle = motion.crank_angle[rows]
-    ideal_angle = Reducer(motion.design).member.gear_angle(angle)
+    ideal_angle = motion.reducer.member.gear_angle(angle)
     path, velocity = (
         remove_steady_shifts(q.error[rows], angle, ideal_angle) for q in (motion.q_position, motion.q_velocity)
     )

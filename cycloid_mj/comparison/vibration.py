@@ -10,8 +10,6 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import planar_speeds
 from cycloid_mj.comparison.fluctuation import Level, compute_level, full_turns
 from cycloid_mj.geometry import kinematics
-from cycloid_mj.geometry.modification import tooth_profile
-from cycloid_mj.reducer.bodies import phases
 
 OCTAVES = 1e3 * 2.0 ** np.arange(-5, 7)
 """Centres of the octave bands [Hz], those of IEC 61260."""
@@ -72,9 +70,9 @@ def acceleration(motion: Series) -> Acceleration:
 
     The centre is that of the disc of the series.
     """
-    run = motion.run
-    angle = run["crank_angle"] + phases(motion.design)[motion.disc]
-    theory = kinematics.gear_centre_velocity(tooth_profile(motion.design), angle, run["crank_speed"])
+    run, reducer = motion.run, motion.reducer
+    angle = run["crank_angle"] + reducer.phases[motion.disc]
+    theory = kinematics.gear_centre_velocity(reducer.tooth_profile, angle, run["crank_speed"])
     centre = run.block(planar_speeds(motion.gear)[:2]) - theory
     step = np.diff(motion.time)
     return Acceleration(np.diff(centre, axis=0) / step[:, np.newaxis], np.diff(motion.output_speed.error) / step)

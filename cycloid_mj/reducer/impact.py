@@ -7,6 +7,9 @@ step(s) = s^2 (3 - 2 s) from nothing at the surface to the whole damping c at th
 import math
 from dataclasses import dataclass
 
+MIN_DEPTH = 1e-12
+"""Smallest depth [m] at which solvers evaluate the law: the slope of the spring is its force over the depth."""
+
 
 @dataclass(frozen=True)
 class ImpactLaw:

@@ -18,7 +18,6 @@ from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.kinematics import gear_centre, gear_rotation
 from cycloid_mj.geometry.profile import CycloidGear
 from cycloid_mj.parts import output_centres
-from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene.pose import moved, poses, ring_places, turned
 
@@ -177,7 +176,7 @@ def gaps(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Separ
     """Compute the gaps between a disc and its mates from columns of shape (n,) in SI units."""
     design = reducer.design
     place, crank, ahead = poses(reducer, columns), columns["crank_angle"], reducer.phases[disc]
-    mesh, gear = tooth_profile(design), place[gears(design.gear.discs)[disc]]
+    mesh, gear = reducer.tooth_profile, place[gears(design.gear.discs)[disc]]
     ideal = np.column_stack([gear_centre(mesh, crank + ahead), gear_rotation(mesh, crank)])
     nominal = ring_places(reducer)
     pins = np.zeros((crank.size, len(nominal), 3))

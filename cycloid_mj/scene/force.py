@@ -26,7 +26,6 @@ from cycloid_mj.base.record import usable
 from cycloid_mj.geometry.ideal_loads import ideal_load_sharing
 from cycloid_mj.geometry.kinematics import gear_centre
 from cycloid_mj.parts import output_centres
-from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.parts.parts import Colour
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene.drawing import Drawing, Radii, drawn_radii
@@ -156,7 +155,7 @@ def ideal_forces(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) 
         return None
     share, crank = columns["load_torque"] / design.gear.discs, columns["crank_angle"] + reducer.phases[disc]
     halves = design.ring.halves
-    return np.tile(ideal_load_sharing(tooth_profile(design), share / halves, crank).forces, (1, halves))
+    return np.tile(ideal_load_sharing(reducer.tooth_profile, share / halves, crank).forces, (1, halves))
 
 
 def reference_force(reducer: Reducer) -> dict[str, float]:

@@ -90,15 +90,10 @@ class RingPin(NamedTuple):
 
 
 class PinTouch(NamedTuple):
-    """Contact of a pin and teeth, if it `touches`; `curvature` [1/m] is that of the trochoid at the foot point."""
+    """Contact of a pin and teeth, if it `exists`; `curvature` [1/m] is that of the trochoid at the foot point."""
 
-    touches: bool
-    gap: float
-    x: float
-    y: float
-    factor: float
-    nx: float
-    ny: float
+    exists: bool
+    touch: Touch
     curvature: float
 
 
@@ -168,15 +163,16 @@ def pin_touch(profile: Teeth, pin: RingPin, gear: Pose, px: float, py: float, ma
     start = Start(st, ct, sn, cn)
     distance, nx, ny, bend = pin_distance(x, y, profile.flank, start, margin + reach - offset)
     gap = distance + offset - reach
+    none = PinTouch(False, Touch(gap, 0.0, 0.0, 1.0, 0.0, 0.0), 0.0)
     if not gap < margin:
-        return PinTouch(False, gap, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+        return none
     wx, wy = outwards(gear, nx, ny)
     if 1.0 + wx * hs + wy * hc < pin.held:
-        return PinTouch(False, gap, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)  # pressed out of its seat's opening
+        return none  # pressed out of its seat's opening
     factor = _stiffness_factor(profile, bend / (1.0 - offset * bend) + 1.0 / pin.radius)
     factor *= (1.0 + yielding) / (1.0 + yielding * factor)
     depth = reach + 0.5 * gap
-    return PinTouch(True, gap, px - depth * wx, py - depth * wy, factor, wx, wy, bend)
+    return PinTouch(True, Touch(gap, px - depth * wx, py - depth * wy, factor, wx, wy), bend)
 
 
 @njit(inline="always")

@@ -52,8 +52,6 @@ since the last sample whose contact geometry did not converge."""
 
 _FIRST_STAGE, _LAST_STAGE = int(mujoco.mjtStage.mjSTAGE_POS), int(mujoco.mjtStage.mjSTAGE_ACC)
 _spring, _damper = njit(impact.spring), njit(impact.damper)
-_MIN_DEPTH = 1e-12
-"""Smallest depth [m] at which the law IMPACT is evaluated."""
 _MIN_ADDED_MASS = 1e-7
 """Smallest added mass [kg] of a contact that follows IMPACT: a ten-thousandth of a pin."""
 _STAGE, _PREFIX = types.void(types.intp, types.intp), "cycloid_mj_"
@@ -337,7 +335,7 @@ def _apply_impact(run: StepState) -> None:
             continue
         law = run.impact + 32 * pair
         exponent = read_float(law + 8)
-        depth = max(-read_float(places + 8 * row), _MIN_DEPTH)
+        depth = max(-read_float(places + 8 * row), impact.MIN_DEPTH)
         force = _spring(depth, read_float(law), exponent)
         damping = _damper(depth, read_float(law + 16), read_float(law + 24))
         added = max(0.25 * exponent * force / depth * step * step + 0.5 * damping * step, _MIN_ADDED_MASS)

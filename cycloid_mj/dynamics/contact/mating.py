@@ -101,11 +101,10 @@ def pin_on_teeth(
         read_float(user + 32),
     )
     px, py, _ = _position(data, offsets, pin)
-    touch = pin_touch(_teeth(model, offsets, teeth), seated, _pose(data, offsets, teeth), px, py, margin)
-    if not touch.touches:
+    contact = pin_touch(_teeth(model, offsets, teeth), seated, _pose(data, offsets, teeth), px, py, margin)
+    if not contact.exists:
         return 0
-    line = Touch(touch.gap, touch.x, touch.y, touch.factor, touch.nx, touch.ny)
-    _write(out, line, _position(data, offsets, teeth)[2], sign)
+    _write(out, contact.touch, _position(data, offsets, teeth)[2], sign)
     return 1
 
 

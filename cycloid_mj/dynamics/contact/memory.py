@@ -25,18 +25,25 @@ read_int = _reader(types.int32, "read_int")
 read_address = _reader(types.intp, "read_address")
 
 
-@intrinsic
-def _pointer(typing_context: Any, address: types.Integer) -> Any:
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return builder.inttoptr(args[0], context.get_value_type(signature.return_type))
+def pointer_to(kind: types.Type) -> Any:
+    """Return a compiled function that makes a typed pointer of an address."""
 
-    return types.CPointer(types.float64)(types.intp), codegen
+    def pointer(typing_context: Any, address: types.Integer) -> Any:
+        def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+            return builder.inttoptr(args[0], context.get_value_type(signature.return_type))
+
+        return types.CPointer(kind)(types.intp), codegen
+
+    return intrinsic(pointer)
+
+
+_to_float = pointer_to(types.float64)
 
 
 @njit(inline="always")
 def array_at(address: int, rows: int, columns: int) -> Any:
     """Return the numbers at an address as an array (rows, columns) that is a view on them."""
-    return carray(_pointer(address), (rows, columns))
+    return carray(_to_float(address), (rows, columns))
 
 
 def _writer(number: types.Number, name: str) -> Any:

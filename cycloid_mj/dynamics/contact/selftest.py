@@ -11,11 +11,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import mujoco
-import numpy as np
 
 from cycloid_mj.base.compile_cache import folder
 from cycloid_mj.dynamics.contact.forces import OF_PAIR, PairIndex, pair_index
-from cycloid_mj.dynamics.contact.gap import Flank, Trochoid
+from cycloid_mj.dynamics.contact.gap import NO_WAVES, Flank, Trochoid
 from cycloid_mj.dynamics.contact.library import CYLINDER, TYPES, answer, callback, collision_table, unfit
 from cycloid_mj.dynamics.contact.teeth import USER_DATA, Teeth, user_data
 from cycloid_mj.reducer.bodies import Role
@@ -70,7 +69,7 @@ def try_collider(address: int) -> str:
     """Return the failure of the collider of pins and bores at an address, "" for none."""
     pin = f"{0.0} {1.0}" + " 0" * (USER_DATA - 2)
     gear = Trochoid(_RADIUS, _CRANK, float(_TEETH))
-    flank = Flank(gear, _PIN + _CLEARANCE, 0.0, 0.0, 0.0, 0.0, 0.0, np.zeros((0, 2)))
+    flank = Flank(gear, _PIN + _CLEARANCE, 0.0, 0.0, 0.0, 0.0, 0.0, NO_WAVES)
     numbers = " ".join(map(repr, user_data(Teeth(flank, 0.0, 0.0, 0.0, gear))))
     outwards = math.hypot(*_ASIDE)
     model = mujoco.MjModel.from_xml_string(f"""

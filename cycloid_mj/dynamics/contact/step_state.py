@@ -3,8 +3,9 @@
 from typing import Any
 
 import numpy as np
-from numba import carray, from_dtype, njit, types
-from numba.extending import intrinsic
+from numba import carray, from_dtype, njit
+
+from cycloid_mj.dynamics.contact.memory import pointer_to
 
 StepState = Any
 """A record of `STEP_STATE` in compiled code."""
@@ -60,15 +61,10 @@ rows, width
 """
 
 
-@intrinsic
-def _pointer(typing_context: Any, address: types.Integer) -> Any:
-    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return builder.inttoptr(args[0], context.get_value_type(signature.return_type))
-
-    return types.CPointer(from_dtype(STEP_STATE))(types.intp), codegen
+_to_state = pointer_to(from_dtype(STEP_STATE))
 
 
 @njit(inline="always")
 def step_state_at(address: int) -> StepState:
     """Return the record at an address."""
-    return carray(_pointer(address), 1)[0]
+    return carray(_to_state(address), 1)[0]

@@ -82,9 +82,6 @@ _MARGIN = 1e-7
 _ROUND = 1e-9
 """Relative deviation of a contact normal from the centre of the surrounding arc, beyond which it lies on an edge."""
 
-_MIN_DEPTH = 1e-12
-"""Smallest depth [m] at which the law IMPACT is evaluated."""
-
 njit = compiling.njit(inner=True, allocates=False, error_model="numpy", forceinline=True)
 """Compile a function that the solver calls in every step."""
 
@@ -157,15 +154,15 @@ def find(
                 px, py = q[own], q[own + 1]
                 mating = MatingSurfaces(mating.pair, mating.law, mating.disc, own, -1)
             met = pin_touch(on_disc, pin, gear, px, py, _MARGIN)
-            if not met.touches:
+            if not met.exists:
                 continue
-            contact = contacts[count]
-            _fill(contact, mating, Touch(met.gap, met.x, met.y, met.factor, met.nx, met.ny), -1.0, q, v, half)
+            contact, touch = contacts[count], met.touch
+            _fill(contact, mating, touch, -1.0, q, v, half)
             count += 1
             if system.free:
-                contact.disc_centre = -(px - gear.x) * met.nx - (py - gear.y) * met.ny
+                contact.disc_centre = -(px - gear.x) * touch.nx - (py - gear.y) * touch.ny
                 # The distance of a point beyond a curve of curvature k bends by k/(1 + k distance).
-                beyond = pin.radius + met.gap - on_disc.flank.offset
+                beyond = pin.radius + touch.gap - on_disc.flank.offset
                 contact.geometric_stiffness = -half * met.curvature / (1.0 + met.curvature * beyond)
     for i in range(teeth * system.free):
         own = first_pin + 3 * i
@@ -315,7 +312,7 @@ def _law(law: Any, gap: float, factor: float, speed: float, half: float) -> tupl
     if law.impact == 0.0:
         stiffness = law.stiffness * factor
         return -stiffness * gap - law.damping * speed, stiffness * half + law.damping, law.damping
-    depth = max(-gap, _MIN_DEPTH)
+    depth = max(-gap, impact.MIN_DEPTH)
     spring = _spring(depth, law.impact, law.exponent)
     damping = _damper(depth, law.impact_damping, law.impact_depth)
     return spring - damping * speed, law.exponent * spring / depth * half + damping, damping
