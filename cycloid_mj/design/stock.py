@@ -146,6 +146,13 @@ FreeCAD's Fasteners workbench has shorter ones of M6 and M8, 8 and 10 mm, as DIN
 _BOLT_HOLES = {1.6: 1.8, 2: 2.4, 2.5: 2.9, 3: 3.4, 4: 4.5, 5: 5.5, 6: 6.6, 8: 9, 10: 11, 12: 13.5, 16: 17.5}
 """ISO 273:1979, medium (H13): thread -> clearance hole [mm]; as in engineeringhardware.com and NBK's technical data."""
 
+_PITCHES = {1.6: 0.35, 2: 0.4, 2.5: 0.45, 3: 0.5, 4: 0.7, 5: 0.8, 6: 1, 8: 1.25, 10: 1.5, 12: 1.75, 16: 2}
+"""ISO 261:1998, coarse pitch of a thread [mm]."""
+
+_HEAD_FACES = (2.72, 3.48, 4.18, 5.07, 6.53, 8.03, 9.38, 12.33, 15.33, 17.23, 23.17)
+_HEAD_BEARINGS = dict(zip(_PITCHES, _HEAD_FACES, strict=True))
+"""ISO 4762:2004, table 1, d_w min: thread -> diameter of the bearing face under the head [mm]."""
+
 _INSERTS = """
 2 3.2 4   2.5 4 5.7   3 4 5.7   4 5.6 8.1   5 6.4 9.5   6 8 12.7   8 9.6 12.7   10 12 12.7
 """
@@ -291,6 +298,16 @@ def bolt_length(thread: float, reach: float) -> float | None:
 def bolt_hole(thread: float) -> float:
     """Return the diameter of the hole that a thread passes through [m]."""
     return round(_BOLT_HOLES[round(thread / MM, 3)] * MM, 9)
+
+
+def pitch(thread: float) -> float:
+    """Return the coarse pitch of a thread [m]."""
+    return round(_PITCHES[round(thread / MM, 3)] * MM, 9)
+
+
+def head_bearing(thread: float) -> float:
+    """Return the diameter of the bearing face under the head of a screw of a thread [m]."""
+    return round(_HEAD_BEARINGS[round(thread / MM, 3)] * MM, 9)
 
 
 @cache

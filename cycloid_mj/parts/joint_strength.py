@@ -1,0 +1,179 @@
+"""Strength of joints by the formulas of their standards: screws, press fits, keys, dowels, inserts and glue.
+
+Sources: VDI 2230-1:2015 (R: its equations), DIN 7190-1:2017, DIN 6885-1 with DIN 6892:2012 (method C), and
+Roloff/Matek, Maschinenelemente, 24th ed., for pins. All values are in SI; strengths are those of the weaker part.
+"""
+
+import math
+from dataclasses import dataclass
+
+FRICTION_INTERFACE, FRICTION_THREAD = 0.15, 0.12
+"""Assumed coefficients of friction: of clamped faces and press fits, and of threads and heads (VDI 2230, A5 and A6)."""
+
+FRICTION_SPREAD = (0.10, 0.20)
+"""Range of the friction of clamped faces, steel and aluminium, degreased to dry (VDI 2230, A6)."""
+
+UTILISATION = 0.7
+"""Preload over the yield force of the stress area: what a torque wrench reaches without yield, with its scatter."""
+
+PROOF_STRESS = {"8.8": 640e6, "10.9": 940e6, "12.9": 1100e6}
+"""ISO 898-1:2013, table 3: property class -> stress at 0.2 % [Pa]; 640 MPa up to M16."""
+
+DOWEL_SHEAR = 896e6
+"""Shear strength of hardened dowels [Pa], 130 000 psi (ASME B18.8.2)."""
+
+GLUE_STRENGTH = 25e6
+"""Shear strength of an anaerobic retaining compound on steel at 23 °C [Pa] (ISO 10123)."""
+
+
+@dataclass(frozen=True)
+class Thread:
+    """A metric thread of a screw: nominal diameter and pitch [m]."""
+
+    diameter: float
+    pitch: float
+
+    @property
+    def pitch_diameter(self) -> float:
+        """Pitch diameter d2 [m] (ISO 724)."""
+        return self.diameter - 0.75 * math.sqrt(0.75) * self.pitch
+
+    @property
+    def stress_area(self) -> float:
+        """Stress area A_s [m2] (ISO 898-1)."""
+        return 0.25 * math.pi * self._stress_diameter**2
+
+    @property
+    def _stress_diameter(self) -> float:
+        core = self.diameter - 17.0 / 12.0 * math.sqrt(0.75) * self.pitch
+        return 0.5 * (self.pitch_diameter + core)
+
+    def largest_preload(self, proof: float, friction: float = FRICTION_THREAD, utilisation: float = 0.9) -> float:
+        """Compute the largest assembly preload [N] at a proof stress [Pa], with torsion of the shank (R8/1)."""
+        slope = self.pitch / (math.pi * self.pitch_diameter) + 1.155 * friction
+        torsion = 1.5 * self.pitch_diameter / self._stress_diameter * slope
+        return self.stress_area * utilisation * proof / math.sqrt(1.0 + 3.0 * torsion**2)
+
+    def usual_preload(self, proof: float) -> float:
+        """Compute the preload [N] of `UTILISATION`."""
+        return UTILISATION * proof * self.stress_area
+
+    def tightening_torque(self, preload: float, head: float, friction: float = FRICTION_THREAD) -> float:
+        """Compute the tightening torque [N m] of a preload [N]; `head` is the mean diameter under the head (R13)."""
+        lever = 0.16 * self.pitch + friction * (0.58 * self.pitch_diameter + 0.5 * head)
+        return preload * lever
+
+    def stripping_force(self, engaged: float, shear: float) -> float:
+        """Compute the force [N] that strips an internal thread over an engaged length [m] (5.5.5, without C1 to C3).
+
+        `shear` is the shear strength of the nut's material [Pa]; 0.8 of a pitch does not carry.
+        """
+        per_pitch = 0.5 * self.pitch + (self.diameter - self.pitch_diameter) / math.sqrt(3.0)
+        turns = max(engaged / self.pitch - 0.8, 0.0)
+        return shear * math.pi * self.diameter * turns * per_pitch
+
+
+def head_pressure(preload: float, bearing: float, hole: float) -> float:
+    """Compute the pressure under a head [Pa]; diameters of its bearing face and of the hole [m] (R10/1)."""
+    return preload / (0.25 * math.pi * (bearing**2 - hole**2))
+
+
+def friction_torque(screws: int, preload: float, radius: float, friction: float = FRICTION_INTERFACE) -> float:
+    """Compute the torque [N m] at which a face clamped by screws on a circle [m] slips (R2/2)."""
+    return screws * preload * friction * radius
+
+
+def pull_out_force(diameter: float, length: float, shear: float) -> float:
+    """Compute the force [N] that pulls an insert out: shear of the plastic on its cylinder [m]."""
+    return math.pi * diameter * length * shear
+
+
+def glued_force(diameter: float, length: float, shear: float = GLUE_STRENGTH) -> float:
+    """Compute the force [N] that a glued cylindrical joint transmits along its surface."""
+    return math.pi * diameter * length * shear
+
+
+def dowel_force(diameter: float, depth: float, yield_strength: float, shear: float = DOWEL_SHEAR) -> float:
+    """Compute the force [N] that a dowel transmits: shear of its section, or yield of a hole of some depth [m].
+
+    Roloff/Matek 9.15 and 9.16: tau = F/A, p = F/(d s).
+    """
+    return min(0.25 * math.pi * diameter**2 * shear, diameter * depth * yield_strength)
+
+
+def clamped_pin_pressure(force: float, moment: float, diameter: float, depth: float) -> float:
+    """Compute the largest pressure [Pa] in the hole of a pin that bends in it (Roloff/Matek 9.19).
+
+    `moment` is that at the mouth of the hole [N m]: p = F/(d s) + 6 (M + F s/2)/(d s^2) = F (6 h + 4 s)/(d s^2).
+    """
+    return (force + 6.0 * (moment + 0.5 * force * depth) / depth) / (diameter * depth)
+
+
+@dataclass(frozen=True)
+class PressFit:
+    """A cylindrical press fit, elastic (DIN 7190-1).
+
+    Attributes
+    ----------
+    diameter, length
+        Of the joint [m].
+    outside, bore
+        Outside diameter of the hub, and bore of the shaft [m].
+    hub, shaft
+        Young's modulus [Pa] and Poisson's ratio of both.
+    """
+
+    diameter: float
+    length: float
+    outside: float
+    hub: tuple[float, float]
+    shaft: tuple[float, float]
+    bore: float = 0.0
+
+    def pressure(self, interference: float) -> float:
+        """Compute the joint pressure [Pa] of an effective interference on the diameter [m]; 0 of a clearance (Lame)."""
+        outer, inner = (self.diameter / self.outside) ** 2, (self.bore / self.diameter) ** 2
+        (hub, hub_ratio), (shaft, shaft_ratio) = self.hub, self.shaft
+        softness = ((1.0 + outer) / (1.0 - outer) + hub_ratio) / hub
+        softness += ((1.0 + inner) / (1.0 - inner) - shaft_ratio) / shaft
+        return max(interference, 0.0) / (self.diameter * softness)
+
+    def yield_pressure(self, yield_strength: float) -> float:
+        """Compute the pressure [Pa] at which the bore of the hub yields: (1 - Q^2) R_e/sqrt(3)."""
+        return (1.0 - (self.diameter / self.outside) ** 2) * yield_strength / math.sqrt(3.0)
+
+    def force(self, pressure: float, friction: float = FRICTION_INTERFACE) -> float:
+        """Compute the axial force [N] that a joint pressure [Pa] transmits."""
+        return friction * pressure * math.pi * self.diameter * self.length
+
+    def torque(self, pressure: float, friction: float = FRICTION_INTERFACE) -> float:
+        """Compute the torque [N m] that a joint pressure [Pa] transmits."""
+        return 0.5 * self.diameter * self.force(pressure, friction)
+
+
+def effective_interference(measured: float, roughness_hub: float, roughness_shaft: float) -> float:
+    """Return the interference [m] that is left when the peaks of both surfaces (Rz [m]) are smoothed (DIN 7190-1)."""
+    return measured - 0.8 * (roughness_hub + roughness_shaft)
+
+
+@dataclass(frozen=True)
+class Key:
+    """A parallel key of DIN 6885-1, shape A: width, height, depth in the shaft and length [m]."""
+
+    width: float
+    height: float
+    depth: float
+    length: float
+
+    @property
+    def carrying_length(self) -> float:
+        """Length without the round ends [m]."""
+        return self.length - self.width
+
+    def pressure(self, torque: float, shaft: float) -> float:
+        """Compute the side pressure in the hub [Pa] of a torque [N m] on a shaft diameter [m] (DIN 6892, method C)."""
+        return 2.0 * torque / (shaft * (self.height - self.depth) * self.carrying_length)
+
+    def torque(self, shaft: float, yield_strength: float) -> float:
+        """Compute the torque [N m] at 0.9 of the yield strength of the weakest part [Pa] (DIN 6892, method C)."""
+        return 0.9 * yield_strength / self.pressure(1.0, shaft)

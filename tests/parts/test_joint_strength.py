@@ -1,0 +1,118 @@
+"""Strength of joints against worked examples of VDI 2230, DIN 7190 and DIN 6885."""
+
+import math
+
+import pytest
+
+from cycloid_mj.parts.joint_strength import (
+    PROOF_STRESS,
+    Key,
+    PressFit,
+    Thread,
+    clamped_pin_pressure,
+    dowel_force,
+    effective_interference,
+    friction_torque,
+    head_pressure,
+    pull_out_force,
+)
+
+
+@pytest.mark.parametrize(
+    ("diameter", "pitch", "bearing", "hole", "preload", "torque"),
+    [
+        (8, 1.0, 11.63, 9.0, 20.2, 26.1),  # preload [kN] and tightening torque [N m]
+        (10, 1.25, 14.63, 11.0, 31.6, 51.0),
+        (12, 1.25, 16.63, 13.5, 48.0, 90.0),
+    ],
+)
+def test_preload_and_tightening_torque_match_vdi_2230(
+    diameter: float, pitch: float, bearing: float, hole: float, preload: float, torque: float
+) -> None:
+    """VDI 2230 table A3 (fine threads, class 8.8, friction 0.12), as printed by Mastik, p. 685: 90 % of yield."""
+    thread = Thread(1e-3 * diameter, 1e-3 * pitch)
+    computed = thread.largest_preload(PROOF_STRESS["8.8"])
+    assert computed == pytest.approx(1e3 * preload, rel=0.01)
+    assert thread.tightening_torque(computed, 0.5e-3 * (bearing + hole)) == pytest.approx(torque, rel=0.02)
+
+
+def test_stress_area_matches_iso_898() -> None:
+    assert 1e6 * Thread(4e-3, 0.7e-3).stress_area == pytest.approx(8.78, abs=0.005)
+    assert 1e6 * Thread(12e-3, 1.75e-3).stress_area == pytest.approx(84.3, abs=0.05)
+
+
+def test_flange_of_six_m4_slips_as_computed_by_hand() -> None:
+    """6 x 0.7 x 640 MPa x 8.78 mm2 x 0.15 x 19.8 mm = 70.1 N m; head (6.53^2 - 4.5^2) pi/4 = 17.59 mm2."""
+    thread = Thread(4e-3, 0.7e-3)
+    preload = thread.usual_preload(640e6)
+    assert friction_torque(6, preload, 19.8e-3) == pytest.approx(70.1, rel=1e-3)
+    assert head_pressure(preload, 6.53e-3, 4.5e-3) == pytest.approx(3933.0 / 17.59e-6, rel=1e-3)
+
+
+def test_stripping_force_of_m8_in_steel() -> None:
+    """M8, 8 mm engaged: (8/1.25 - 0.8) x pi x 8 x (0.625 + 0.812/1.732) mm2 = 154.0 mm2, times 300 MPa."""
+    assert Thread(8e-3, 1.25e-3).stripping_force(8e-3, 300e6) == pytest.approx(154.0e-6 * 300e6, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("diameter", "outside", "bore", "length", "interference", "hub", "shaft", "friction", "pressure", "torque"),
+    [
+        # machinecalc, press fit, worked example: p 48.8 MPa, 1149 N m (E 200 GPa, same material)
+        (50, 80, 0, 40, 40, (200e9, 0.3), (200e9, 0.3), 0.15, 48.75e6, 1149.0),
+        # DIN 7190, hollow shaft, steel on steel by hand: K = 5/3 + 0.3 + 5/3 - 0.3 = 10/3, p = 1e-3 x 210e9/(10/3)
+        (60, 120, 30, 50, 60, (210e9, 0.3), (210e9, 0.3), 0.12, 63.0e6, 2137.5),
+        # steel pin in aluminium by hand: K = 1.25/0.75/70e9 + 0.33/70e9 + 0.7/210e9 = 3.1857e-11 1/Pa
+        (10, 20, 0, 20, 10, (70e9, 0.33), (210e9, 0.3), 0.10, 31.39e6, 9.861),
+    ],
+)
+def test_press_fit_matches_worked_examples(
+    diameter: float,
+    outside: float,
+    bore: float,
+    length: float,
+    interference: float,
+    hub: tuple[float, float],
+    shaft: tuple[float, float],
+    friction: float,
+    pressure: float,
+    torque: float,
+) -> None:
+    fit = PressFit(1e-3 * diameter, 1e-3 * length, 1e-3 * outside, hub, shaft, 1e-3 * bore)
+    computed = fit.pressure(1e-6 * interference)
+    assert computed == pytest.approx(pressure, rel=1e-3)
+    assert fit.torque(computed, friction) == pytest.approx(torque, rel=1e-3)
+    assert fit.pressure(-1e-6) == 0.0
+
+
+def test_smoothing_and_yield_of_a_press_fit() -> None:
+    """DIN 7190: 0.8 x (6.3 + 4) um are lost; a hub of twice the diameter yields at 0.75 R_e/sqrt(3)."""
+    assert effective_interference(40e-6, 6.3e-6, 4e-6) == pytest.approx(31.76e-6)
+    fit = PressFit(10e-3, 10e-3, 20e-3, (210e9, 0.3), (210e9, 0.3))
+    assert fit.yield_pressure(300e6) == pytest.approx(0.75 * 300e6 / math.sqrt(3.0))
+
+
+@pytest.mark.parametrize(
+    ("width", "height", "depth", "length", "shaft", "torque", "pressure"),
+    [
+        # DIN 6892, example E.2 (its geometry, shape AB, 91 mm carry), method C: 2 x 1950/(0.06 x 0.004 x 0.091)
+        (18, 11, 7, 109, 60, 1950.0, 178.6e6),
+        # 12 x 8 x 56 on 40 mm, 500 N m: 25 000 N on 3 mm x 44 mm
+        (12, 8, 5, 56, 40, 500.0, 189.4e6),
+        # 6 x 6 x 20 on 20 mm, 40 N m: 4000 N on 2.5 mm x 14 mm
+        (6, 6, 3.5, 20, 20, 40.0, 114.3e6),
+    ],
+)
+def test_key_pressure_matches_worked_examples(
+    width: float, height: float, depth: float, length: float, shaft: float, torque: float, pressure: float
+) -> None:
+    key = Key(1e-3 * width, 1e-3 * height, 1e-3 * depth, 1e-3 * length)
+    assert key.pressure(torque, 1e-3 * shaft) == pytest.approx(pressure, rel=1e-3)
+    assert key.torque(1e-3 * shaft, pressure / 0.9) == pytest.approx(torque, rel=1e-3)
+
+
+def test_dowels_inserts_and_bent_pins() -> None:
+    assert dowel_force(3e-3, 4e-3, 1e9) == pytest.approx(0.25 * math.pi * 9e-6 * 896e6)
+    assert dowel_force(3e-3, 4e-3, 45e6) == pytest.approx(540.0), "the hole in a plastic yields first"
+    assert pull_out_force(4e-3, 5.7e-3, 26e6) == pytest.approx(1862.0, rel=1e-3)
+    # Roloff/Matek 9.19: F (6 h + 4 s)/(d s^2) = 400 x (90 + 48)/(8 x 144) MPa
+    assert clamped_pin_pressure(400.0, 400.0 * 15e-3, 8e-3, 12e-3) == pytest.approx(47.92e6, rel=1e-3)
