@@ -175,8 +175,12 @@ def value_in_words(key: str, value: Any) -> str:
         return str(options[value])
     if not isinstance(value, int | float):
         return str(value).replace("_", " ")
-    unit = unit_of(declaration_of(key)).suffix
-    return f"{value:.6g} {SYMBOLS.get(unit, unit)}".rstrip()
+    return number_with_unit(key, value)
+
+
+def number_with_unit(key: str, value: float) -> str:
+    """Return a number of the design file as text, with the symbol of its unit."""
+    return f"{value:.6g} {_symbol(unit_of(declaration_of(key)).suffix)}".rstrip()
 
 
 def with_symbols(text: str) -> str:
@@ -249,7 +253,11 @@ def _slider(design: Design, group: str, name: str, label: str) -> Control:
     step = 10.0 ** math.floor(math.log10(high / SLIDER_STEPS))
     low = step if table == "clearance" else max(1.0, math.floor(middle / span / step)) * step
     reach = math.ceil(high / step) * step
-    return Control(path, group, label, SYMBOLS.get(unit.suffix, unit.suffix), meaning, value, low, reach, step)
+    return Control(path, group, label, _symbol(unit.suffix), meaning, value, low, reach, step)
+
+
+def _symbol(unit: str) -> str:
+    return SYMBOLS.get(unit, unit)
 
 
 def _sentence(text: str | None) -> str:

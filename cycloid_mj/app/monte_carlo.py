@@ -55,24 +55,17 @@ def samples(on_progress: Callable[[Any], None], values: Any, spread_um: Any) -> 
     columns: dict[str, Array] = {}
     for batch in list_batches(SAMPLES):
         block = balance_batch(reducer, zones, SEED, ANGLES, (batch, tuple(SAMPLED)))
-        columns = {key: np.concatenate([columns[key], values]) if columns else values for key, values in block.items()}
-        count = len(find_jams(columns))
-        on_progress(
-            {
-                "doing": f"{count} of {SAMPLES} samples",
-                "share": count / SAMPLES,
-                "seen": _distributions(reducer, columns),
-            }
-        )
-        if batch.first == 0 and batch.number == 0 and jams_too_often(find_jams(columns)):
-            break
-    else:
-        on_progress({"doing": "computing the error budget", "share": 1.0, "seen": _distributions(reducer, columns)})
-        study = tolerance(reducer.design, BUDGET_SAMPLES, SEED)
-        shares = [{"source": share.source, "share": share.total} for share in study.budget]
-        budget = {"budget": shares, "budget_of": figure(study.budget_of).name, "no_budget": study.no_budget}
-        return {**_distributions(reducer, columns), **budget}
-    return _distributions(reducer, columns)
+        jams_early = not columns and jams_too_often(find_jams(block))
+        columns = {key: np.concatenate([columns[key], added]) if columns else added for key, added in block.items()}
+        seen = _distributions(reducer, columns)
+        count = seen["samples"]
+        on_progress({"doing": f"{count} of {SAMPLES} samples", "share": count / SAMPLES, "seen": seen})
+        if jams_early:
+            return seen
+    on_progress({"doing": "computing the error budget", "share": 1.0, "seen": seen})
+    study = tolerance(reducer.design, BUDGET_SAMPLES, SEED)
+    shares = [{"source": share.source, "share": share.total} for share in study.budget]
+    return {**seen, "budget": shares, "budget_of": figure(study.budget_of).name, "no_budget": study.no_budget}
 
 
 def spread_design(design: Design, spread_um: Any) -> Design:

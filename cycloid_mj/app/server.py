@@ -93,19 +93,13 @@ def application(page: Page, token: str) -> ASGIApp:
         return _media_response(assets[name], MEDIA_TYPES[name.rpartition(".")[2]])
 
     async def send_report(request: Request) -> Response:
-        try:
-            report = page.jobs.get(_job_number(request)).page
-        except CycloidError as error:
-            return PlainTextResponse(f"{error}\n", HTTPStatus.NOT_FOUND)
+        report = page.jobs.get(_job_number(request)).page
         return Response(report, media_type="text/html") if report else _gone()
 
     async def send_file(request: Request) -> Response:
         """Send a file of a job as a download."""
         name = request.path_params["name"]
-        try:
-            files = page.jobs.get(_job_number(request)).files
-        except CycloidError as error:
-            return PlainTextResponse(f"{error}\n", HTTPStatus.NOT_FOUND)
+        files = page.jobs.get(_job_number(request)).files
         if name not in files:
             return _gone()
         disposition = {"Content-Disposition": f"attachment; filename*=utf-8''{quote(name)}"}
@@ -132,7 +126,8 @@ def application(page: Page, token: str) -> ASGIApp:
         Route("/report/{job}", send_report),
         Route("/{name}", send_asset),
     ]
-    return AccessControl(Starlette(routes=routes, exception_handlers={Exception: _failure}), token)
+    handlers = {CycloidError: _no_job, Exception: _failure}
+    return AccessControl(Starlette(routes=routes, exception_handlers=handlers), token)
 
 
 def start_values(design: Design) -> dict[str, Any]:
@@ -245,6 +240,10 @@ def _failure(_request: Request | None, error: Exception) -> Response:
     reason = f"{type(error).__name__}: {error}"
     _log.error("error: %s (%s:%d)", reason, frame.f_code.co_filename, line)
     return _error(HTTPStatus.INTERNAL_SERVER_ERROR, reason)
+
+
+def _no_job(_request: Request, error: Exception) -> Response:
+    return PlainTextResponse(f"{error}\n", HTTPStatus.NOT_FOUND)
 
 
 async def _body(request: Request) -> bytes | None:

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from typing import Any
 
-from cycloid_mj.app.controls import SYMBOLS, key_in_words, with_symbols
+from cycloid_mj.app.controls import key_in_words, number_with_unit, with_symbols
 from cycloid_mj.app.drawing import PLACES
 from cycloid_mj.app.state import at_load
 from cycloid_mj.app.verdicts import TORQUE_RTOL, rated_item, requirement_verdicts, verdict
@@ -17,8 +17,7 @@ from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.judgement import Judgement, gravest, judge
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.checks import Check, soundness
-from cycloid_mj.design import declaration_of, value_of
-from cycloid_mj.design.units import unit_of
+from cycloid_mj.design import value_of
 from cycloid_mj.figures import figure
 from cycloid_mj.life import rate
 from cycloid_mj.life.checks import KINDS, check_design, life_remedies
@@ -214,9 +213,8 @@ def _change_in_words(reducer: Reducer, values: Mapping[str, float]) -> str:
     """Describe new values of keys in words; keys with the same new value are listed together."""
     groups: dict[tuple[str, str], list[str]] = {}
     for key, value in values.items():
-        unit = unit_of(declaration_of(key)).suffix
         sense = "raise" if value > value_of(reducer.design, key) else "lower"
-        groups.setdefault((sense, f"{value:.6g} {SYMBOLS.get(unit, unit)}".rstrip()), []).append(key_in_words(key))
+        groups.setdefault((sense, number_with_unit(key, value)), []).append(key_in_words(key))
     parts = (f"{sense} {', '.join(names)} to {end}" for (sense, end), names in groups.items())
     return "; ".join(parts).replace(f", {CLEARANCE}", ", ")
 

@@ -86,7 +86,7 @@ def film(scene: Take, width: int = WIDTH) -> Iterator[Image]:
         raise UsageError(f"animation width {width} px is out of range: {MIN_WIDTH} to {MAX_WIDTH} px")
     motion = scene.motion
     columns = {name: values[scene.rows] for name, values in motion.run.columns.items()}
-    reducer, in_ring = Reducer(seen_from_ring(motion.design)), columns_from_ring(Reducer(motion.design), columns)
+    reducer, in_ring = Reducer(seen_from_ring(motion.design)), columns_from_ring(motion.reducer, columns)
     poses = drawing(reducer, gaps(reducer, in_ring, motion.disc), scene.magnification)
     script = Script(
         reducer=motion.reducer,

@@ -16,10 +16,7 @@ from cycloid_mj.figures import find_figure
 from cycloid_mj.plots.style import (
     BLACK,
     BLUE,
-    GREEN,
-    ORANGE,
-    PURPLE,
-    SKY,
+    PALETTE,
     VERMILION,
     WIDTH,
     NotebookFigure,
@@ -30,7 +27,7 @@ from cycloid_mj.plots.style import (
     wrap_label,
 )
 
-COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)
+COLOURS = (*PALETTE, BLACK)
 
 
 @dataclass(frozen=True)
@@ -47,8 +44,6 @@ class SweepStyle:
     """Points of a panel of a pair plot; of more, evenly spaced ones are drawn."""
     max_markers: int = 60
     """Points of a line up to which each has a marker."""
-    max_lines: int = 7
-    """Lines of a panel: as many as there are colours."""
     max_inputs: int = 6
     """Inputs of a pair plot: those with the largest rank correlations."""
 
@@ -71,11 +66,11 @@ def sweep_figure(sweep: Sweep, quantities: Sequence[str]) -> Figure:
     numbers = number_inputs(sweep)
     if len(keys) == 1:
         return _panels(sweep, quantities, lambda axes, name: _line(axes, sweep, keys[0], name))
-    if len(keys) == 2 and _spans_a_plane(sweep, numbers):
+    if len(keys) == len(numbers) == 2 and _spans_a_plane(_scaled_points(*(sweep.frame.numbers[key] for key in keys))):
         return _panels(sweep, quantities, lambda axes, name: _map(axes, sweep, name))
     if len(keys) == 2 and (over := numbers or keys):
         parameter = next(key for key in keys if key != over[0])
-        if len(set(sweep[parameter].tolist())) <= SWEEP.max_lines:
+        if len(set(sweep[parameter].tolist())) <= len(COLOURS):
             return _panels(sweep, quantities, lambda axes, name: _lines(axes, sweep, over[0], parameter, name))
     return _pairs(sweep, quantities)
 
@@ -161,18 +156,20 @@ def _failures(axes: Axes, sweep: Sweep, key: str) -> None:
         )  # fmt: skip
 
 
-def _spans_a_plane(sweep: Sweep, inputs: Sequence[str]) -> bool:
-    """Return whether the points of two inputs span a plane: a map needs three points that are not collinear."""
-    if len(inputs) != 2:
-        return False
-    points = np.column_stack([_scale(sweep.frame.numbers[key]) for key in inputs])
-    return len(points) > 2 and np.linalg.matrix_rank(points - points[0], tol=1e-6) == 2
+def _scaled_points(x: Array, y: Array) -> Array:
+    """Return the points of two inputs, each scaled to the range 0 to 1, so that both have the same weight."""
+    return np.column_stack([_scale(x), _scale(y)])
 
 
 def _scale(values: Array) -> Array:
     """Scale values to the range 0 to 1."""
-    low, high = values.min(), values.max()
+    low, high = values.min(initial=math.inf), values.max(initial=-math.inf)
     return (values - low) / (high - low) if high > low else np.zeros_like(values)
+
+
+def _spans_a_plane(points: Array) -> bool:
+    """Return whether points span a plane: a map needs three points that are not collinear."""
+    return len(points) > 2 and np.linalg.matrix_rank(points - points[0], tol=1e-6) == 2
 
 
 def _map(axes: Axes, sweep: Sweep, name: str) -> None:
@@ -183,10 +180,9 @@ def _map(axes: Axes, sweep: Sweep, name: str) -> None:
     good = np.isfinite(z)
     axes.set(xlabel=_title(sweep, first), ylabel=_title(sweep, second))
     axes.grid(False)
-    plane = np.column_stack([_scale(x[good]), _scale(y[good])]) if good.any() else np.empty((0, 2))
-    if len(plane) > 2 and np.linalg.matrix_rank(plane - plane[0], tol=1e-6) == 2 and np.ptp(z[good]) > 0.0:
-        # triangulated in scaled inputs, so that both have the same weight
-        triangles = Triangulation(*plane.T).triangles
+    points = _scaled_points(x[good], y[good])
+    if _spans_a_plane(points) and np.ptp(z[good]) > 0.0:
+        triangles = Triangulation(*points.T).triangles
         contours = axes.tricontourf(Triangulation(x[good], y[good], triangles), z[good], levels=10, cmap="viridis")
         axes.figure.colorbar(contours, ax=axes, pad=0.02)
     if good.sum() <= 10 * SWEEP.max_markers:

@@ -16,9 +16,9 @@ from matplotlib.transforms import ScaledTranslation
 
 from cycloid_mj.base.result import Curve
 from cycloid_mj.measure import Measurement
-from cycloid_mj.plots.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, THEORY, VERMILION, sheet, styled, typeset
+from cycloid_mj.plots.style import GREY, PALETTE, THEORY, sheet, styled, typeset
 
-COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, GREY)
+COLOURS = (*PALETTE, GREY)
 
 
 @dataclass(frozen=True)

@@ -103,23 +103,35 @@ def _draw_parts(axes: Axes, reducer: Reducer, pose: Mapping[str, Array]) -> None
     """Draw the parts from back to front; discs in front of others are translucent."""
     design = reducer.design
     solids = parts(reducer, VISUAL_CHORD_ERROR)
-    axis, pins = np.zeros(3), ring_places(reducer) if design.ring.kind == "pin" else np.empty((0, 2))
+    axis = np.zeros(3)
     disc = float(np.linalg.norm(solids[OUTPUT].prisms[0].outline, axis=1).max())
     draw_region(axes, solids[HOUSING].prisms[0], "ring", axis)
-    for centre in pins:
-        draw_disc(axes, centre, design.ring.pin_radius, "pins")
-        if design.ring.has_sleeves:
-            draw_disc(axes, centre, sleeve_core_radius(reducer), "ring")
+    draw_ring_pins(axes, reducer)
     draw_disc(axes, axis, disc, "disc")
     for disc, gear in enumerate(gears(design.gear.discs)):
         draw_region(axes, solids[gear].prisms[0], "gear", pose[gear], 1.0 if disc == 0 else FRONT_OPACITY)
-    for centre in moved(pose[OUTPUT], output_centres(reducer)):
-        draw_disc(axes, centre, design.output.pin_radius, "output")
-        if design.output.has_roller_parts:
-            draw_disc(axes, centre, pin_radius(reducer), "output")
+    draw_output_pins(axes, reducer, moved(pose[OUTPUT], output_centres(reducer)))
     for disc, cam in enumerate(cams(reducer, pose[SHAFT][np.newaxis])[0]):
         draw_disc(axes, cam, design.gear.bore_radius, "cam", 1.0 if disc == 0 else FRONT_OPACITY)
     draw_disc(axes, axis, design.shaft.radius, "shaft")
+
+
+def draw_ring_pins(axes: Axes, reducer: Reducer) -> None:
+    """Draw the ring pins, with the cores of sleeves; an internal gear has none."""
+    ring = reducer.design.ring
+    for centre in ring_places(reducer) if ring.kind == "pin" else ():
+        draw_disc(axes, centre, ring.pin_radius, "pins")
+        if ring.has_sleeves:
+            draw_disc(axes, centre, sleeve_core_radius(reducer), "ring")
+
+
+def draw_output_pins(axes: Axes, reducer: Reducer, centres: Array) -> None:
+    """Draw the output pins at their centres [m], shape (pins, 2), with the cores of rollers."""
+    output = reducer.design.output
+    for centre in centres:
+        draw_disc(axes, centre, output.pin_radius, "output")
+        if output.has_roller_parts:
+            draw_disc(axes, centre, pin_radius(reducer), "output")
 
 
 def _draw_motion(axes: Axes, reducer: Reducer, pose: Mapping[str, Array]) -> None:

@@ -86,11 +86,10 @@ class Script:
 
 def set_stage(script: Script, width: int) -> AnimatedFigure:
     """Return the figure with a width [px], everything drawn once."""
-    design, acting = script.reducer.design, script.acting
-    reducer = Reducer(design)
+    reducer, acting = script.reducer, script.acting
     figure = Figure(figsize=(WIDTH, HEIGHT), dpi=width / WIDTH)
     axes = figure.add_axes((0.02, 0.262, 0.96, 0.7), aspect="equal")
-    reach = 1.02e3 * design.housing.outer_radius
+    reach = 1.02e3 * reducer.design.housing.outer_radius
     axes.set(xlim=(-reach, reach), ylim=(-reach, reach))
     axes.axis("off")
     wall = _wall(axes, reducer)

@@ -28,6 +28,9 @@ R = TypeVar("R")
 ORANGE, SKY, GREEN, BLUE = "#E69F00", "#56B4E9", "#009E73", "#0072B2"
 VERMILION, PURPLE, BLACK, GREY = "#D55E00", "#CC79A7", "#000000", "#8A8A8A"
 
+PALETTE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
+"""Colours of the curves of a panel, in this order."""
+
 THEORY: dict[str, Any] = {"color": "#9CCBEA", "linewidth": 3.2, "solid_capstyle": "butt"}
 SIMULATED: dict[str, Any] = {"color": "#0B2E4F", "linewidth": 0.9}
 ERROR: dict[str, Any] = {"color": VERMILION, "linewidth": 0.8}

@@ -11,11 +11,11 @@ from matplotlib.patches import Circle, Rectangle
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import GEAR, HOUSING, OUTPUT, PIN, SHAFT, family, gears
 from cycloid_mj.base.units import MILLIMETRES
-from cycloid_mj.parts import Prism, body_solids, output_centres, parts, pin_radius, sleeve_core_radius
+from cycloid_mj.parts import Prism, body_solids, output_centres, parts
 from cycloid_mj.parts.cut import cut
 from cycloid_mj.parts.polygon import rotate_points
 from cycloid_mj.plots.dimension import TEXT, along, leader
-from cycloid_mj.plots.mechanism import LOOKS, draw_disc, draw_region
+from cycloid_mj.plots.mechanism import LOOKS, draw_disc, draw_output_pins, draw_region, draw_ring_pins
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene import ring_places
 
@@ -53,15 +53,9 @@ def _front(axes: Axes, reducer: Reducer, outer: float) -> None:
     here, name = np.zeros(3), gears(design.gear.discs)[-1]
     centre = _centres(reducer)[-1]
     draw_region(axes, solids[HOUSING].prisms[0], "ring", here)
-    for pin in ring_places(reducer) if ring.kind == "pin" else ():
-        draw_disc(axes, pin, ring.pin_radius, "pins")
-        if ring.has_sleeves:
-            draw_disc(axes, pin, sleeve_core_radius(reducer), "ring")
+    draw_ring_pins(axes, reducer)
     draw_region(axes, solids[name].prisms[0], "gear", np.array([*centre, 0.0]))
-    for pin in output_centres(reducer):
-        draw_disc(axes, pin, output.pin_radius, "output")
-        if output.has_roller_parts:
-            draw_disc(axes, pin, pin_radius(reducer), "output")
+    draw_output_pins(axes, reducer, output_centres(reducer))
     draw_disc(axes, centre, design.gear.bore_radius, "cam")
     draw_disc(axes, here[:2], design.shaft.radius, "shaft")
     for radius in (ring.pin_circle_radius, output.pin_circle_radius):

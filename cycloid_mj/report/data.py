@@ -8,7 +8,6 @@ import numpy as np
 from cycloid_mj.analysis import FIGURES, SIGNALS, Series, SignalFigure
 from cycloid_mj.analysis.spectrum import tapered_orders
 from cycloid_mj.base.array import Array
-from cycloid_mj.reducer import Reducer
 from cycloid_mj.report.encode import decimate, encode_array
 from cycloid_mj.report.mechanism import mechanism
 from cycloid_mj.report.reviewed import Reviewed
@@ -108,7 +107,7 @@ def _span(time: Array) -> list[float]:
 
 def spectrum_data(item: Reviewed) -> dict[str, Any] | None:
     """Return the order spectra of output and disc speed; None if the hold has no complete crank turn."""
-    motion, teeth = item.motion, Reducer(item.motion.design).mesh_periods
+    motion, teeth = item.motion, item.motion.reducer.mesh_periods
     if motion.phase != "hold":
         return None
     swept = np.abs(motion.crank_angle - motion.crank_angle[motion.hold][0]) / (2.0 * np.pi)

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
-from cycloid_mj.base.result import Curve
-from cycloid_mj.base.result import Table as Result
+from cycloid_mj.base.result import Curve, Table
 from cycloid_mj.base.units import RPM
 from cycloid_mj.report.encode import encode_array
 from cycloid_mj.report.page import environment
@@ -46,15 +45,17 @@ def joint_page(
             reducer=reduced,
             numbers=list(_numbers(reduced).items()),
             quantities=_quantities(reduced),
-            population=[{"title": each.title, "text": _texts(each)} for each in (drives.tables() if drives else ())],
-            comparison=_texts(against.table()),
+            population=[
+                {"title": each.title, "text": TextTable.of(each)} for each in (drives.tables() if drives else ())
+            ],
+            comparison=TextTable.of(against.table()),
             missed=against.missed,
             figures=figures,
-            steps=_texts(trials_table(tuple(steps))),
-            longest=_texts(recommended_table(tuple(steps))),
+            steps=TextTable.of(trials_table(tuple(steps))),
+            longest=TextTable.of(recommended_table(tuple(steps))),
             asked=requested,
             dynamics=_dynamics(reduced),
-            efficiency=_texts(_efficiency(reduced)),
+            efficiency=TextTable.of(_efficiency(reduced)),
             harmonics=_harmonics(reduced),
             te_rpm=against.highest_speed_rpm,
             bam=_bam(bam),
@@ -91,10 +92,6 @@ def _quantities(reduced: ReducedJoint) -> TextTable:
     return TextTable([("quantity", "value", "unit", "numerical error")], rows)
 
 
-def _texts(result: Result) -> TextTable:
-    return TextTable([result.header], result.cells)
-
-
 def _figure(curves: Sequence[Curve]) -> dict[str, Any]:
     """Return the data of a chart: curves sorted by x, the full model as a broad line below the joint."""
     first = curves[0]
@@ -128,7 +125,7 @@ def _dynamics(reduced: ReducedJoint) -> TextTable:
     return TextTable([("", "friction, driving [N m]", "friction, driven [N m]", "damping [N m s/rad]")], rows)
 
 
-def _efficiency(reduced: ReducedJoint) -> Result:
+def _efficiency(reduced: ReducedJoint) -> Table:
     """Return the efficiency over torque and speed, driving and driven."""
     friction = reduced.friction
     header = ["output torque [N m]"]
@@ -138,7 +135,7 @@ def _efficiency(reduced: ReducedJoint) -> Result:
             header.append(f"{word}, {speed / RPM:.0f} rpm [%]")
             for row in rows:
                 row.append(100.0 * friction.efficiency(row[0], speed, reduced.ratio, driving))
-    return Result("Efficiency", tuple(header), tuple(map(tuple, rows)))
+    return Table("Efficiency", tuple(header), tuple(map(tuple, rows)))
 
 
 def _harmonics(reduced: ReducedJoint) -> TextTable:

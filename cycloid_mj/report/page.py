@@ -81,7 +81,7 @@ def _numbers(item: Reviewed) -> Iterator[tuple[str, str]]:
     yield "largest contact force", f"{_short(findings.contact_summary.peak_force_n, 4)} N"
     yield "mean number of contacts", f"{findings.contact_summary.mean_active:.3g}"
     with suppress(CycloidError):  # no static equilibrium: the checks among the warnings report it
-        yield from _statics(Reducer(item.motion.design))
+        yield from _statics(item.motion.reducer)
 
 
 def _statics(reducer: Reducer) -> Iterator[tuple[str, str]]:

@@ -17,7 +17,7 @@ STYLES = {
 def rating_page(rating: Rating) -> str:
     """Return a rating as one HTML page."""
     states = [STYLES[item.judgement(rating.life)] for item in rating.items.values()]
-    table, give = rating.table(), rating.cam_compliance.table() if rating.cam_compliance else None
+    table = rating.table()
     return (
         environment()
         .get_template("rating.html")
@@ -27,7 +27,6 @@ def rating_page(rating: Rating) -> str:
             header=table.header,
             rows=list(zip(states, table.cells, strict=True)),
             failing=len(rating.failing),
-            give=None if give is None else TextTable([give.header], give.cells),
-            give_title=give.title if give else "",
+            texts=TextTable.of,
         )
     )

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from markupsafe import Markup
 
 from cycloid_mj.base.outcome import Outcome, Picture
-from cycloid_mj.base.result import Table
 from cycloid_mj.report.page import environment
 from cycloid_mj.report.tables import TextTable
 
@@ -17,11 +16,7 @@ if TYPE_CHECKING:
 
 def outcome_page(outcome: Outcome) -> str:
     """Return an outcome as one HTML page."""
-    return environment().get_template("outcome.html").render(outcome=outcome, texts=_texts, source=_source)
-
-
-def _texts(table: Table) -> TextTable:
-    return TextTable([table.header], table.cells)
+    return environment().get_template("outcome.html").render(outcome=outcome, texts=TextTable.of, source=_source)
 
 
 def _source(picture: Picture) -> str:
@@ -50,6 +45,7 @@ def calibration_page(calibration: "Calibration", figure: str, remarks: Sequence[
             remarks=remarks,
             bench=f"{calibration.fitted.bench.held} fixed",
             tables=calibration.tables(),
+            texts=TextTable.of,
             unexplained=UNEXPLAINED,
             figure=Markup(drawing),
         )

@@ -8,6 +8,7 @@ from cycloid_mj.design import dump
 from cycloid_mj.explore import Sweep
 from cycloid_mj.explore.ranks import tables
 from cycloid_mj.report.page import environment
+from cycloid_mj.report.tables import TextTable
 
 MAX_ERRORS = 12
 """Different errors that the page lists."""
@@ -31,6 +32,7 @@ def sweep_page(sweep: Sweep, quantities: Sequence[str], figure: bytes) -> str:
             errors=list(sweep.errors.items())[:MAX_ERRORS],
             more_errors=max(0, len(sweep.errors) - MAX_ERRORS),
             rows=_rows(sweep, quantities),
+            texts=TextTable.of,
             shown=min(len(sweep), MAX_ROWS),
             cpu=sum(row.cpu for row in sweep.rows.values()),
             design=dump(task.reducer.design),

@@ -5,6 +5,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from cycloid_mj.analysis import GROUPS, RETURNED, FigureRow, groups
+from cycloid_mj.base.result import Table
 from cycloid_mj.checks import Checks
 from cycloid_mj.design.units import DEGREE, MICROMETRE, MICROSECOND, MILLIMETRE, RPM
 from cycloid_mj.life.checks import check_design
@@ -19,6 +20,11 @@ class TextTable(NamedTuple):
 
     head: Sequence[Sequence[str]]
     body: Sequence[Sequence[str]]
+
+    @classmethod
+    def of(cls, table: Table) -> "TextTable":
+        """Return the text of a table of a result."""
+        return cls([table.header], table.cells)
 
     @property
     def width(self) -> int:

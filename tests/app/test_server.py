@@ -251,7 +251,7 @@ def test_questions_are_answered_and_failures_reported(server: Running, caplog: p
 
 def test_every_question_of_the_page_has_an_answer() -> None:
     text = "".join(file.read_text() for file in resources.files("cycloid_mj.app").joinpath("assets").iterdir())
-    asks = set(re.findall(r'(?:ask|newest)\("(\w+)"', text))
+    asks = set(re.findall(r'(?:ask|newest|replace)\("(\w+)"', text))
     assert asks == {*AT_ONCE, *QUICK, *SLOWER, "start", "job", "look", "stop"}
 
 

@@ -193,20 +193,26 @@ function fromAddress() {
   return { design, asked };
 }
 
-async function put(entry, step = true) {
+// Show the design that answers a question; return whether there is one.
+async function replace(question, content, asked) {
   let data;
   try {
-    data = await ask("draw", { design: entry.design, changes: {}, play: section.play, asked: entry.asked });
+    data = await ask(question, { ...content, play: section.play, asked });
   } catch (error) {
     toast(error.message);
     return false;
   }
-  state.asked = { ...entry.asked };
+  state.asked = { ...asked };
   another();
   show(data);
-  if (step) remember("");
-  else address();
   return true;
+}
+
+async function put(entry, step = true) {
+  const shown = await replace("draw", { design: entry.design, changes: {} }, entry.asked);
+  if (shown && step) remember("");
+  else if (shown) address();
+  return shown;
 }
 
 async function back(by) {
@@ -222,18 +228,9 @@ function take(drive, form) { return put({ design: drive.design, asked: form }); 
 // --- files
 
 async function open(content) {
-  let data;
-  try {
-    data = await ask("open", { ...content, play: section.play });
-  } catch (error) {
-    toast(error.message);
-    return false;
-  }
-  state.asked = {};
-  another();
-  show(data);
-  remember("");
-  return true;
+  const shown = await replace("open", content, {});
+  if (shown) remember("");
+  return shown;
 }
 
 async function save() {

@@ -48,10 +48,9 @@ export function number(value, digits = 4) {
 }
 
 let hiding;
-export function toast(words, bad = true) {
+export function toast(words) {
   const box = byId("toast");
   box.textContent = words;
-  box.className = bad ? "bad" : "good";
   box.hidden = false;
   clearTimeout(hiding);
   hiding = setTimeout(() => { box.hidden = true; }, 6000);

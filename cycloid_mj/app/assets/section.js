@@ -138,7 +138,7 @@ export class Section {
     const d = this.drawn;
     if (!d) return;
     this.#frame();
-    const bad = part => (this.wrong.some(one => one.place === part) ? ` ${this.wrong.find(one => one.place === part).severity}` : "");
+    const bad = part => { const check = this.wrong.find(one => one.place === part); return check ? ` ${check.severity}` : ""; };
     const circle = (at, r, look) => svg("circle", { cx: at[0], cy: at[1], r, class: look });
     this.discs = d.discs.map((path, disc) => svg("g", { class: `disc${disc ? " behind" : ""}` }, svg("path", { d: path, class: `gear${bad("gear")}`, "fill-rule": "evenodd" }),
       ["bore", "hole"].map(part => bad(part) && (part === "bore" ? circle([0, 0], d.bore_radius, `mark-of${bad(part)}`) : d.holes.map(at => circle(at, d.hole_radius, `mark-of${bad(part)}`))))));

@@ -6,7 +6,7 @@ import { lines, spikes, histogram, bars } from "./charts.js";
 import { Solid } from "./solid.js";
 
 const TABS = { figures: "Figures", turn: "Loads", error: "Error", losses: "Losses", life: "Life", scatter: "Tolerances", stress: "Stress", solid: "3-D", compare: "A | B", make: "Export" };
-const AUTOMATIC = { error: "error", solid: "solid" };
+const STUDIES = ["scatter", "stress"]; // tabs whose results stay until they are computed again
 
 // Bars of judged rows: judgement and length of each bar come from the server.
 const judgedBars = (rows, line) => bars(rows.map(row => ({ name: row.name, share: row.share, text: `${JUDGED[row.judgement].mark} ${row.text}`, look: JUDGED[row.judgement].look, mark: line, title: row.title })));
@@ -50,11 +50,11 @@ export class Tabs {
   // The design has changed: results of the previous one are no longer shown.
   changed() {
     this.errors = null;
-    for (const key of ["error", "solid"]) delete this.last[key];
-    for (const key of ["scatter", "stress"]) if (this.last[key]) this.last[key].old = true;
+    for (const key in this.solved) delete this.last[key];
+    for (const key of STUDIES) if (this.last[key]) this.last[key].old = true;
     this.#want();
-    if (["scatter", "stress", "compare", "make"].includes(this.open)) this.#draw();
-    this.panel.classList.toggle("old", !["scatter", "stress", "make"].includes(this.open));
+    if ([...STUDIES, "compare", "make"].includes(this.open)) this.#draw();
+    this.panel.classList.toggle("old", ![...STUDIES, "make"].includes(this.open));
   }
 
   another() { this.last = {}; this.errors = null; this.#draw(); }
@@ -75,8 +75,7 @@ export class Tabs {
   }
 
   #want() {
-    const key = AUTOMATIC[this.open];
-    if (key && !this.errors && !this.last[key]) this.solved[key].ask({ design: this.state().design });
+    if (this.open in this.solved && !this.errors && !this.last[this.open]) this.solved[this.open].ask({ design: this.state().design });
   }
 
   #draw() {
