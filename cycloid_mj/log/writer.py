@@ -1,6 +1,7 @@
 """Writer of logs: chunk by chunk during a run, or an entire run at once."""
 
 import os
+import sys
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -11,13 +12,14 @@ from typing import BinaryIO
 
 import numpy as np
 import numpy.typing as npt
+from mcap.well_known import MessageEncoding, SchemaEncoding
+from mcap.writer import Writer
 
 from cycloid_mj.base.array import Array, Bytes
 from cycloid_mj.base.atomic_write import encodable_text
 from cycloid_mj.base.errors import LogError, reason
 from cycloid_mj.base.interrupt import defer_signals
 from cycloid_mj.base.record import Run
-from cycloid_mj.log.blocks import BlockWriter, ChannelMessage
 from cycloid_mj.log.encoding import PACKAGE, ColumnGroup
 from cycloid_mj.log.place import LogFile, LogTakenError, unwritable
 from cycloid_mj.log.preamble import Metadata, preamble
@@ -85,7 +87,9 @@ class LogWriter:
         first = preamble(provenance or {}, attachments or {})
         self._place, self._mcap = _open_log(Path(path), force, hidden, first, attachments or {})
         self._channels = [
-            self._mcap.add_channel(group.topic, self._mcap.add_schema(group.message, group.schema()), group.metadata())
+            _add_channel(
+                self._mcap, group.topic, _add_schema(self._mcap, group.message, group.schema()), group.metadata()
+            )
             for group in self._groups
         ]
         self._viewer = viewer
@@ -198,24 +202,18 @@ class LogWriter:
         self, nanoseconds: npt.NDArray[np.uint64], messages: list[Bytes], shown: Mapping[int, list[Message]]
     ) -> None:
         """Append samples that fit into the current chunk, each after the messages for viewers of its time."""
-        between = {
-            row: [self._number(message) for message in shown[time]]
-            for row, time in enumerate(nanoseconds.tolist())
-            if time in shown
-        }
-        try:
-            self._mcap.add_samples(self._channels, nanoseconds, self.samples, messages, between)
-            self.samples += len(nanoseconds)
-        except OSError as problem:
-            raise self._write_error(problem) from problem
+        for row, time in enumerate(nanoseconds.tolist()):
+            for topic, _, content in shown.get(time, ()):
+                self._add_message(self._viewer_channels[topic], time, content, self._frames[topic])
+                self._frames[topic] += 1
+            for channel, block in zip(self._channels, messages, strict=True):
+                self._add_message(channel, time, block[row].tobytes(), self.samples)
+            self.samples += 1
         if self.samples % self._chunk == 0:
             self.flush()
 
-    def _number(self, message: Message) -> ChannelMessage:
-        """Return a viewers' message with its channel and its number there."""
-        topic, time, content = message
-        self._frames[topic] += 1
-        return ChannelMessage(self._viewer_channels[topic], time, self._frames[topic] - 1, content)
+    def _add_message(self, channel: int, time: int, content: bytes, number: int) -> None:
+        self._mcap.add_message(channel, time, content, time, number & 0xFFFFFFFF)
 
     def _check(self, time: Array, values: Mapping[str, Array]) -> None:
         """Raise LogError unless topics, shapes and times of samples are valid."""
@@ -301,7 +299,7 @@ def _open_log(
     hidden: bool,
     first: Metadata,
     attachments: Mapping[str, bytes],
-) -> tuple[LogFile, BlockWriter]:
+) -> tuple[LogFile, Writer]:
     """Open the log and write everything before the samples; leave no file if that fails."""
     place = LogFile(path, force, hidden)
     try:
@@ -313,9 +311,10 @@ def _open_log(
         raise
 
 
-def _write_preamble(stream: BinaryIO, first: Metadata, attachments: Mapping[str, bytes]) -> BlockWriter:
-    """Write metadata and attachments to the disk."""
-    mcap = BlockWriter(stream, PACKAGE)
+def _write_preamble(stream: BinaryIO, first: Metadata, attachments: Mapping[str, bytes]) -> Writer:
+    """Write metadata and attachments to the disk; chunks end at `flush` only."""
+    mcap = Writer(stream, chunk_size=sys.maxsize, enable_data_crcs=True)
+    mcap.start(library=PACKAGE)
     for name, entries in first.items():
         mcap.add_metadata(name, dict(entries))
     _attach(mcap, attachments)
@@ -323,21 +322,28 @@ def _write_preamble(stream: BinaryIO, first: Metadata, attachments: Mapping[str,
     return mcap
 
 
-def _attach(mcap: BlockWriter, attachments: Mapping[str, bytes]) -> None:
+def _attach(mcap: Writer, attachments: Mapping[str, bytes]) -> None:
     """Write attachments, contents by name."""
     for name, content in attachments.items():
-        mcap.add_attachment(encodable_text(name), _media_type(name), content)
+        media_type = MEDIA_TYPES.get(PurePath(name).suffix, "application/octet-stream")
+        mcap.add_attachment(0, 0, encodable_text(name), media_type, content)
 
 
-def _media_type(name: str) -> str:
-    return MEDIA_TYPES.get(PurePath(name).suffix, "application/octet-stream")
-
-
-def _viewer_channels(mcap: BlockWriter, viewer: Viewer) -> dict[str, int]:
+def _viewer_channels(mcap: Writer, viewer: Viewer) -> dict[str, int]:
     """Add the topics of a viewer and return their channels."""
-    schemas = {name: mcap.add_schema(name, schema) for name, schema in viewer.schemas.values()}
+    schemas = {name: _add_schema(mcap, name, schema) for name, schema in viewer.schemas.values()}
     metadata = {RATE: repr(viewer.rate)}
-    return {topic: mcap.add_channel(topic, schemas[name], metadata) for topic, (name, _) in viewer.schemas.items()}
+    return {topic: _add_channel(mcap, topic, schemas[name], metadata) for topic, (name, _) in viewer.schemas.items()}
+
+
+def _add_schema(mcap: Writer, name: str, schema: bytes) -> int:
+    number: int = mcap.register_schema(name, SchemaEncoding.Protobuf, schema)
+    return number
+
+
+def _add_channel(mcap: Writer, topic: str, schema: int, metadata: dict[str, str]) -> int:
+    number: int = mcap.register_channel(topic, MessageEncoding.Protobuf, schema, metadata)
+    return number
 
 
 def _check_groups(groups: Groups) -> list[ColumnGroup]:
