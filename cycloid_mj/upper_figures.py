@@ -1,6 +1,6 @@
 """Figures of the layers above `figures`: checks, life and stress; each function is imported when it is first used."""
 
-from cycloid_mj.figures.figure import Figure, Need
+from cycloid_mj.figures.figure import Compute, Figure, Need
 from cycloid_mj.reducer import Reducer
 
 _RATED = "at the nominal torque and speed"
@@ -20,6 +20,17 @@ def _has_covers(reducer: Reducer) -> bool:
     from cycloid_mj.parts.export.drive import has_casing
 
     return has_casing(reducer)
+
+
+def _of_part(kind: str, name: str) -> Compute:
+    """Return the function of a figure of the parts of a kind, by finite elements."""
+
+    def compute(reducer: Reducer) -> float:
+        from cycloid_mj.stress.figures import part_figure
+
+        return part_figure(reducer, kind, name)
+
+    return compute
 
 
 UPPER_FIGURES = (
@@ -225,7 +236,7 @@ UPPER_FIGURES = (
             definition=f"Largest von Mises stress of {words} away from contacts, or at a fillet by its notch factor, "
             "over a turn of the crank under the load or else the nominal torque, by `cycloid-mj stress --quick`.",
             need=Need.STRESS,
-            function=f"cycloid_mj.stress.figures:{kind}_stress",
+            function=_of_part(kind, "stress_mpa"),
         )
         for kind, words in PARTS.items()
     ),
@@ -237,7 +248,7 @@ UPPER_FIGURES = (
             definition=f"Largest Hertz pressure on {words} over a turn of the crank under the load, or the "
             "nominal torque without one, by `cycloid-mj stress --quick`; none if every contact is conformal.",
             need=Need.STRESS,
-            function=f"cycloid_mj.stress.figures:{kind}_contact_pressure",
+            function=_of_part(kind, "contact_pressure_mpa"),
         )
         for kind, words in PARTS.items()
     ),
@@ -249,7 +260,7 @@ UPPER_FIGURES = (
             definition=f"Shakedown limit 4 k of the surface over the largest Hertz pressure on {words}, by "
             "`cycloid-mj stress --quick`: below 1, rolling yields at every pass (pitting life: `cycloid-mj rate`).",
             need=Need.STRESS,
-            function=f"cycloid_mj.stress.figures:{kind}_contact_safety",
+            function=_of_part(kind, "contact_safety"),
         )
         for kind, words in PARTS.items()
     ),

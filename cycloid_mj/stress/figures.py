@@ -1,8 +1,7 @@
 """Figures of the catalogue by finite elements: stress and contact pressure of each kind of part, from a run."""
 
 import math
-from collections.abc import Iterable, Mapping
-from functools import partial
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from cycloid_mj.base import names
 from cycloid_mj.base.record import Run
@@ -52,48 +51,28 @@ def _study_part(reducer: Reducer, part: str) -> PartFindings:
     return part_study(run, ran, part, QUICK).findings
 
 
-def _stress(reducer: Reducer, kind: str) -> float:
-    """Compute the largest stress of the parts of a kind [MPa], NaN where there is none; errors as `stress_study`."""
-    return _largest(item.governing / MEGAPASCAL for item in _of_kind(reducer, kind))
-
-
-def _of_kind(reducer: Reducer, kind: str) -> list[PartFindings]:
-    """Return the findings of all parts of a kind; errors as `stress_study`."""
-    return [_study_part(reducer, part) for part in part_names(reducer) if names.family(part) == kind]
-
-
 def _largest(values: Iterable[float]) -> float:
     """Return the largest number, NaN where there is none."""
     return max((value for value in values if not math.isnan(value)), default=math.nan)
 
 
-def _contact_pressure(reducer: Reducer, kind: str) -> float:
-    """Compute the largest contact pressure of the parts of a kind [MPa], NaN without a line contact."""
-    return _largest(item.largest_pressure / MEGAPASCAL for item in _of_kind(reducer, kind))
-
-
-def _contact_safety(reducer: Reducer, kind: str) -> float:
-    """Compute the smallest safety of a kind against shakedown by contact pressure, NaN without a line contact."""
-    return -_largest(-item.shakedown for item in _of_kind(reducer, kind))
-
-
 KINDS = ("shaft", "gear", "ring", "output", "pin")
 
-shaft_stress, gear_stress, ring_stress, output_stress, pin_stress = (partial(_stress, kind=kind) for kind in KINDS)
-(
-    shaft_contact_pressure,
-    gear_contact_pressure,
-    ring_contact_pressure,
-    output_contact_pressure,
-    pin_contact_pressure,
-) = (partial(_contact_pressure, kind=kind) for kind in KINDS)
-(
-    shaft_contact_safety,
-    gear_contact_safety,
-    ring_contact_safety,
-    output_contact_safety,
-    pin_contact_safety,
-) = (partial(_contact_safety, kind=kind) for kind in KINDS)
+FIGURES_OF_PARTS: Mapping[str, Callable[[Sequence[PartFindings]], float]] = {
+    "stress_mpa": lambda parts: _largest(part.governing / MEGAPASCAL for part in parts),
+    "contact_pressure_mpa": lambda parts: _largest(part.largest_pressure / MEGAPASCAL for part in parts),
+    "contact_safety": lambda parts: -_largest(-part.shakedown for part in parts),
+}
+"""End of a figure's key, after one of `KINDS` -> its value from the findings of all parts of that kind.
+
+The largest stress, the largest contact pressure, and the smallest safety factor against shakedown; NaN without any.
+"""
+
+
+def part_figure(reducer: Reducer, kind: str, name: str) -> float:
+    """Compute one of `FIGURES_OF_PARTS` for the parts of a kind, from a run of one turn; errors as `stress_study`."""
+    parts = [part for part in part_names(reducer) if names.family(part) == kind]
+    return FIGURES_OF_PARTS[name]([_study_part(reducer, part) for part in parts])
 
 
 def wind_up_by_part(reducer: Reducer, mounts: Mounts | None = None) -> dict[str, float]:
@@ -117,13 +96,8 @@ def of_study(findings: StressFindings) -> Mapping[str, Quantity]:
     figures = {}
     for kind in KINDS:
         parts = [part for part in findings.parts if names.family(part.part) == kind]
-        values = {
-            f"{kind}_stress_mpa": _largest(part.governing / MEGAPASCAL for part in parts),
-            f"{kind}_contact_pressure_mpa": _largest(part.largest_pressure / MEGAPASCAL for part in parts),
-            f"{kind}_contact_safety": -_largest(-part.shakedown for part in parts),
-        }
-        for key, value in values.items():
-            if not math.isnan(value):
-                row = figure(key)
-                figures[key] = Quantity(key, row.name, value, row.unit)
+        for name, compute in FIGURES_OF_PARTS.items():
+            if not math.isnan(value := compute(parts)):
+                row = figure(f"{kind}_{name}")
+                figures[row.key] = Quantity(row.key, row.name, value, row.unit)
     return figures
