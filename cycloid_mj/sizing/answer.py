@@ -252,19 +252,18 @@ def _larger_with_stock(requirement: Requirement) -> Iterator[Remedy]:
     """Yield the smallest tried diameter with parts in stock, and further changes that it needs."""
     larger = _of_diameter(requirement, DIAMETER_STEP * requirement.diameter)
     while larger:
-        answer = _size_first_drive(larger) if next(coordinate_search(larger, Budget()), None) else None
-        size = f"{1e3 * larger.diameter:g} mm"
+        changed = larger.requirement
+        answer = _size_first_drive(changed) if next(coordinate_search(changed, Budget()), None) else None
         if answer and answer.drives:
-            yield Remedy(size, larger)
+            yield larger
             return
         if answer and answer.remedies:
             remedy = answer.remedies[0]
-            yield Remedy(
-                remedy.words if remedy.requirement.diameter != larger.diameter else f"{size} and {remedy.words}",
-                remedy.requirement,
-            )
+            same_size = remedy.requirement.diameter == changed.diameter
+            words = f"{larger.words} and {remedy.words}" if same_size else remedy.words
+            yield Remedy(words, remedy.requirement)
             return
-        larger = _of_diameter(larger, DIAMETER_STEP * larger.diameter)
+        larger = _of_diameter(changed, DIAMETER_STEP * changed.diameter)
 
 
 def _longer_drive(requirement: Requirement) -> Remedy | None:
@@ -324,7 +323,7 @@ def _resolve_backlash(requirement: Requirement, minimum: float, choose: Choice, 
     if (clearance := CLEARANCE_MARGIN * share * requirement.usual_clearance) >= finest:
         remedies.append(Remedy(f"clearances of {1e6 * clearance:.2g} um", requirement.but(clearance=clearance, fit="")))
     if larger := _of_diameter(requirement, requirement.diameter / (CLEARANCE_MARGIN * share)):
-        remedies.append(Remedy(f"{1e3 * larger.diameter:g} mm", larger))
+        remedies.append(larger)
     looser = requirement.but(backlash=math.ceil(100.0 * minimum) / 100.0)
     remedies.append(Remedy(f"a backlash of {looser.backlash:g} arcmin", looser))
     exact = tuple(remedy for remedy in remedies if _exact(remedy.requirement)) if held else ()
@@ -333,13 +332,13 @@ def _resolve_backlash(requirement: Requirement, minimum: float, choose: Choice, 
 
 def _process_and_backlash(requirement: Requirement, looser: Remedy) -> Iterator[Remedy]:
     """Yield the strongest process, or a larger backlash, with the further change that the torque needs."""
-    for words, changed in [*reversed(list(_processes(requirement))), (looser.words, looser.requirement)]:
-        answer = _size_first_drive(changed)
+    for change in (*reversed(_stronger_processes(requirement)), looser):
+        answer = _size_first_drive(change.requirement)
         if answer.drives:
-            yield Remedy(words, changed)
+            yield change
             return
         if remedy := next((remedy for remedy in answer.remedies if _exact(remedy.requirement)), None):
-            yield Remedy(f"{words} and {remedy.words}", remedy.requirement)
+            yield Remedy(f"{change.words} and {remedy.words}", remedy.requirement)
             return
 
 
@@ -422,9 +421,8 @@ def _max_torque(requirement: Requirement, top: Step) -> tuple[float, TorqueTrial
     """Find the maximum torque [N m] that a rating of the best proportions confirms, rounded down to three digits."""
     proportions, trial = top
     trial = solve_capacity(trial.reducer, trial.capacity)
-    torque = TORQUE_MARGIN * min(
-        trial.capacity, top[1].capacity
-    )  # beyond what was seen on the way up, the search would not look
+    # no search for a torque finds more than the capacity of its last step, even if a rating confirms more
+    torque = TORQUE_MARGIN * min(trial.capacity, top[1].capacity)
     for _ in range(MAX_TORQUE_STEPS):
         torque = _floor_digits(torque)
         if torque < MIN_TORQUE_SHARE * START_TORQUE[requirement.process] * requirement.diameter**3:
@@ -480,18 +478,20 @@ def _candidate_remedies(requirement: Requirement, top: Step, most: float) -> Ite
             yield Remedy(material, requirement.but(material=material))
     if requirement.discs in (0, 1):
         yield Remedy("two discs", requirement.but(discs=2))
-    for words, changed in _processes(requirement):
-        yield Remedy(words, changed)
+    yield from _stronger_processes(requirement)
     if not requirement.custom:
         yield Remedy(ANY_SIZE, requirement.but(custom=True))
 
 
-def _processes(requirement: Requirement) -> Iterator[tuple[str, Requirement]]:
-    for process in PROCESSES[requirement.process].stronger:
-        yield (
+def _stronger_processes(requirement: Requirement) -> tuple[Remedy, ...]:
+    """Return the changes to the stronger processes, with their usual material and clearances."""
+    return tuple(
+        Remedy(
             f"{process} in place of {requirement.process}",
             requirement.but(process=process, material="", clearance=0.0, fit=""),
         )
+        for process in PROCESSES[requirement.process].stronger
+    )
 
 
 def _meets_torque(requirement: Requirement, top: Step, budget: Budget) -> bool:
@@ -508,23 +508,23 @@ def _larger_diameter(requirement: Requirement, capacity: float, budget: Budget) 
 
     If a size cannot be built, as parts in stock end, the diameter is searched between it and the previous one.
     """
-    made, beyond = requirement.diameter, math.inf
+    built, unbuildable = requirement.diameter, math.inf
     for _ in range(MAX_DIAMETER_STEPS):
         grown = (
-            made * max((requirement.torque / capacity) ** (1.0 / TORQUE_EXPONENT), MIN_DIAMETER_STEP)
+            built * max((requirement.torque / capacity) ** (1.0 / TORQUE_EXPONENT), MIN_DIAMETER_STEP)
             if capacity
-            else DIAMETER_STEP * made
+            else DIAMETER_STEP * built
         )
-        larger = _of_diameter(requirement, min(grown, math.sqrt(made * beyond)))
-        if larger is None or not made < larger.diameter < beyond:
+        larger = _of_diameter(requirement, min(grown, math.sqrt(built * unbuildable)))
+        if larger is None or not built < (diameter := larger.requirement.diameter) < unbuildable:
             return None
-        step, path = _search_within(larger, budget)
+        step, path = _search_within(larger.requirement, budget)
         if step:
-            return Remedy(f"{1e3 * larger.diameter:g} mm", larger)
+            return larger
         if not path and capacity:
-            beyond = larger.diameter
+            unbuildable = diameter
         else:
-            made, capacity = larger.diameter, _safe_capacity(path)
+            built, capacity = diameter, _safe_capacity(path)
     return None
 
 
@@ -539,12 +539,10 @@ def _combined_remedies(requirement: Requirement) -> Iterator[Remedy]:
     If heat limits the torque, the crank is slowed down first.
     """
     budget = Budget(COMBINATION_BUDGET)
-    for also, changed in [
-        *reversed(list(_processes(requirement))),
-        ("", requirement),
-        ("two discs", requirement.but(discs=2)),
-    ]:
-        slower, words = changed, [also] if also else []
+    unchanged, two_discs = Remedy("", requirement), Remedy("two discs", requirement.but(discs=2))
+    for change in (*reversed(_stronger_processes(requirement)), unchanged, two_discs):
+        changed, words = change.requirement, [change.words] if change.words else []
+        slower = changed
         step, path = _search_within(changed, budget)
         for _ in range(MAX_SPEED_STEPS):
             speed = math.floor(SPEED_MARGIN * _safe_capacity(path) / requirement.torque * slower.speed / RPM) * RPM
@@ -574,15 +572,13 @@ def _is_heated(path: list[Step]) -> bool:
     return weakest is not None and weakest.key == "temperature"
 
 
-def _of_diameter(requirement: Requirement, diameter: float) -> Requirement | None:
-    """Return the requirement with a diameter [m], rounded up to 1, 5 or 10 mm; None if it is too large."""
+def _of_diameter(requirement: Requirement, diameter: float) -> Remedy | None:
+    """Return the change to a diameter [m], rounded up to 1, 5 or 10 mm; None if it is too large."""
     step = 1e-3 if diameter < 0.05 else 5e-3 if diameter < 0.2 else 1e-2
     rounded = round(math.ceil(diameter / step - 1e-9) * step, 6)
-    return (
-        requirement.but(diameter=rounded)
-        if rounded <= (fits.LARGEST / LARGEST_PAIR if requirement.fit else MAX_DIAMETER)
-        else None
-    )
+    if rounded > (fits.LARGEST / LARGEST_PAIR if requirement.fit else MAX_DIAMETER):
+        return None
+    return Remedy(f"{MILLIMETRES * rounded:g} mm", requirement.but(diameter=rounded))
 
 
 def _shortlist(requirement: Requirement, step: Step) -> Iterator[SizedDrive]:
@@ -651,8 +647,8 @@ def _best_by(
 ) -> Step | None:
     """Return the drive with the largest merit above a minimum that supports the torque at all crank angles."""
     merits = [(merit(trial), proportions) for proportions, trial in steps]
-    for is_considered, proportions in sorted(merits, key=lambda pair: pair[0], reverse=True):
-        if is_considered <= minimum:
+    for estimate, proportions in sorted(merits, key=lambda pair: pair[0], reverse=True):
+        if estimate <= minimum:
             return None
         if (sure := _rate_proportions(requirement, proportions, requirement.torque)) and merit(sure) > minimum:
             return proportions, sure
@@ -688,16 +684,8 @@ def _others(requirement: Requirement, lightest: Step) -> list[Step]:
     start: Proportions | None = narrow
     while start and left > 0:
         wide = start.but(width=min(WIDTH_RATIO * start.width, GRID["width"][-1]))
-        varied = [
-            wide,
-            *(
-                one
-                for change in VARIATIONS
-                for proportions in (start, wide)
-                for one in _neighbours(proportions, *change)
-            ),
-        ]
-        unseen = [proportions for proportions in varied if proportions not in seen][:left]
+        neighbours = (proportions.neighbour(*change) for change in VARIATIONS for proportions in (start, wide))
+        unseen = [proportions for proportions in (wide, *neighbours) if proportions and proportions not in seen][:left]
         seen.update(unseen)
         left -= len(unseen)
         found += [(proportions, trial) for proportions in unseen if (trial := _first_rating(requirement, proportions))]
@@ -709,13 +697,6 @@ def _others(requirement: Requirement, lightest: Step) -> list[Step]:
 def _effort(trial: TorqueTrial) -> float:
     """Estimate the cost of rating a drive relative to one disc that is easily balanced."""
     return trial.reducer.design.gear.discs * (1.0 + trial.work / BALANCE_WORK)
-
-
-def _neighbours(proportions: Proportions, name: str, sense: int) -> Iterator[Proportions]:
-    levels = GRID[name]
-    at = levels.index(getattr(proportions, name)) + sense
-    if 0 <= at < len(levels):
-        yield proportions.but(**{name: levels[at]})
 
 
 def _first_rating(requirement: Requirement, proportions: Proportions) -> TorqueTrial | None:
@@ -758,7 +739,7 @@ def _figures(trial: TorqueTrial) -> Figures:
     lasting, _ = rated_torque(reducer, speed, life, guess=max(about, trial.torque), exact=RATED_TORQUE_RTOL)
     stops = [item.safety or 0.0 for item in rating.items.values() if is_momentary(item.key)] if rating else [0.0]
     momentary = 2.0 * trial.torque * min(stops)
-    if momentary < MOMENTARY_MARGIN * lasting:  # it ends the rated torque: told as the data sheet has it
+    if momentary < MOMENTARY_MARGIN * lasting:  # it may limit the rated torque: compute it as the data sheet does
         momentary, _ = momentary_torque(reducer)
     return {
         "ratio": design.reduction,

@@ -150,10 +150,9 @@ def _first_improvement(requirement: Requirement, best: Step, tested: set[Proport
 
 def _moves(best: Step) -> Iterator[Proportions]:
     proportions, trial = best
-    for name, sense in MOVES[part_of(trial)]:
-        at = GRID[name].index(getattr(proportions, name)) + sense
-        if 0 <= at < len(GRID[name]):
-            yield proportions.but(**{name: GRID[name][at]})
+    for change in MOVES[part_of(trial)]:
+        if neighbour := proportions.neighbour(*change):
+            yield neighbour
 
 
 def part_of(trial: TorqueTrial) -> str:

@@ -93,6 +93,11 @@ class Proportions:
         """Return other proportions."""
         return replace(self, **changes)
 
+    def neighbour(self, name: str, sense: int) -> Self | None:
+        """Return the proportions with the next value of `GRID` up (1) or down (-1) in one of them; None at its end."""
+        place = GRID[name].index(getattr(self, name)) + sense
+        return self.but(**{name: GRID[name][place]}) if 0 <= place < len(GRID[name]) else None
+
 
 def build_drive(requirement: Requirement, proportions: Proportions, torque: float) -> Reducer | None:
     """Build a drive of some proportions for a torque [N m]; return None if it does not meet the requirement."""
