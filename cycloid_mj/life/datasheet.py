@@ -32,6 +32,7 @@ from cycloid_mj.parts.export.drive import has_casing
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import loads, powers, springs_of
 from cycloid_mj.statics.sheet import Sheet, sheet
+from cycloid_mj.statics.springs import at_rest
 
 CURVE_POSES, CURVE_RTOL = 61, 2e-3
 """Crank angles and relative accuracy of the points of a curve."""
@@ -182,7 +183,7 @@ def _ratings(
     """Return the torques and the speed; the arguments are rated and momentary torque with their limiting items."""
     design = reducer.design
     speed, direction = design.drive.speed, "same" if design.ratio > 0 else "opposite"
-    condition = f"{abs(speed) / RPM:.0f} rpm input"
+    condition = f"{_speed(reducer)} input"
     by_bearings, bearing = rated_torque(reducer, speed, life, is_bearing_life)
     (rated, weakest), (momentary, stop) = for_life, momentarily
     return (
@@ -235,7 +236,7 @@ def _efficiency(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
     """Return efficiencies, torques without load, and the temperature rise."""
     design = reducer.design
     quantities = static.quantities
-    condition = f"{design.rated_torque:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm"
+    condition = f"{design.rated_torque:.4g} N m, {_speed(reducer)}"
     housing = rate_at_rated_load(reducer).items["temperature"]
     ambient = design.service.ambient_temperature
     return (
@@ -438,7 +439,7 @@ def _efficiency_curve(reducer: Reducer) -> Curve:
     for torque, in_bearings in zip(torques, np.interp(torques, ends, lost), strict=True):
         contacts = powers(reducer, float(torque))
         shares.append(contacts.delivered / (contacts.supplied + in_bearings))
-    panel = f"Efficiency at {speed / RPM:.0f} rpm"
+    panel = f"Efficiency at {_speed(reducer)}"
     return Curve(
         panel, "all bearings included", torques, 100.0 * np.array(shares), "output torque [N m]", "efficiency [%]"
     )
@@ -446,7 +447,7 @@ def _efficiency_curve(reducer: Reducer) -> Curve:
 
 def _wind_up_curve(reducer: Reducer) -> Curve:
     """Compute the turn of the output over its torque, with the input locked."""
-    still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
+    still = at_rest(reducer)
     springs = springs_of(still, friction=False)
     torques = reducer.design.rated_torque * np.array([*(-np.array(TORSION_SHARES[::-1])), *TORSION_SHARES])
     turns = [float(loads(still, springs, float(torque)).output_turn.mean()) / ARCMINUTE for torque in torques]

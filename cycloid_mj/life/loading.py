@@ -16,7 +16,7 @@ from cycloid_mj.parts import crank_solid, mass_properties
 from cycloid_mj.parts.crank import ShaftDimensions, shaft_measures
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import Loads, Springs, loads, peak_pressure, powers, springs_of
-from cycloid_mj.statics.bearings import reactions
+from cycloid_mj.statics.bearings import Planes, reactions
 from cycloid_mj.statics.peaks import is_narrow
 from cycloid_mj.statics.springs import POSES as POWER_POSES
 from cycloid_mj.statics.springs import turn_evenly
@@ -26,7 +26,6 @@ POSES = 181
 
 PRELOAD_SHARE = 0.01
 """Torque that closes the clearances, over the load: wind-up is measured from there."""
-
 
 SECTORS = 72
 """Sectors of a turn into which a worn surface is divided, 5 deg each."""
@@ -202,9 +201,8 @@ def _sliding(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[s
     """
     design, output, ring = reducer.design, reducer.design.output, reducer.design.ring
     slip, count = np.abs(springs.slip), springs.teeth
-    slope, discs = springs.contacts.slope, contact_loads.discs
-    push = slope[..., :-1].reshape(*slope.shape[:2], discs, 3)[..., :2].sum(axis=2)
-    towards = np.arctan2(push[..., 1], push[..., 0])
+    discs, directions = contact_loads.discs, springs.directions
+    towards = np.arctan2(directions[..., 1], directions[..., 0])
     teeth, on_teeth = contact_loads.teeth, slip[:, :count]
     seat = design.seat_pair
     sliding: dict[str, Sliding] = {}
@@ -215,33 +213,30 @@ def _sliding(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[s
         sliding[design.tooth_pair] = _sliding_of(reducer, design.tooth_pair, teeth, on_teeth, ring.pin_radius, density)
     elif seat == "pin_sleeve":
         in_bore = on_teeth * ring.sleeve_bore_radius / ring.pin_radius
-        around = 2.0 * math.pi * ring.sleeve_bore_radius * teeth.shape[1]
-        density = float((teeth * in_bore).sum(axis=1).mean()) / around
+        density = _mean_density(teeth * in_bore, ring.sleeve_bore_radius)
         sliding[seat] = _sliding_of(reducer, seat, teeth, in_bore, ring.sleeve_bore_radius, density)
     else:
-        around = 2.0 * math.pi * ring.pin_radius * teeth.shape[1]
+        lengths = _circle_lengths(ring.pin_radius, teeth.shape[1])
         azimuth = np.tile(profile.pin_angles(reducer.tooth_profile), discs * ring.halves)
-        density = _largest_density(teeth * on_teeth, towards[:, :count] + azimuth, _equal_sectors(around), steady=False)
+        density = _largest_density(teeth * on_teeth, towards[:, :count] + azimuth, lengths, steady=False)
         sliding[seat] = _sliding_of(reducer, seat, teeth, on_teeth, ring.pin_radius, density)
     pressed, on_pins = contact_loads.output, slip[:, count:]
     if not output.rollers:
-        around = 2.0 * math.pi * output.hole_radius * pressed.shape[1]
+        lengths = _circle_lengths(output.hole_radius, pressed.shape[1])
         azimuth = np.tile(2.0 * math.pi * np.arange(output.pins) / output.pins, discs)
         in_disc = towards[:, count:] + springs.crank[:, np.newaxis] / design.lobes
-        density = _largest_density(pressed * on_pins, in_disc + azimuth, _equal_sectors(around))
+        density = _largest_density(pressed * on_pins, in_disc + azimuth, lengths)
         sliding["output"] = _sliding_of(reducer, "output", pressed, on_pins, output.pin_radius, density)
     elif not output.has_needles:
         on_core = on_pins * output.root_radius / output.pin_radius
-        around = 2.0 * math.pi * output.root_radius * pressed.shape[1]
-        density = float((pressed * on_core).sum(axis=1).mean()) / around
+        density = _mean_density(pressed * on_core, output.root_radius)
         sliding["output_roller"] = _sliding_of(reducer, "output", pressed, on_core, output.root_radius, density)
     if design.gear.bearing == "plain":
         cam = contact_loads.cam
         force = magnitudes(cam)
         speed = np.full_like(force, design.gear.bore_radius * relative_speed(reducer, design.drive.speed))
-        around = 2.0 * math.pi * design.gear.bore_radius * discs
         angle = np.arctan2(cam[..., 1], cam[..., 0]) + springs.crank[:, np.newaxis] / design.lobes
-        density = _largest_density(force * speed, angle, _equal_sectors(around))
+        density = _largest_density(force * speed, angle, _circle_lengths(design.gear.bore_radius, discs))
         sliding["cam"] = _sliding_of(reducer, "cam", force, speed, design.gear.bore_radius, density)
     return sliding
 
@@ -281,9 +276,14 @@ def _largest_density(power: Array, angle: Array, lengths: Array, steady: bool = 
     return float((mean / lengths).max())
 
 
-def _equal_sectors(length: float) -> Array:
-    """Divide a length [m] into equal `SECTORS`, shape (SECTORS,)."""
-    return np.full(SECTORS, length / SECTORS)
+def _mean_density(power: Array, radius: float) -> float:
+    """Compute the mean power per length [W/m] on n circles of a radius [m] that wear evenly, from F v (m, n) [W]."""
+    return float(power.sum(axis=1).mean()) / (2.0 * math.pi * radius * power.shape[1])
+
+
+def _circle_lengths(radius: float, count: int) -> Array:
+    """Compute the arc of several circles of a radius [m] in each of the equal `SECTORS` [m], shape (SECTORS,)."""
+    return np.full(SECTORS, 2.0 * math.pi * radius * count / SECTORS)
 
 
 def _flank_lengths(reducer: Reducer) -> Array:
@@ -313,8 +313,7 @@ def _shaft_forces(reducer: Reducer, shaft: ShaftDimensions, crank: Array, cam: A
     far, near = (0.5 * sum(ends) for ends in shaft.bearings)
     loaded = np.array([*reducer.design.gear.disc_planes, 0.5 * sum(shaft.counterweight)])
     applied = np.concatenate([on_cams, unbalance], axis=1)
-    at_near = -np.einsum("p,mpx->mx", (loaded - far) / (near - far), applied)
-    at_far = -applied.sum(axis=1) - at_near
+    at_far, at_near = Planes(applied, loaded).held_at(far, near)
     return np.array([*loaded, far, near]), np.concatenate([applied, at_far[:, None], at_near[:, None]], axis=1)
 
 

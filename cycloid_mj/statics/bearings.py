@@ -99,17 +99,16 @@ def reaction_quantities(reactions: Reactions) -> Iterator[Quantity]:
 
 def reactions(reducer: Reducer, springs: Springs, contact_loads: Loads) -> Reactions:
     """Compute the bearing reactions to static forces, without weight and unbalance of shaft and output."""
-    slope = springs.contacts.slope
-    push = slope[..., :-1].reshape(*slope.shape[:2], contact_loads.discs, 3)[..., :2].sum(axis=2)
-    count = springs.teeth
 
-    def of(forces: Array, ways: Array) -> Array:
-        by_disc = (forces[..., np.newaxis] * ways).reshape(len(forces), contact_loads.discs, -1, 2)
-        return np.asarray(-by_disc.sum(axis=2))
+    def by_disc(forces: Array, directions: Array) -> Array:
+        """Add the reactions to the normal forces on each disc, shape (m, D, 2)."""
+        each = (forces[..., np.newaxis] * directions).reshape(len(forces), contact_loads.discs, -1, 2)
+        return np.asarray(-each.sum(axis=2))
 
-    return spatial(
-        reducer, -contact_loads.cam, of(contact_loads.output, push[:, count:]), of(contact_loads.teeth, push[:, :count])
-    )
+    on_discs = springs.directions
+    output = by_disc(contact_loads.output, on_discs[:, springs.teeth :])
+    ring = by_disc(contact_loads.teeth, on_discs[:, : springs.teeth])
+    return spatial(reducer, -contact_loads.cam, output, ring)
 
 
 def spatial(reducer: Reducer, shaft: Array, output: Array, ring: Array) -> Reactions:

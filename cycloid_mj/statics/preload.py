@@ -8,7 +8,7 @@ from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.design import Design, Named, resolve
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.balance import loads
-from cycloid_mj.statics.springs import springs_of, turn_evenly
+from cycloid_mj.statics.springs import at_rest, springs_of, turn_evenly
 
 POSES = 13
 """Crank angles over which the torque is averaged."""
@@ -74,7 +74,7 @@ def halves_torque(reducer: Reducer) -> float:
     RunError
         There is no equilibrium.
     """
-    still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
+    still = at_rest(reducer)
     springs = springs_of(still, turn_evenly(still, POSES), friction=False)
     force = _of_halves(reducer, loads(still, springs, IDLE * reducer.design.rated_torque).teeth)
     distance = _of_halves(reducer, springs.contacts.distance[:, : springs.teeth])

@@ -24,7 +24,7 @@ from cycloid_mj.statics.ideal import ideal_peak
 from cycloid_mj.statics.kernel import CARRYING_SHARE
 from cycloid_mj.statics.load_tracking import INERTIA_SHARE, inertia_share, tracking_warnings
 from cycloid_mj.statics.peaks import forces, is_narrow, peak_force, peak_pressure, torque_at_pressure
-from cycloid_mj.statics.springs import POSES, Springs, springs_of, turn_evenly
+from cycloid_mj.statics.springs import POSES, Springs, at_rest, springs_of, turn_evenly
 from cycloid_mj.statics.structure import structure_text, twisting_compliance
 from cycloid_mj.statics.windup import GIVING, Windup, windups
 
@@ -249,7 +249,7 @@ def known_difference(quantity: Quantity) -> float | None:
 
 def _motions(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield backlash, lost motion and stiffness at a locked crank, without friction and weight."""
-    still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
+    still = at_rest(reducer)
     evenly = turn_evenly(reducer)
     springs = springs_of(still, evenly, friction=False)
     ends, small = [], STOP_TORQUE_SHARE * max(load, reducer.design.rated_torque)

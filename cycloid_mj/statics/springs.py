@@ -50,6 +50,12 @@ class Springs:
     body_force: Array
     slip: Array
 
+    @property
+    def directions(self) -> Array:
+        """Direction of the normal force of each contact line and output pin on its disc, shape (m, n, 2)."""
+        slope = self.contacts.slope
+        return np.asarray(slope[..., :-1].reshape(*slope.shape[:2], -1, 3)[..., :2].sum(axis=2))
+
     def load(self, torque: float | Array) -> Array:
         """Compute the generalised forces [N], shape (m, 3 D + 1), of a torque on the carrier [N m].
 
@@ -65,6 +71,11 @@ class Springs:
 def turn_evenly(reducer: Reducer, poses: int = POSES) -> Array:
     """Return crank angles in order [rad], shape (poses,), that cover the turn and the mesh period evenly."""
     return np.asarray(reducer.mesh_turn * np.sort(np.mod(GOLDEN * np.arange(poses), 1.0)))
+
+
+def at_rest(reducer: Reducer) -> Reducer:
+    """Return a reducer with a crank at rest and without weight, for `springs_of` without friction."""
+    return reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
 
 
 def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: bool = True) -> Springs:

@@ -19,7 +19,7 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.balance import Loads, loads
-from cycloid_mj.statics.springs import Springs, springs_of
+from cycloid_mj.statics.springs import Springs, at_rest, springs_of
 from cycloid_mj.statics.structure import wind_up
 
 LOST_MOTION_SHARE = 0.03
@@ -100,7 +100,7 @@ def windups(reducer: Reducer, cranks: Sequence[float] | Array, rated: float, fol
     RunError
         There is no equilibrium.
     """
-    still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
+    still = at_rest(reducer)
     springs = springs_of(still, cranks, friction=False)
     by_torque = {
         side * share: loads(still, springs, side * share * rated, follow) for side in (-1, 1) for share in SHARES
