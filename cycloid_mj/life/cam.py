@@ -40,7 +40,9 @@ def rate_cam_compliance(reducer: Reducer, duty: Duty) -> CamCompliance:
             name = "of the design file"
         varied = reducer.but(stiffness={"cam": factor * linear})
         try:
-            rows.append(case(name, factor * linear, [solve_loading(varied, point).cam for point in points]))
+            rows.append(
+                case(name, factor * linear, [solve_loading(varied, point, stops=False).cam for point in points])
+            )
         except CycloidError:
             rows.append(CamCase(name, factor * linear, None, None))
     crank = design.lobes * turn_evenly(reducer, POSES)

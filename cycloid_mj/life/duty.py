@@ -38,11 +38,12 @@ class Duty:
     @property
     def words(self) -> str:
         """The duty cycle in words."""
-        each = (f"{point.torque:g} N m at {point.speed / RPM:g} rpm, {point.share:.3g}" for point in self.points)
         if len(self.points) == 1:
             point = self.points[0]
             return f"{point.torque:.4g} N m at {point.speed / RPM:.6g} rpm"
-        return "; ".join(each)
+        return "; ".join(
+            f"{point.torque:g} N m at {point.speed / RPM:g} rpm, {point.share:.3g}" for point in self.points
+        )
 
 
 def constant_duty(torque: float, speed: float, peak: float | None = None) -> Duty:

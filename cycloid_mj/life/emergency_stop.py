@@ -18,14 +18,9 @@ KINDS = {
         YIELD_PRESSURE,
         "surface_strength",
         "p0 = 1.79 Y, below a line (Johnson 1985, 4.4); plastics 4 k = 2.31 Y",
-    )
+    ),
+    "peak_dents": ("dents", HARDNESS_PRESSURE, "surface_tensile_strength", "p0 = 2.84 S, Brinell (ISO 18265)"),
 }
-KINDS["peak_dents"] = (
-    "dents",
-    HARDNESS_PRESSURE,
-    "surface_tensile_strength",
-    "p0 = 2.84 S, Brinell (ISO 18265)",
-)
 """Pressure limits of an emergency stop: consequence, factor, strength that it multiplies, and source."""
 
 
@@ -90,9 +85,8 @@ def _torque_at_limits(worst: Loading, limits: Mapping[str, float]) -> tuple[floa
     try:
         at_limit, kind = torque_at_pressure(worst.reducer, worst.springs, limits, guess)
     except RunError:
-        return abs(
-            guess
-        ), f"in {kind}; no equilibrium was found there: the pressure is taken as the square root of the torque"
+        note = f"in {kind}; no equilibrium was found there: the pressure is taken as the square root of the torque"
+        return abs(guess), note
     return abs(at_limit), f"in {kind}, by the equilibrium at that torque"
 
 

@@ -91,8 +91,7 @@ def _speed_by_heat(reducer: Reducer, duty: float) -> float:
 
 def life(reducer: Reducer) -> float:
     """Compute the shortest life of all parts without wear [h]; infinite if none is limited."""
-    items = rate_at_rated_load(reducer).items.values()
-    return min((item.life for item in items if item.decisive and item.life is not None), default=math.inf)
+    return rate_at_rated_load(reducer).shortest_life
 
 
 def bearing_life(reducer: Reducer) -> float:

@@ -142,6 +142,12 @@ class Rating(Presented):
         return next(item for item in self.items.values() if item.decisive)
 
     @property
+    def shortest_life(self) -> float:
+        """Shortest life of the decisive items [h], wear excluded; infinite if none has a life."""
+        lives = (item.life for item in self.items.values() if item.decisive)
+        return min((life for life in lives if life is not None), default=math.inf)
+
+    @property
     def failing(self) -> list[RatedItem]:
         """The items with a safety factor below 1 or a life below the required one; the weakest first."""
         return self._with_judgement(Judgement.FAILED)

@@ -159,7 +159,8 @@ def output_bearing_forces(reducer: Reducer, loading: Loading) -> tuple[Array, Ar
 def _own_forces(reducer: Reducer) -> tuple[float, float]:
     """Compute the largest forces of discs and shaft on both bearings at the nominal torque [N]."""
     design = reducer.design
-    at_rated = solve_loading(reducer, constant_duty(design.rated_torque, design.drive.speed).points[0])
+    point = constant_duty(design.rated_torque, design.drive.speed).points[0]
+    at_rated = solve_loading(reducer, point, stops=False)
     inner, outer = (float(magnitudes(force).max()) for force in output_bearing_forces(reducer, at_rated))
     return inner, outer
 

@@ -65,7 +65,7 @@ def rate_surfaces(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[Rat
         pressure = max(loading.pressures[kind] for loading in loadings)
         strength = reducer.contacts[kind].strength
         if reducer.contacts[kind].weaker_is_plastic:
-            yield _set(reducer, loadings, kind, strength)
+            yield _set(loadings, kind, strength)
             continue
         for key, what, factor, source in (
             ("yield", "first yield", YIELD_PRESSURE, "p0 = 1.79 Y, below a line (Johnson 1985, 4.4)"),
@@ -87,7 +87,7 @@ def rate_surfaces(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[Rat
             yield _pitting(reducer, loadings, kind, pressure)
 
 
-def _set(reducer: Reducer, loadings: Sequence[Loading], kind: str, strength: float) -> RatedItem:
+def _set(loadings: Sequence[Loading], kind: str, strength: float) -> RatedItem:
     """Rate a plastic by the time until its pressures leave a permanent set, by Miner's sum over the duty cycle."""
     limit = SHAKEDOWN_PRESSURE * strength
     damage = sum(loading.point.share / set_hours(loading.pressures[kind], limit) for loading in loadings)

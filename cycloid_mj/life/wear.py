@@ -35,12 +35,13 @@ NAMES = {
 def rate_wear(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
     """Rate wear at the place that wears fastest, and state p v and the sliding distance."""
     for kind in loadings[0].sliding:
-        coefficient, source = wear_coefficient(reducer, "output" if kind == "output_roller" else kind)
+        pair = "output" if kind == "output_roller" else kind
+        coefficient, source = wear_coefficient(reducer, pair)
         density = sum(loading.sliding[kind].density * loading.point.share for loading in loadings)
         speed = sum(loading.sliding[kind].speed * loading.point.share for loading in loadings)
         largest = max(loading.sliding[kind].pressure_speed for loading in loadings)
         depth = coefficient * density / reducer.design.gear.face_width * 3600.0 * HOURS
-        limit = getattr(reducer.design.clearance, "output" if kind == "output_roller" else kind)
+        limit = getattr(reducer.design.clearance, pair)
         distance = speed * 3.6 * HOURS
         yield RatedItem(
             f"{kind}_wear",

@@ -48,8 +48,7 @@ class TorqueTrial:
     @property
     def life(self) -> float:
         """Shortest life of its parts [h]."""
-        lives = [item.life for item in self.rating.items.values() if item.decisive] if self.rating else []
-        return min((life for life in lives if life is not None), default=math.inf)
+        return self.rating.shortest_life if self.rating else math.inf
 
 
 def rate_drive(reducer: Reducer, torque: float, poses: int = FEW_ANGLES) -> TorqueTrial:
