@@ -1,4 +1,4 @@
-"""How a drive is made: what each process can do, and what its parts are made of."""
+"""Manufacturing processes of a drive: clearances and materials."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,20 +9,20 @@ Process = Literal["steel", "printed", "milled"]
 
 @dataclass(frozen=True)
 class ProcessLimits:
-    """What a process is good for.
+    """Clearances and materials of a process, and its changes to the preset.
 
     Attributes
     ----------
     clearance, finest
-        Usual clearance of each pair, and the least that it can hold [m].
+        Usual clearance of each pair, and the smallest that the process achieves [m].
     material, others
-        Of gear and housing: the usual one, and those that may be taken instead.
+        Usual material of disc and housing, and alternatives.
     stronger
-        Processes whose drives bear more.
+        Processes whose drives carry larger torques.
     changes
         Changes of the preset ``pin``, by table.
     reasons
-        Of these, by the key of the design file's model.
+        Reasons for these values, by the key of the design file's model.
     """
 
     clearance: float
@@ -36,7 +36,7 @@ class ProcessLimits:
 
 _BOUGHT = {"pin_material": {"name": "bearing steel"}}
 _HARD_CRANK = {"shaft_material": {"name": "case-hardened 16MnCr5"}}
-"""58 HRC at least under needles: what their ratings are for (SKF, Rolling bearings, 2018; NTN CAT. 2300)."""
+"""At least 58 HRC under needles, as their load ratings require (SKF, Rolling bearings, 2018; NTN CAT. 2300)."""
 
 PROCESSES: dict[Process, ProcessLimits] = {
     "steel": ProcessLimits(
