@@ -34,7 +34,7 @@ def test_the_page_says_what_was_compared() -> None:
     )
     assert "at 1640 rpm." in told
     assert "Time steps: 3.1 us." in told
-    assert "| | no load, nonpin like pin | 36.68 N m, nonpin like pin |" in told
+    assert "|  | no load, nonpin like pin | 36.68 N m, nonpin like pin |" in told
     assert "| gear speed [rad/s] | 114 to 157 (0.013) | 0.002 |" in told
     assert "| efficiency [%] | 88.0 | 88.0 |" in told
 
