@@ -147,7 +147,7 @@ def export(
     parts: name -> count) and bom (item, count, size, material, made_or_bought, designation, fit).
     """
     from cycloid_mj.base.units import MILLIMETRES
-    from cycloid_mj.parts import fuse
+    from cycloid_mj.parts import mesh
     from cycloid_mj.parts.export import (
         bill,
         bill_csv,
@@ -184,7 +184,7 @@ def export(
         parts |= {PLATE: stl_bytes(printed.mesh, MILLIMETRES), NAMED_PLATE: threemf_bytes(printed)}
         parts |= {BILL: bill_csv(items)}
         if is_plastic(reducer):
-            parts |= {f"{name}.stl": stl_bytes(fuse(one), MILLIMETRES) for name, one in coupon(chord_error).items()}
+            parts |= {f"{name}.stl": stl_bytes(mesh(one), MILLIMETRES) for name, one in coupon(chord_error).items()}
             warn(design.name, print_warnings(reducer, printed, chord_error, sizes))
     if assembly:
         parts |= _assembly(reducer, sizes)

@@ -24,7 +24,6 @@ from cycloid_mj.parts.parts import (
 from cycloid_mj.parts.polygon import circle
 from cycloid_mj.parts.prism import Prism, Solid
 from cycloid_mj.parts.shaft import shaft_solid, spacer_radius, stretches
-from cycloid_mj.parts.union import fuse
 
 __all__ = [
     "VISUAL_CHORD_ERROR",
@@ -40,7 +39,6 @@ __all__ = [
     "circle",
     "crank_solid",
     "crank_stretches",
-    "fuse",
     "gear_solid",
     "housing_solid",
     "lay_out_parts",

@@ -1,12 +1,10 @@
-"""Closed polygons in the plane: arcs and circles as polygons, area moments, edges that cross."""
+"""Closed polygons in the plane: arcs and circles as polygons, and their area moments."""
 
 import math
-from collections.abc import Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from cycloid_mj.base.array import Array, Mask
 
@@ -95,22 +93,6 @@ def within(points: Array, loop: Array) -> Mask:
     return inside
 
 
-def crossing(rings: Sequence[Array]) -> Array | None:
-    """Compute a point (2,) [m] near which two edges of closed polygons touch or cross, or None.
-
-    Consecutive edges share a vertex and are not tested. A sweep along x tests only pairs of edges with overlapping
-    bounding boxes.
-    """
-    start = np.concatenate(rings)
-    end = np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
-    following = _following(rings)
-    i, j = _overlapping_pairs(np.minimum(start, end), np.maximum(start, end))
-    separate = (following[i] != j) & (following[j] != i)
-    i, j = i[separate], j[separate]
-    intersect = _sides_differ(start[i], end[i], start[j], end[j]) & _sides_differ(start[j], end[j], start[i], end[i])
-    return (start[i[intersect][0]] + end[i[intersect][0]]) / 2 if intersect.any() else None
-
-
 def _sums(values: Array) -> Array:
     """Sum each row of values (k, n) in about twice the working precision, by Knuth's two-sum."""
     left_out = np.zeros(len(values))
@@ -127,33 +109,3 @@ def _segments(radius: float, span: float, chord_error: float) -> int:
     """Return the number of chords for a sagitta radius (1 - cos(step / 2)); at least 8 per turn."""
     step = 2 * math.acos(max(1.0 - chord_error / radius, math.cos(math.pi / 8)))
     return max(1, math.ceil(abs(span) / step))
-
-
-def _following(rings: Sequence[Array]) -> npt.NDArray[np.intp]:
-    """Return the index of the next edge of each edge, in the concatenation of the rings."""
-    first = np.cumsum([0, *(len(ring) for ring in rings)])
-    return np.concatenate(
-        [start + np.roll(np.arange(len(ring)), -1) for start, ring in zip(first, rings, strict=False)]
-    )
-
-
-def _overlapping_pairs(low: Array, high: Array) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
-    """Return index pairs (i, j) of boxes low..high (n, 2) that overlap or touch, each pair once."""
-    order = np.argsort(low[:, 0])
-    low, high = low[order], high[order]
-    rank = np.arange(len(order))
-    count = np.searchsorted(low[:, 0], high[:, 0], side="right") - rank - 1
-    i = np.repeat(rank, count)
-    j = i + 1 + np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
-    overlap = (low[i, 1] <= high[j, 1]) & (low[j, 1] <= high[i, 1])
-    return order[i[overlap]], order[j[overlap]]
-
-
-def _sides_differ(a: Array, b: Array, p: Array, q: Array) -> Mask:
-    """Return for each row whether p and q are not strictly on one side of the line a b."""
-    return _side(a, b, p) * _side(a, b, q) <= 0.0
-
-
-def _side(a: Array, b: Array, p: Array) -> Array:
-    along, to = b - a, p - a
-    return np.sign(along[:, 0] * to[:, 1] - along[:, 1] * to[:, 0])

@@ -6,7 +6,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import HOUSING, OUTPUT, SHAFT, family, gears
-from cycloid_mj.parts import Mesh, Solid, carried, fuse, mesh, parts
+from cycloid_mj.parts import Mesh, Solid, carried, mesh, parts
 from cycloid_mj.parts.parts import COLOURS as SOLID
 from cycloid_mj.parts.parts import Colour, tint
 from cycloid_mj.reducer import Reducer
@@ -65,6 +65,6 @@ def _pieces(name: str, solid: Solid, place: Array, reducer: Reducer) -> tuple[Pi
 
 def _piece(name: str, solid: Solid, place: Array) -> Piece:
     """Return a solid as a piece at a position, shape (3,) [m]."""
-    shape = fuse(solid)
+    shape = mesh(solid)
     placed = Mesh(shape.vertices + place, shape.faces) if place.any() else shape
     return Piece(name, placed, tint(COLOURS[family(name)], name))

@@ -1,7 +1,6 @@
 """Exported parts read back by independent tools: watertight, exact in area and volume, with the clearance asked for."""
 
 import builtins
-import importlib
 import io
 import itertools
 import json
@@ -10,10 +9,12 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 from xml.etree import ElementTree
 
 import ezdxf
+import manifold3d
 import numpy as np
 import pytest
 import trimesh
@@ -23,7 +24,7 @@ from cycloid_mj.base.names import gears
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, override, resolve
 from cycloid_mj.geometry import envelope, profile
-from cycloid_mj.parts import Part, Stretch, fuse, mass_properties, mesh, parts
+from cycloid_mj.parts import Part, Stretch, mass_properties, mesh, parts
 from cycloid_mj.parts.accuracy import mass_chord_error
 from cycloid_mj.parts.contour import CircleContour
 from cycloid_mj.parts.curve import (
@@ -55,7 +56,6 @@ from cycloid_mj.parts.export.casing import motor_bore
 from cycloid_mj.parts.export.casing_parts import bored_shaft, casing_parts
 from cycloid_mj.parts.export.printing import manufactured_parts, separate_parts
 from cycloid_mj.parts.gear import gear_outline, profile_offset, tooth_profile
-from cycloid_mj.parts.mesh import triangulate
 from cycloid_mj.parts.polygon import arc, area_moments, circle
 from cycloid_mj.reducer import Reducer
 
@@ -251,16 +251,18 @@ def test_modified_flanks_are_cut_as_the_solid_is() -> None:
 
 
 @pytest.mark.parametrize("file_format", ["stl", "obj"])
-def test_a_mesh_that_is_not_watertight_is_an_error_and_no_file(
+def test_a_mesh_with_the_wrong_volume_is_an_error_and_no_file(
     file_format: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A triangle of a cap is lost."""
-    module = importlib.import_module("cycloid_mj.parts.union")
-    monkeypatch.setattr(module, "triangulate", lambda points, rings: triangulate(points, rings)[:-1])
+    """The last prism of each solid is lost."""
+    boolean = manifold3d.Manifold.batch_boolean
+    lossy = SimpleNamespace(batch_boolean=lambda pieces, operation: boolean(pieces[:-1] or pieces, operation))
+    library = SimpleNamespace(CrossSection=manifold3d.CrossSection, OpType=manifold3d.OpType, Manifold=lossy)
+    monkeypatch.setattr(sys.modules["cycloid_mj.parts.mesh"], "manifold3d", library)
     out = tmp_path / "parts"
     arguments = ["export", "--design", "pin", "--format", file_format, "--chord-error-um", "20", "--out", str(out)]
     assert main(arguments) == 1
-    assert "not watertight" in capsys.readouterr().err
+    assert "its mesh has the volume" in capsys.readouterr().err
     assert not out.exists()
 
 
@@ -481,7 +483,7 @@ def test_the_shaft_is_bored_for_the_motor_in_every_format(name: str, file_format
 
 def test_the_shaft_is_not_bored_for_a_motor_without_a_shaft() -> None:
     files = export(PRESETS["twodisc"], "stl", CHORD_ERROR, motor="circle").files
-    assert files["shaft.stl"] == stl_bytes(fuse(parts(Reducer(PRESETS["twodisc"]), CHORD_ERROR)["shaft"]), 1e3)
+    assert files["shaft.stl"] == stl_bytes(mesh(parts(Reducer(PRESETS["twodisc"]), CHORD_ERROR)["shaft"]), 1e3)
 
 
 def distances(points: np.ndarray, polygon: np.ndarray) -> np.ndarray:
@@ -610,7 +612,7 @@ def test_polygons_of_circles_closer_than_their_chords_do_not_cross() -> None:
     stretches = tuple(
         Stretch("step", CircleContour(radius), (), float(number), number + 1.0) for number, radius in enumerate(radii)
     )
-    shape = fuse(Part("stepped", stretches, 1.0).solid(1e-4))
+    shape = mesh(Part("stepped", stretches, 1.0).solid(1e-4))
     volume = math.pi * sum(radius**2 for radius in radii)
     assert trimesh.Trimesh(shape.vertices, shape.faces).volume == pytest.approx(volume, rel=1e-2)
 

@@ -23,8 +23,8 @@ from cycloid_mj.parts import (
     Prism,
     Solid,
     circle,
-    fuse,
     mass_properties,
+    mesh,
     output_centres,
     parts,
     sleeve_core_radius,
@@ -245,7 +245,7 @@ def test_a_cam_that_is_flush_with_the_shaft_is_one_body_with_it() -> None:
     (bearing,) = [item for item in bill(Reducer(design)) if item.item == "cam_bearing"]
     seat = design.gear.eccentricity + design.shaft.radius
     assert f"bore {2e3 * seat:g} x" in bearing.size
-    shaft = fuse(manufactured_parts(Reducer(design), CHORD_ERROR, seat)["shaft"].solid)
+    shaft = mesh(manufactured_parts(Reducer(design), CHORD_ERROR, seat)["shaft"].solid)
     assert trimesh.Trimesh(shaft.vertices, shaft.faces, process=False).body_count == 1
 
 
@@ -334,11 +334,11 @@ def test_a_plate_as_3mf_has_each_part_by_its_name() -> None:
     assert len({one.attrib["name"] for one in objects}) == len(objects)
     built = [one.attrib["objectid"] for one in model.findall("m:build/m:item", space)]
     assert built == [one.attrib["id"] for one in objects]
-    for one, mesh in zip(objects, found.meshes, strict=True):
+    for one, drawn in zip(objects, found.meshes, strict=True):
         corners = [[float(at.attrib[axis]) for axis in "xyz"] for at in one.findall(".//m:vertex", space)]
         faces = [[int(at.attrib[axis]) for axis in ("v1", "v2", "v3")] for at in one.findall(".//m:triangle", space)]
-        np.testing.assert_allclose(corners, 1e3 * mesh.vertices, rtol=1e-6, atol=1e-9)
-        np.testing.assert_array_equal(faces, mesh.faces)
+        np.testing.assert_allclose(corners, 1e3 * drawn.vertices, rtol=1e-6, atol=1e-9)
+        np.testing.assert_array_equal(faces, drawn.faces)
 
 
 def test_the_coupon_is_a_pin_and_a_block_with_three_sockets_by_their_clearances() -> None:
@@ -350,7 +350,7 @@ def test_the_coupon_is_a_pin_and_a_block_with_three_sockets_by_their_clearances(
     np.testing.assert_allclose(rooms, CLEARANCES, atol=2.0 * CHORD_ERROR)
     assert len(block.holes) == len(sockets) + 1 + 2 + 3
     for solid in drawn.values():
-        shape = fuse(solid)
+        shape = mesh(solid)
         assert trimesh.Trimesh(shape.vertices, shape.faces, process=False).body_count == 1
     assert thinnest_wall(block) > MIN_PRINTED_WALL
 
@@ -377,7 +377,7 @@ def cup(hole: float) -> Solid:
 
 
 def test_a_face_in_mid_air_is_supported_a_layer_below() -> None:
-    (face,) = overhangs(fuse(cup(5e-3)))
+    (face,) = overhangs(mesh(cup(5e-3)))
     assert (face.z, len(face.holes)) == (5e-3, 1)
     assert face.area == pytest.approx(np.pi * (9.5e-3**2 - 5e-3**2), rel=1e-2)
     below = support(cup(5e-3), face, CHORD_ERROR)
@@ -385,13 +385,13 @@ def test_a_face_in_mid_air_is_supported_a_layer_below() -> None:
     radii = np.hypot(below.vertices[:, 0], below.vertices[:, 1])
     assert (radii.min(), radii.max()) == pytest.approx((5e-3 + GAP_ASIDE, 9.5e-3 - GAP_ASIDE), abs=1e-6)
     assert (below.vertices[:, 2].min(), below.vertices[:, 2].max()) == pytest.approx((0.0, 5e-3 - GAP_BELOW))
-    assert not list(overhangs(fuse(cup(9.5e-3 - 0.9 * MAX_LEDGE))))
+    assert not list(overhangs(mesh(cup(9.5e-3 - 0.9 * MAX_LEDGE))))
 
 
 def test_a_face_on_uneven_ground_has_no_support() -> None:
     step = Prism(np.array([[1e-3, -1e-3], [3e-3, -1e-3], [3e-3, 1e-3], [1e-3, 1e-3]]), (), 0.0, 1e-3)
     uneven = Solid("cup", (*cup(0.0).prisms, step), 1.0)
-    (face,) = overhangs(fuse(uneven))
+    (face,) = overhangs(mesh(uneven))
     assert support(cup(0.0), face, CHORD_ERROR) is not None
     corners = Prism(np.array([[-9e-3, 0.0], [0.0, -9e-3], [9.4e-3, 0.0], [0.0, 9.4e-3]]), (), 0.0, 1e-3)
     assert support(Solid("cup", (*cup(0.0).prisms, corners), 1.0), face, CHORD_ERROR) is None

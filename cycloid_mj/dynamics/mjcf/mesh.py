@@ -26,7 +26,7 @@ from cycloid_mj.dynamics.mjcf.laws import Laws, laws_of_discs, stiffest
 from cycloid_mj.dynamics.mjcf.model import ReducerModel, add_actuators, add_warnings, empty_spec
 from cycloid_mj.dynamics.mjcf.sensors import add_sensors
 from cycloid_mj.geometry import profile
-from cycloid_mj.parts import VISUAL_CHORD_ERROR, fuse, mesh, moving_masses, parts
+from cycloid_mj.parts import VISUAL_CHORD_ERROR, mesh, moving_masses, parts
 from cycloid_mj.parts.convex import ConvexSettings, ConvexSurface, Rest, SlicePlacement, gear_holes, prism, surfaces
 from cycloid_mj.parts.export.triangles import stl_bytes
 from cycloid_mj.reducer import Reducer
@@ -175,7 +175,7 @@ def _add_visuals(spec: Any, reducer: Reducer) -> None:
     visual.geom.group, visual.geom.contype, visual.geom.conaffinity = 2, 0, 0
     visual.geom.type = mujoco.mjtGeom.mjGEOM_MESH
     for part, solid in parts(reducer, VISUAL_CHORD_ERROR).items():
-        _add_stl(spec, part, stl_bytes(fuse(solid)), mujoco.mjtMeshInertia.mjMESH_INERTIA_EXACT)
+        _add_stl(spec, part, stl_bytes(mesh(solid)), mujoco.mjtMeshInertia.mjMESH_INERTIA_EXACT)
         opacity = OUTPUT_OPACITY if part == names.OUTPUT else 1.0
         spec.add_material(name=part, rgba=[*colour(part)[:3], opacity], specular=0.4, shininess=0.4)
         for body, place in _homes(reducer, part):

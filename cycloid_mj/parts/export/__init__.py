@@ -13,7 +13,7 @@ from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.base.frame import Cell, Frame, framed
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.design import Named, resolve
-from cycloid_mj.parts import Mesh, Part, PartSection, Solid, fuse, lay_out_parts, mass_properties, part_sections, parts
+from cycloid_mj.parts import Mesh, Part, PartSection, Solid, lay_out_parts, mass_properties, mesh, part_sections, parts
 from cycloid_mj.parts.accuracy import mass_chord_error
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.curve import Arc, Circle, Curve, LineSegment, Spline
@@ -185,7 +185,7 @@ def drive_files(
     encoding = _Encoding(file_format, chord_error, polylines)
     manufactured = manufactured_parts(reducer, chord_error, cam_seat, sizes)
     if encoding.is_mesh:
-        return {f"{name}.{file_format}": encoding.mesh(name, fuse(part.solid)) for name, part in manufactured.items()}
+        return {f"{name}.{file_format}": encoding.mesh(name, mesh(part.solid)) for name, part in manufactured.items()}
     if encoding.is_polylines:
         laid = assembly_parts(reducer, sizes)
         return {f"{name}.{file_format}": encoding.polylines_of(laid[name]) for name in manufactured}
@@ -275,7 +275,7 @@ def _encode_polygons(reducer: Reducer, encoding: _Encoding, sizes: Casing | None
         contents = {name: encoding.polylines_of(part) for name, part in laid.items()}
     else:
         contents = {
-            name: encoding.mesh(name, fuse(solid)) for name, solid in _separate_pressed_pins(reducer, solids).items()
+            name: encoding.mesh(name, mesh(solid)) for name, solid in _separate_pressed_pins(reducer, solids).items()
         }
     return Export({f"{name}.{encoding.file_format}": content for name, content in contents.items()}, clearances)
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.parts import Mesh, Prism, Solid, fuse
+from cycloid_mj.parts import Mesh, Prism, Solid, mesh
 from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.printing import is_printed, material_part, printed_parts
 from cycloid_mj.parts.export.supports import overhangs, support
@@ -99,7 +99,7 @@ def plate(reducer: Reducer, chord_error: float, cam_seat: float = 0.0, sizes: Ca
     """
     printed = printed_parts(reducer, chord_error, cam_seat, sizes)
     lying = [(name, part.count, *_lay_flat(part.solid)) for name, part in printed.items()]
-    shapes = {name: fuse(solid) for name, _, solid, _ in lying}
+    shapes = {name: mesh(solid) for name, _, solid, _ in lying}
     meshes = [(name, shapes[name], over) for name, count, _, over in lying for _ in range(count)]
     stood, hanging = _supports(reducer, {name: solid for name, _, solid, _ in lying}, shapes, chord_error)
     boxes = [(shape.vertices.min(axis=0), shape.vertices.max(axis=0)) for _, shape, _ in meshes]

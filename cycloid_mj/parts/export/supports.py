@@ -3,10 +3,12 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import manifold3d
 import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.parts import Mesh, Prism, Solid, circle, mesh
+from cycloid_mj.parts.mesh import UNIT
 from cycloid_mj.parts.polygon import signed_area, within
 
 GAP_BELOW, GAP_ASIDE = 0.2e-3, 0.4e-3
@@ -39,14 +41,12 @@ def overhangs(shape: Mesh) -> Iterator[Overhang]:
     level = np.ptp(corners[..., 2], axis=1) == 0.0
     down = level & (np.cross(b - a, c - a)[:, 2] < -SLIVER_AREA) & (a[:, 2] > 0.0)
     for z in np.unique(a[down, 2]):
-        loops = list(_loops(shape, shape.faces[down & (a[:, 2] == z)]))
-        outlines = [loop for loop in loops if signed_area(loop) > 0.0]
-        for outline in outlines:
-            holes = tuple(loop[::-1] for loop in loops if signed_area(loop) < 0.0 and within(loop[:1], outline)[0])
-            area = signed_area(outline) - sum(signed_area(hole) for hole in holes)
-            one = Overhang(float(z), outline, holes, area)
-            if not _is_bridged(one):
-                yield one
+        triangles = corners[down & (a[:, 2] == z)][:, ::-1, :2] / UNIT
+        for region in manifold3d.CrossSection(list(triangles)).decompose():
+            outline, *holes = sorted((UNIT * ring for ring in region.to_polygons()), key=signed_area, reverse=True)
+            face = Overhang(float(z), outline, tuple(hole[::-1] for hole in holes), region.area() * UNIT**2)
+            if not _is_bridged(face):
+                yield face
 
 
 def support(solid: Solid, under: Overhang, chord_error: float) -> Mesh | None:
@@ -70,19 +70,6 @@ def support(solid: Solid, under: Overhang, chord_error: float) -> Mesh | None:
     floor = floors.pop()
     low = floor + GAP_BELOW if floor else 0.0
     return mesh(Prism(outline, holes, low, under.z - GAP_BELOW)) if low < under.z - GAP_BELOW else None
-
-
-def _loops(shape: Mesh, faces: Array) -> Iterator[Array]:
-    """Yield the closed borders (n, 2) of downward triangles (m, 3), with the face on the left seen from above."""
-    edges = {(int(end), int(start)) for face in faces for start, end in zip(face, np.roll(face, -1), strict=True)}
-    following = {start: end for start, end in edges if (end, start) not in edges}
-    while following:
-        start, at = following.popitem()
-        loop = [start]
-        while at != start:
-            loop.append(at)
-            at = following.pop(at)
-        yield shape.vertices[loop, :2]
 
 
 def _is_bridged(face: Overhang) -> bool:
