@@ -6,12 +6,12 @@ import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict
-from importlib.util import find_spec
 from pathlib import Path
 from typing import IO, Any
 
 from cycloid_mj.base.atomic_write import write_files
 from cycloid_mj.base.errors import CycloidError, UsageError, reason
+from cycloid_mj.base.file_lock import lock_file
 from cycloid_mj.base.interrupt import defer_signals
 from cycloid_mj.base.overwrite_guard import make_folder, note_output
 from cycloid_mj.explore.row import PointResult
@@ -48,8 +48,7 @@ def remove_study(into: Path, study: str) -> None:
     rows = into / rows_file(study)
     try:
         if rows.exists():
-            with rows.open("ab") as stream:
-                _lock(stream, into, study)
+            with _locked(rows, into, study):
                 rows.unlink()
         (into / plan_file(study)).unlink(missing_ok=True)
     except OSError as problem:
@@ -123,8 +122,7 @@ def open_journal(into: Path, plan: Mapping[str, Any], study: str = SWEEP) -> Ite
         stream = path.open("ab+", buffering=0)
     except OSError as problem:
         raise CycloidError(f"cannot write {path}: {reason(problem)}; choose another folder with --out") from problem
-    with stream:
-        _lock(stream, into, study)
+    with stream, _locked(path, into, study):
         if not (into / plan_file(study)).exists():
             write_files({into / plan_file(study): json.dumps(plan, indent=2).encode() + b"\n"})
         yield Journal(path, stream, _read_rows(stream))
@@ -152,16 +150,17 @@ def _is_same_study(into: Path, plan: Mapping[str, Any], study: str) -> bool:
     return True
 
 
-def _lock(stream: IO[bytes], into: Path, study: str) -> None:
-    """Lock the folder against other processes; the system releases the lock when this process ends."""
-    if not find_spec("fcntl"):
-        return  # Windows
-    import fcntl
-
+@contextmanager
+def _locked(rows: Path, into: Path, study: str) -> Iterator[None]:
+    """Lock the rows of a study against other processes inside the block."""
     try:
-        fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError as problem:
+        release = lock_file(rows)
+    except BlockingIOError as problem:
         raise UsageError(f"another process is working on the {study} in {into}: wait for it, or stop it") from problem
+    try:
+        yield
+    finally:
+        release()
 
 
 def _read_rows(stream: IO[bytes]) -> dict[int, PointResult]:

@@ -1,19 +1,18 @@
 """File and name of a log while it is written: an old log of the same name stays until the new one is complete.
 
-A lock on the file of that name (``flock``) excludes other writers. The operating system releases the lock when the
-process ends, even if it is killed.
+A lock on the file of that name excludes other writers.
 """
 
-import errno
 import os
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from itertools import count
 from pathlib import Path
 from typing import BinaryIO
 
 from cycloid_mj.base.atomic_write import hidden_path
 from cycloid_mj.base.errors import LogError, reason
+from cycloid_mj.base.file_lock import lock_file
 from cycloid_mj.base.overwrite_guard import LOG, claim, require_ending
 
 
@@ -53,11 +52,12 @@ class LogFile:
             claim(path, force=True)
         self.path, self.hidden = path, hidden
         self._replaces = force and path.is_file()
-        self._old: BinaryIO | None = None
+        self._locks = ExitStack()
         try:
             if path.exists() and not self._replaces:
                 raise FileExistsError
-            self._old = _open_locked(path) if self._replaces else None
+            if self._replaces:
+                self._locks.callback(lock_file(path))
             self.at, self.stream = self._open_new()
         except BlockingIOError:
             raise LogError(
@@ -66,7 +66,7 @@ class LogFile:
         except FileExistsError:
             raise _taken_error(path) from None
         except OSError as problem:
-            self._let_go()
+            self._locks.close()
             raise unwritable(path, problem) from problem
 
     def finish(self, complete: bool) -> None:
@@ -85,7 +85,7 @@ class LogFile:
                 self._claim()
             os.replace(self.at, self.path)
             self.at = self.path
-        self._let_go()
+        self._locks.close()
 
     def drop(self) -> None:
         """Close the file and remove it; an old log stays."""
@@ -97,7 +97,7 @@ class LogFile:
         """Close the file as it is, even if some of it cannot be written."""
         with suppress(OSError):
             self.stream.close()
-        self._let_go()
+        self._locks.close()
 
     def _open_new(self) -> tuple[Path, BinaryIO]:
         """Create the file of the log and lock it; return its path and stream."""
@@ -111,7 +111,7 @@ class LogFile:
                 if self._replaces:
                     continue
                 raise
-            _lock(stream)
+            self._locks.callback(lock_file(at))
             return at, stream
         raise AssertionError("there is always another number")
 
@@ -121,46 +121,12 @@ class LogFile:
         except FileExistsError:
             raise _taken_error(self.path) from None
 
-    def _let_go(self) -> None:
-        if self._old:
-            self._old.close()
-
 
 def _partial_names(path: Path) -> Iterator[Path]:
     """Yield names for an incomplete log: files of earlier runs are kept."""
     yield path.with_name(f"{path.stem}.partial{path.suffix}")
     for number in count(2):
         yield path.with_name(f"{path.stem}.partial-{number}{path.suffix}")
-
-
-def _open_locked(path: Path) -> BinaryIO:
-    """Open and lock the log to be replaced; raise BlockingIOError if another run writes or replaces it."""
-    while True:
-        stream = path.open("rb")
-        try:
-            _lock(stream)
-            # another run may have replaced it between opening and locking
-            if os.path.samestat(os.fstat(stream.fileno()), path.stat()):
-                return stream
-        except OSError:
-            stream.close()
-            raise
-        stream.close()
-
-
-def _lock(stream: BinaryIO) -> None:
-    """Lock an open file; do nothing if the file system has no locks."""
-    try:
-        from fcntl import LOCK_EX, LOCK_NB, flock
-    except ImportError:  # Windows: there a file that is open cannot be replaced by another process
-        return
-    try:
-        flock(stream, LOCK_EX | LOCK_NB)
-    except BlockingIOError:
-        raise
-    except OSError as problem:
-        if problem.errno not in (errno.ENOTSUP, errno.ENOLCK, errno.ENOSYS, errno.EBADF, errno.EINVAL):
-            raise
 
 
 def _taken_error(path: Path) -> LogError:
