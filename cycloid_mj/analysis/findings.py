@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from cycloid_mj.base.frame import Frame, framed
+from cycloid_mj.base.frame import Frame, make_frame
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.base.result import Condition, plain
 from cycloid_mj.reducer import Reducer
@@ -188,7 +188,9 @@ class Findings(Presented):
     @property
     def frame(self) -> Frame:
         """The numbers of `as_json`, one per row, named by their keys joined by dots."""
-        return framed([{"key": key, "value": value} for key, value in _numbers(self.as_json())], ("key", "value"), {})
+        return make_frame(
+            [{"key": key, "value": value} for key, value in _numbers(self.as_json())], ("key", "value"), {}
+        )
 
     @property
     def line(self) -> str:

@@ -105,7 +105,7 @@ class LimitedConnection(H11Protocol):
         self._linger()
 
     def _linger(self) -> None:
-        """Close the connection when the client has closed its side, or soon; it is the first to give way to others."""
+        """Close the connection when the client has closed its side, or soon after; others may close it earlier."""
         self._stop_waiting()
         if self.transport.is_closing():
             return

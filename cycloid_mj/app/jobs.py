@@ -10,7 +10,7 @@ from cycloid_mj.app.workers import Work, Worker
 from cycloid_mj.base.errors import CycloidError, UsageError
 
 MAX_QUEUED = 6
-"""Jobs that may wait for others; further ones are refused."""
+"""Jobs that may be queued; the server refuses more."""
 
 MAX_FINISHED = 40
 """Finished and stopped jobs whose results are kept, the latest."""

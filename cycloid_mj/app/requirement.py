@@ -82,7 +82,7 @@ def form_of(requirement: Requirement) -> dict[str, Any]:
 
 
 def size(on_progress: Callable[[Any], None], form: Any) -> dict[str, Any]:
-    """Find drives for a requirement; `on_progress` gets the alternatives of an infeasible one as they are found."""
+    """Find drives for a requirement; `on_progress` gets partial answers with the alternatives confirmed so far."""
     on_progress({"doing": "searching for proportions that meet the requirements"})
     return _answer(size_drive(requirement_of(form), lambda answer: on_progress({"answer": _answer(answer)})))
 

@@ -106,7 +106,7 @@ def _create_hidden_file(path: Path, called: Path) -> Path:
 
 
 def zip_files(files: Mapping[str, bytes]) -> bytes:
-    """Zip files by name, in their order; the same files give the same bytes."""
+    """Zip files by name, in their order; equal files make equal bytes."""
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w") as package:
         for name, file in files.items():

@@ -1,4 +1,4 @@
-"""Named columns with units: what a sweep, a study of tolerances and an optimisation give, for files and for pandas.
+"""Named columns with units: the result of a sweep, tolerance study or optimisation, for files and for pandas.
 
 A frame is handed on through Arrow's C stream, which pandas, polars, pyarrow and DuckDB read without a copy by hand:
 ``polars.DataFrame(frame)``, ``pandas.DataFrame.from_arrow(frame)``, ``duckdb.sql("from frame")``. `columns` is a dict
@@ -90,7 +90,7 @@ class Frame(Tabular):
         return {name: column.astype(float) for name, column in self.columns.items() if column.dtype.kind in "fiu"}
 
 
-def framed(rows: Sequence[Mapping[str, Cell]], names: Iterable[str], units: Mapping[str, str]) -> Frame:
+def make_frame(rows: Sequence[Mapping[str, Cell]], names: Iterable[str], units: Mapping[str, str]) -> Frame:
     """Build a frame from rows; missing values are NaN, or empty text."""
     return Frame({name: _column([row.get(name) for row in rows]) for name in names}, units)
 

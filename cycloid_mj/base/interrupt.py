@@ -1,4 +1,4 @@
-"""Interruption of work: SIGTERM and SIGHUP end it as Ctrl-C does, never in the middle of a file; threads give way."""
+"""Interruption of work: SIGTERM and SIGHUP end it as Ctrl-C does, never in the middle of a file; threads stop too."""
 
 import ctypes
 import signal
@@ -19,7 +19,7 @@ _to_stop: ContextVar[threading.Event | None] = ContextVar("to_stop", default=Non
 
 
 class Stopped(KeyboardInterrupt):
-    """A signal other than Ctrl-C asked the program to end; the text is its name, such as "SIGTERM"."""
+    """A signal other than Ctrl-C requested the end of the program; the text is its name, such as "SIGTERM"."""
 
 
 def signal_name(stop: KeyboardInterrupt) -> str:

@@ -5,13 +5,13 @@ import sys
 from typing import Any
 
 _RARELY = 100_000, 20, 100
-"""Objects made until Python looks for circles of them, and how much more rarely it looks among older ones.
+"""Allocations between garbage collections, and how much rarer the collections of older generations are.
 
 Modules and classes are a hundred thousand objects that stay.
 """
 
 _FIRST = 400_000
-"""Objects made until the first look: what a short command loads and makes stays, and to look through it takes 30 ms for
+"""Allocations before the first collection: a short command keeps what it loads, and searching it takes 30 ms for
 each hundred thousand."""
 
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3

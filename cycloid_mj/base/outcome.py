@@ -38,7 +38,7 @@ class Outcome:
     title, condition
         What was computed, of which design; under what it holds.
     text
-        What the terminal shows in place of these: paths of files that were made, a design file, a list, line by line.
+        What the terminal shows in place of these: paths of written files, a design file, a list, line by line.
     headline
         The figures that one looks for first, a dozen at most: name -> value with its unit, or the values of several
         columns.

@@ -18,7 +18,7 @@ from cycloid_mj.base.errors import CycloidError, UsageError
 
 LOG = ".mcap"
 HEAD = 2048
-"""Bytes at the start of a file that tell what it is."""
+"""Bytes at the start of a file that identify its type."""
 
 
 class Kind(NamedTuple):
@@ -65,7 +65,7 @@ class _Command:
     replaceable
         Files that it may replace, and folders of which it may replace all files.
     made
-        Folders that it has made, the outer ones first.
+        Folders that it has created, from the outside in.
     """
 
     read: dict[tuple[int, int], Path] = field(default_factory=dict)
@@ -78,7 +78,7 @@ _command: ContextVar[_Command | None] = ContextVar("command", default=None)
 
 @contextmanager
 def command_scope() -> Iterator[None]:
-    """Apply the rule inside this block; at its end, remove the folders that the command made and left empty."""
+    """Apply the rule inside this block; at its end, remove the folders that the command created and left empty."""
     command = _Command()
     token = _command.set(command)
     try:
@@ -91,12 +91,12 @@ def command_scope() -> Iterator[None]:
 def make_folder(path: Path) -> bool:
     """Make a folder and those above it; a command that fails before it writes there leaves none of them.
 
-    Returns True if this call made the folder, False if it was there or another command made it first.
+    Returns True if this call created the folder, False if it existed or another command created it first.
 
     Raises
     ------
     OSError
-        It cannot be made.
+        It cannot be created.
     """
     made = False
     for folder in reversed([folder for folder in (path, *path.parents) if not folder.exists()]):
@@ -137,7 +137,7 @@ def note_output(path: Path) -> None:
 
 
 def claim(*paths: Path, force: bool) -> None:
-    """Refuse, before the work begins, files and folders that may not be written; `force` lets them be replaced.
+    """Refuse, before the work begins, files and folders that may not be written; `force` allows their replacement.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The power balance of a reducer: what its shafts give and take, what is lost and stored, and the one efficiency."""
+"""The power balance of a reducer: power through the shafts, losses, stored power, and the efficiency."""
 
 import math
 from collections.abc import Mapping
@@ -19,7 +19,7 @@ class Powers:
     Attributes
     ----------
     crank, output
-        Into the reducer through each shaft; negative where it gives power out.
+        Into the reducer through each shaft; negative where power flows out.
     friction, normal
         Kind of pair, or part, -> what sliding, rolling and seals take, and what the normal forces take: damping, and
         elastic energy.

@@ -1,4 +1,4 @@
-"""The record of a run: what a simulation gives and an analysis takes.
+"""The record of a run: the output of a simulation and the input of an analysis.
 
 This module owns `Run`, time with named columns, their units and where they come from. It knows neither how a run is
 computed nor how it is stored.

@@ -1,4 +1,4 @@
-"""What upper layers provide to lower ones, so that no lower layer names an upper one.
+"""Registry of what upper layers provide to lower ones, so that no lower layer imports an upper one.
 
 `cycloid_mj/__init__.py` fills the registry; Python imports it before every other module of the package.
 """

@@ -1,4 +1,4 @@
-"""What every measure, check, comparison and claim is made of: quantities, curves, tables, verdicts."""
+"""Parts of every result: quantities, curves, tables, verdicts."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 def plain(value: Any) -> Any:
     """Convert records, mappings and sequences to JSON values; NaN and infinities become None.
 
-    A record that has `as_json` is what that gives, another its fields.
+    A record with `as_json` becomes its return value, any other record its fields.
     """
     if hasattr(value, "as_json"):
         return plain(value.as_json())
@@ -41,7 +41,7 @@ class Quantity:
         What was measured.
     error
         Its numerical error, in the same unit: what half the step, or a shorter average, changes. None where a closed
-        form gives the value itself.
+        form yields the value itself.
     reference
         The closed form, in the same unit; None where there is none.
     source
@@ -72,18 +72,18 @@ class Quantity:
         }
 
 
-def keyed(*groups: Iterable[Quantity]) -> dict[str, Quantity]:
+def by_key(*groups: Iterable[Quantity]) -> dict[str, Quantity]:
     """Collect the quantities of all groups by their keys, in their order."""
     return {quantity.key: quantity for group in groups for quantity in group}
 
 
 def quantity_frame(quantities: Mapping[str, Quantity]) -> "Frame":
     """Return quantities as a frame, a row each."""
-    from cycloid_mj.base.frame import framed  # which takes NumPy, that no help page needs
+    from cycloid_mj.base.frame import make_frame  # which takes NumPy, that no help page needs
 
     rows = [{"key": key, **quantity.as_json()} for key, quantity in quantities.items()]
     names = ("key", "name", "value", "unit", "numerical_error", "reference", "source", "note")
-    return framed(rows, names, {})
+    return make_frame(rows, names, {})
 
 
 def quantity_table(title: str, quantities: Iterable[Quantity]) -> "Table":
@@ -111,7 +111,7 @@ class Curve(Presented):
     panel
         Title of the panel that it is drawn in.
     name
-        What tells it from the panel's other curves.
+        Label that distinguishes it from the panel's other curves.
     x, y
         Points, shape (n,) each.
     x_label, y_label
@@ -181,9 +181,9 @@ class Table(Presented):
     @property
     def frame(self) -> "Frame":
         """Its rows, under the names of its columns."""
-        from cycloid_mj.base.frame import framed  # which takes NumPy, that no help page needs
+        from cycloid_mj.base.frame import make_frame  # which takes NumPy, that no help page needs
 
-        return framed([dict(zip(self.header, row, strict=True)) for row in self.rows], self.header, {})
+        return make_frame([dict(zip(self.header, row, strict=True)) for row in self.rows], self.header, {})
 
     @property
     def line(self) -> str:
@@ -228,7 +228,7 @@ class Condition:
     speed
         Of the crank [rad/s].
     input_torque
-        On the crank, where the test gives that and the load follows from it [N m].
+        On the crank, where the test prescribes it and the load follows from it [N m].
     solver
         What takes the steps of the runs that it is judged on, where one is named.
     """
@@ -348,13 +348,13 @@ class Claim:
     verdict, decided_by
         Whether they agree, and what decides it.
     rated
-        Ours at the rated load, beside it and never judged; None where the rated load is the condition.
+        Ours at the rated load, for information and never judged; None where the rated load is the condition.
     searched
         What the source leaves open, and the ranges in which it was searched for the claim.
     removals
         The same claim with one thing taken away or changed alone: what proves, or refutes, that it decides.
     p
-        Chance of starts as different as those found if the two designs were alike; None where no order is judged.
+        Chance of starts at least as different if the two designs were equal (p-value); None where no order is judged.
     """
 
     key: str

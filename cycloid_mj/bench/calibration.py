@@ -11,7 +11,7 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.engine import Progress, silent
 from cycloid_mj.base.errors import RunError, UsageError
-from cycloid_mj.base.frame import Cell, Frame, framed
+from cycloid_mj.base.frame import Cell, Frame, make_frame
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.base.result import Table
 from cycloid_mj.base.units import DEGREE
@@ -170,7 +170,7 @@ class Calibration(Presented):
             }
             for key, item in self.estimates.items()
         ]
-        return framed(rows, ("key", "value", "unit", "low", "high", "identified"), {})
+        return make_frame(rows, ("key", "value", "unit", "low", "high", "identified"), {})
 
     @property
     def line(self) -> str:

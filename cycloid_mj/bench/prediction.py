@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.frame import Cell, Frame, framed
+from cycloid_mj.base.frame import Cell, Frame, make_frame
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.loop_figures import LoopFigures, loop_figures
@@ -46,7 +46,7 @@ class Prediction(Presented):
             {"key": key, "measured": item.value, "modelled": modelled[key].value}
             for key, item in self.measured.in_units().items()
         ]
-        return framed(rows, ("key", "measured", "modelled"), {})
+        return make_frame(rows, ("key", "measured", "modelled"), {})
 
     @property
     def line(self) -> str:

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from cycloid_mj.base.frame import Frame, framed
+from cycloid_mj.base.frame import Frame, make_frame
 from cycloid_mj.base.judgement import Judgement, count_judgements, judge
 from cycloid_mj.base.notebook_display import Presented
 
@@ -95,7 +95,7 @@ class Checks(Presented, tuple[Check, ...]):
     def frame(self) -> Frame:
         """The checks, a row each."""
         rows = [{name: value for name, value in check.as_json().items() if value is not None} for check in self]
-        return framed(rows, COLUMNS, {})
+        return make_frame(rows, COLUMNS, {})
 
     @property
     def line(self) -> str:

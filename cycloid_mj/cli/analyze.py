@@ -1,4 +1,4 @@
-"""``cycloid-mj analyze``: hold a logged run against the closed form, from the log alone."""
+"""``cycloid-mj analyze``: compare a logged run with the closed form, from the log alone."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -42,7 +42,7 @@ def analyze(log: LogName, /, *, q: PointFlag = None, delivery: Annotated[Deliver
     run = read(log)
     findings = judged(run, point_q, log=log)
     if not run.complete:
-        # the log knows how many steps were planned, not how many were made
+        # the log knows how many steps were planned, not how many were taken
         findings = replace(findings, steps=None)
     warn(findings.design, findings.warnings)
     return deliver(outcome_of(findings), place, delivery)
@@ -51,7 +51,7 @@ def analyze(log: LogName, /, *, q: PointFlag = None, delivery: Annotated[Deliver
 def outcome_of(findings: "Findings") -> Outcome:
     """Turn the findings of a run into an outcome."""
     from cycloid_mj.analysis import RETURNED, groups
-    from cycloid_mj.base.frame import framed
+    from cycloid_mj.base.frame import make_frame
 
     window, parts = findings.window, groups(findings)
     phase = f"{window.phase} from {window.start_s:.6g} to {window.end_s:.6g} s"
@@ -71,7 +71,7 @@ def outcome_of(findings: "Findings") -> Outcome:
         summary=notes,
         notes=[RETURNED] if any(loss.normal_w < 0.0 for loss in findings.losses) else [],
         tables=[Table("findings", HEADER, tuple(rows))],
-        frame=framed([{"part": part.name, **row._asdict()} for part in parts for row in part.rows], COLUMNS, {}),
+        frame=make_frame([{"part": part.name, **row._asdict()} for part in parts for row in part.rows], COLUMNS, {}),
         result=findings.as_json(),
     )
 

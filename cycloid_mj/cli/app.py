@@ -56,7 +56,7 @@ FOLDED = {"profile": ("design", "profile"), "kinematics": ("design", "kinematics
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command, by default that of ``sys.argv``, and return its exit code.
 
-    A mistake of the user's never raises: it is told in one line on stderr.
+    A usage error never raises: it is printed in one line on stderr.
     """
     words = _expand_folded_command([_rename_flag(word) for word in (sys.argv[1:] if argv is None else argv)])
     try:
@@ -85,7 +85,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         file = f" {error.filename}" if error.filename else ""
         return _report_failure(f"cannot read or write{file}: {reason(error)}", FAILURE)
     except SystemExit as stop:
-        # rich ends the program itself when a help page meets a closed pipe
+        # rich ends the program itself when a help page is written to a closed pipe
         return stop.code if isinstance(stop.code, int) else FAILURE
 
 

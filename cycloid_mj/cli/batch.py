@@ -1,6 +1,6 @@
 """Several runs at once, each into a log of its own, with one progress for all of them.
 
-Threads are enough: steps let go of Python's lock.
+Threads are enough: time steps release Python's global lock.
 """
 
 import threading
@@ -75,7 +75,7 @@ class _Whole:
     def advance(self, by: float) -> None:
         with self._lock:
             self._simulated += by
-            self._progress.reached(self._simulated)
+            self._progress.report_time(self._simulated)
 
 
 class _Part(Progress):
@@ -86,7 +86,7 @@ class _Part(Progress):
         self._whole = whole
         self._before = 0.0
 
-    def reached(self, simulated: float) -> None:
+    def report_time(self, simulated: float) -> None:
         if self._whole.stopped_by:
             raise Stopped(self._whole.stopped_by)
         self._whole.advance(simulated - self._before)

@@ -1,4 +1,4 @@
-"""``cycloid-mj calibrate`` and ``compare-bench``: what a test bench measured, held against a design."""
+"""``cycloid-mj calibrate`` and ``compare-bench``: fit a design to bench measurements, and compare with them."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -148,7 +148,7 @@ def calibrate(
             f"two loops have the file name {max(names, key=names.count)}: rename one file, so that the "
             "results can be distinguished"
         )
-    design = chosen.sound()
+    design = chosen.resolve_checked()
     parameters(Reducer(design), keys, loops)  # refuses a wrong one
     name = calibrated_name(Reducer(design))
     place = claim_destination(delivery, name, [f"{name}{rest}" for rest in FILES], OUT, paged=True)
@@ -335,7 +335,7 @@ def compare_bench(
     from cycloid_mj.plots.save import encode_figure
 
     measured = read_te(te)
-    design = chosen.sound()
+    design = chosen.resolve_checked()
     stem = f"{design.name}-{measured.name}"
     place = claim_destination(delivery, stem, [f"{stem}.png"], OUT_TE)
     comparison = compared(design, measured, load_nm)

@@ -64,14 +64,14 @@ def build(
     decomposed by CoACD. The model has keyframes (home, rest_90, ..., 1640rpm_0, ...), sensors, a speed servo on the
     crank and the load torque on the output. manifest.json lists versions, settings and the deviation of each convex
     surface from the true surface, along its normals. If a decomposition exceeds its error bound, the command fails
-    and writes nothing. The same design and settings give identical files.
+    and writes nothing. The same design and settings produce identical files.
     """
     from dataclasses import replace
 
     from cycloid_mj.dynamics.mjcf.folder import MANIFEST, SCENE, model_files, write_folder
     from cycloid_mj.parts.convex import ConvexSettings
 
-    reducer = Reducer(chosen.sound([(TIMESTEP, timestep_us)]))
+    reducer = Reducer(chosen.resolve_checked([(TIMESTEP, timestep_us)]))
     _require_room(out)
     claim(Path(out) / SCENE, Path(out) / MANIFEST, force=delivery.force)
     page = claim_page(delivery, f"{reducer.design.name}-model")

@@ -125,7 +125,7 @@ class CompareOptions:
 
     @property
     def for_runs(self) -> tuple[str, ...]:
-        """Given flags that apply to simulations only."""
+        """Flags of the command line that apply to simulations only."""
         given = [each.name for each in fields(self) if each.name != "q" and getattr(self, each.name) != each.default]
         return tuple(f"--{name.strip('_').replace('_', '-')}" for name in given)
 
@@ -136,7 +136,7 @@ class CompareOptions:
 
     @property
     def hold_given(self) -> bool:
-        """True if the user gives the duration of the hold."""
+        """True if the user sets the duration of the hold."""
         return self.hold_s is not None or any(change.strip().startswith(HOLD.key) for change in self.set_)
 
 
@@ -177,7 +177,7 @@ def compare(
     designs, load and speed only. Figures of each measure and of the relative curvature are written to --out.
 
     Without load the motion is chaotic, so each design is run from 8 independent starts (gravity turned by whole
-    tooth pitches), and each figure is given as minimum, maximum and mean. Designs are ranked if all starts of one
+    tooth pitches), and each figure is printed as minimum, maximum and mean. Designs are ranked if all starts of one
     lie beyond all starts of the other by more than 5 %; otherwise, or with fewer starts, the order is undetermined. A
     log is one start. Under load, a rank test (5 %) on the rms values of the crank turns decides.
 
@@ -265,7 +265,7 @@ def all_cases(designs: Sequence[Design], first: Design, options: CompareOptions)
     """Return every design under the settings of `first`, at no load and under load.
 
     A pin and a nonpin design are joined by the nonpin design with the other's total play and series stiffness at that
-    load: it tells the effect of the design from that of the clearance.
+    load: it separates the effect of the design from that of the clearance.
     """
     from cycloid_mj.comparison import apply_conditions, comparable, conditions, with_play_of
     from cycloid_mj.dynamics.planar.timestep import for_accelerations

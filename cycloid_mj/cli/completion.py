@@ -22,7 +22,7 @@ class CompletingApp(App):
 def complete_files(script: str) -> str:
     """Return a completion script that offers files where it has no other candidates.
 
-    fish and PowerShell do so by themselves; bash and zsh have to be told.
+    fish and PowerShell do so by themselves; bash and zsh need an explicit instruction.
     """
     if script.startswith("#compdef"):
         return ZSH_WITHOUT_ACTION.sub(r"\1:_files\2", script)

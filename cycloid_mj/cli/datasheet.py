@@ -1,4 +1,4 @@
-"""``cycloid-mj datasheet``: what a maker's catalogue tells of a reducer, as three pages to print and one to read."""
+"""``cycloid-mj datasheet``: write a data sheet as a maker's catalogue has it: three pages to print and one to read."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
@@ -7,7 +7,7 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.outcome import Outcome, headline
-from cycloid_mj.base.result import keyed, quantity_table
+from cycloid_mj.base.result import by_key, quantity_table
 from cycloid_mj.cli.delivery import RUNS, Destination, claim_destination, deliver
 from cycloid_mj.cli.flags import FLAT, PRESET, Delivery, PresetOptions, out_flag
 from cycloid_mj.reducer import Reducer
@@ -42,7 +42,7 @@ def datasheet(
 ) -> int:
     """Write a data sheet in the style of makers: PDF and HTML.
 
-    Rated torque for a required life (service.life_h), found with the checks of `rate`; momentary torque, lost
+    Rated torque for a required life (service.life_h), computed with the checks of `rate`; momentary torque, lost
     motion, stiffness, efficiency, backlash, mass, inertia, curves and a dimensioned drawing. All values are computed
     by statics and stated with their conditions.
     """
@@ -51,7 +51,7 @@ def datasheet(
 
     if life_h is not None and not 0.0 < life_h < float("inf"):
         raise UsageError(f"--life-h {life_h:g} is out of range: it must be more than 0")
-    design = chosen.sound()
+    design = chosen.resolve_checked()
     stem = f"{design.name}-datasheet"
     place = claim_destination(delivery, stem, [f"{stem}.pdf"], RUNS, paged=True)
     progress = count_progress("data sheet", delivery.quiet)
@@ -66,7 +66,7 @@ def _outcome(sheet: "Datasheet", place: Destination) -> Outcome:
     from cycloid_mj.report.datasheet import datasheet_page
 
     pdf = f"{place.stem}.pdf"
-    quantities = keyed(*sheet.groups.values())
+    quantities = by_key(*sheet.groups.values())
     written = [*place.paths([pdf]), str(place.page)]
     return Outcome(
         title=f"data sheet: {sheet.design.name}",

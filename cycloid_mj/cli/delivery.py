@@ -24,7 +24,7 @@ MOST_LINES = 25
 """Lines on the terminal, without ``--all``."""
 
 FRAME_LINES = 6
-"""Lines of a table beside its rows, and of the hint at ``--all``."""
+"""Lines that a table needs in addition to its rows, with the hint at ``--all``."""
 
 MOST_NAMED = 12
 """Files that are named one by one."""
@@ -69,7 +69,7 @@ def claim_destination(
     Parameters
     ----------
     wanted
-        What the user asked for.
+        Files and format that the user requested.
     stem
         Name of the JSON file, the CSV file and the page, without the ending.
     names
@@ -79,7 +79,7 @@ def claim_destination(
     paged
         Whether there is a page in the folder without ``--html``, too.
     resumed
-        Whether the folder is that of earlier work which goes on: its files are the command's own.
+        True if an earlier run of the command is resumed: the files in its folder are then its own.
 
     Raises
     ------
@@ -88,7 +88,7 @@ def claim_destination(
     TakenError
         One of the files is there, and may not be replaced.
     CycloidError
-        The folder cannot be made.
+        The folder cannot be created.
     """
     out = wanted.out or usual
     files = () if resumed else (f"{stem}.json", f"{stem}.csv", *names)

@@ -50,10 +50,10 @@ def commands(sort_key: int) -> App:
 def show(chosen: Annotated[DesignOptions, FLAT], *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
     """Print the complete, commented design file of a preset or a file, including changes by --set.
 
-    Values that the paper (Hsieh 2014) does not give are marked as assumed. Keys that a file omits have the values of
+    Values that the paper (Hsieh 2014) does not state are marked as assumed. Keys that a file omits have the values of
     the preset pin. JSON has the tables and keys of the file; --out writes the file as well.
     """
-    design = chosen.resolved()
+    design = chosen.resolve()
     text, file = dump(design, reasons(chosen.design, design)), f"{design.name}.toml"
     place = claim_destination(delivery, f"{design.name}-design", [file])
     outcome = Outcome(
@@ -79,7 +79,7 @@ def check(chosen: Annotated[DesignOptions, FLAT], *, delivery: Annotated[Deliver
     """
     from cycloid_mj.life.checks import check_design
 
-    design = chosen.resolved()
+    design = chosen.resolve()
     place = claim_destination(delivery, f"{design.name}-check")
     inherited = inherited_keys(chosen.design, chosen.set_, ("drive.torque_nm", "drive.speed_rpm"))
     checks = check_design(design)

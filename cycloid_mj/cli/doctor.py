@@ -53,7 +53,7 @@ def doctor(*, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
     The self-test simulates one millisecond of a reducer and compares it with the closed form; on first use it
     compiles the contact code, which takes some seconds. The exit code is 1 if a required component is missing.
     """
-    from cycloid_mj.base.frame import framed
+    from cycloid_mj.base.frame import make_frame
 
     place = claim_destination(delivery, "doctor")
     trials = (
@@ -66,7 +66,7 @@ def doctor(*, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
     outcome = Outcome(
         title=title,
         text=[title, *map(str, findings)],
-        frame=framed(rows, Finding._fields, {}),
+        frame=make_frame(rows, Finding._fields, {}),
         result={"version": __version__, "findings": rows},
         code=0 if all(finding.well for finding in findings if finding.needed) else 1,
     )

@@ -35,7 +35,7 @@ def figures(*, need: NeedFlag = None, delivery: Annotated[Delivery, FLAT] = DELI
     a second, stress (finite elements) and run (simulation) minutes. JSON includes former keys, which are still
     accepted.
     """
-    from cycloid_mj.base.frame import framed
+    from cycloid_mj.base.frame import make_frame
     from cycloid_mj.figures import FIGURES
 
     place = claim_destination(delivery, "figures")
@@ -44,10 +44,10 @@ def figures(*, need: NeedFlag = None, delivery: Annotated[Delivery, FLAT] = DELI
     outcome = Outcome(
         title=f"{len(rows)} figures",
         tables=[Table("figures", HEADER, cells, words=range(len(HEADER)))],
-        frame=framed([dict(zip(HEADER, row, strict=True)) for row in cells], HEADER, {}),
+        frame=make_frame([dict(zip(HEADER, row, strict=True)) for row in cells], HEADER, {}),
         result={"figures": {row.key: row.as_json() for row in rows}},
     )
-    # the list is what was asked for, however long
+    # the list is the requested result, however long
     return deliver(outcome, place, replace(delivery, all=True))
 
 

@@ -51,7 +51,7 @@ SeveralFlag = Annotated[
         help="Designs, the same as by position. Repeatable.",
     ),
 ]
-"""Of a command that takes several designs, which `DesignNames` gives by position."""
+"""Flags of a command that takes several designs by position (`DesignNames`)."""
 
 SetFlag = Annotated[
     tuple[str, ...],
@@ -225,7 +225,7 @@ STEP = "; 0: the longest step at which the results are accurate"
 
 
 Values = Sequence[tuple[DesignValue, float | None]]
-"""Values of the design that flags set; None where the flag is not given."""
+"""Values of the design that flags set; None where the flag is absent."""
 
 
 def load_design(name_or_file: str, changes: Sequence[str], values: Values) -> Design:
@@ -259,15 +259,15 @@ class DesignOptions:
     _: KW_ONLY
     set_: SetFlag = ()
 
-    def resolved(self, values: Values = ()) -> Design:
+    def resolve(self, values: Values = ()) -> Design:
         """Return the design, with `values` of other flags; see `load_design` for the errors."""
         return load_design(self.design, self.set_, values)
 
-    def sound(self, values: Values = ()) -> Design:
+    def resolve_checked(self, values: Values = ()) -> Design:
         """Return the same; raise DesignError if it fails a check."""
         from cycloid_mj.checks import require_sound
 
-        design = self.resolved(values)
+        design = self.resolve(values)
         require_sound(Reducer(design))
         return design
 

@@ -71,7 +71,7 @@ def kinematics(
     positions from the axis of the reducer. Samples are at the times k DT, k = 0, 1, ..., up to T. Numbers are written
     with all digits.
     """
-    design = chosen.resolved([(RAMP, ramp_s), (SPEED, speed_rpm)])
+    design = chosen.resolve([(RAMP, ramp_s), (SPEED, speed_rpm)])
     columns = _motion(design, point(q) or (0.0, design.output.pin_circle_radius), until_s, step_s)
     claim_csv(csv, delivery.force)
     page = claim_page(delivery, f"{design.name}-kinematics")
@@ -98,7 +98,7 @@ def _motion(design: Design, q: tuple[float, float], until: float | None, step: f
 
 
 def _step(design: Design, step: float | None) -> float:
-    """Return the time step [s]: the given one, or one degree of crank at full speed."""
+    """Return the time step [s]: that of the flag, or one degree of crank at full speed."""
     if step is not None:
         return step
     if design.drive.speed == 0.0:

@@ -1,4 +1,4 @@
-"""``cycloid-mj log``: what is in a log, out of it, and a cut log made whole."""
+"""``cycloid-mj log``: show, export and repair logs."""
 
 import json
 from collections.abc import Callable
@@ -92,13 +92,13 @@ def info(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> 
         ],
         result={"log": log, **_describe_contents(contents)},
     )
-    # the tables are what was asked for, however long
+    # the tables are the requested result, however long
     return deliver(outcome, place, replace(delivery, all=True))
 
 
 def columns(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
     """List the columns of a log with topic, name and unit."""
-    from cycloid_mj.base.frame import framed
+    from cycloid_mj.base.frame import make_frame
     from cycloid_mj.log import load
 
     groups = load(log).run.groups
@@ -111,7 +111,7 @@ def columns(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) 
     outcome = Outcome(
         title=f"columns: {log}",
         text=["\t".join(row.values()) for row in rows],
-        frame=framed(rows, ("topic", "column", "unit"), {}),
+        frame=make_frame(rows, ("topic", "column", "unit"), {}),
         result={"columns": rows},
     )
     return deliver(outcome, place, delivery)

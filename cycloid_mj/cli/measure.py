@@ -348,7 +348,7 @@ def _command(name: str, options: type[MeasureOptions]) -> Callable[..., int]:
     """Create the command of a measure: its design, its options and the flags that all measures share."""
 
     def one(chosen: PresetOptions = PRESET, *, options: MeasureOptions, delivered: MeasureDelivery) -> int:
-        return _measure(name, [chosen.sound(options.values())], options, delivered)
+        return _measure(name, [chosen.resolve_checked(options.values())], options, delivered)
 
     def many(
         *designs: Annotated[
@@ -360,7 +360,7 @@ def _command(name: str, options: type[MeasureOptions]) -> Callable[..., int]:
         delivered: MeasureDelivery,
     ) -> int:
         """Measure several designs."""
-        sound = [DesignOptions(one, set_=set_).sound(options.values()) for one in (*designs, *design) or BOTH]
+        sound = [DesignOptions(one, set_=set_).resolve_checked(options.values()) for one in (*designs, *design) or BOTH]
         return _measure(name, sound, options, delivered)
 
     command: Any = many if options is TorqueOptions else one

@@ -1,4 +1,4 @@
-"""``cycloid-mj design new``: a design file from a preset, or drives from what is asked of them."""
+"""``cycloid-mj design new``: write a design file from a preset, or find drives for a requirement."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -276,7 +276,7 @@ def _refusal(answer: "Answer", asked: "Requirement", ranged: bool) -> dict[str, 
 
 
 def _flags(way: "Remedy", asked: "Requirement", ranged: bool) -> list[str]:
-    """Return the flags that request an alternative instead of the given ones."""
+    """Return the flags that request an alternative instead of the user's."""
     from cycloid_mj.base.units import RPM
 
     flags = {

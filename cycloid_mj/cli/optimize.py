@@ -143,7 +143,7 @@ def optimize(
     from cycloid_mj.explore.problem import define_problem
 
     engine = delivery.engine()
-    task = define_problem(Reducer(chosen.resolved()), _ranges(vary), minimize, maximize, limit, strict, follow)
+    task = define_problem(Reducer(chosen.resolve()), _ranges(vary), minimize, maximize, limit, strict, follow)
     resumed = has_study(Path(delivery.out or OUT), STUDY)
     place = claim_destination(delivery, STEM, (HISTORY, PARQUET, BEST, FIGURE), OUT, paged=True, resumed=resumed)
     into = place.folder or Path(OUT)

@@ -33,14 +33,14 @@ Columns = Mapping[str, "npt.NDArray[Any]"]
 
 
 def claim_csv(file: str, force: bool, flag: str = "--csv") -> None:
-    """Claim the name of a table, given by `flag`, before the work; stdout and devices need no claim.
+    """Claim the name of a table, the value of `flag`, before the work; stdout and devices need no claim.
 
     Raises
     ------
     UsageError
         It is another flag, or has the ending of another kind of file.
     TakenError
-        There is such a file, and `force` is not given.
+        The file exists, and `force` is not set.
     """
     if file == STDOUT:
         return
@@ -76,9 +76,9 @@ def folder(name: str, what: str, files: Iterable[str], force: bool) -> Path:
     Raises
     ------
     CycloidError
-        The folder cannot be made, or may not be written to.
+        The folder cannot be created, or is not writable.
     TakenError
-        One of the files is there, and the command reads it, or `force` is not given.
+        One of the files exists, and the command reads it, or `force` is not set.
     """
     path = Path(name)
     if new_folder(name, what) is None and not path.is_dir():

@@ -15,7 +15,7 @@ FLAGS = Parameter(negative=(), show_default=False)
 """What every flag has in common: no ``--no-...`` or ``--empty-...``, and its default stands in its help."""
 
 FOLD = " \\"
-"""At the end of a line that a shell goes on from."""
+"""Continuation of a shell command on the next line."""
 
 
 def console(stderr: bool = False) -> "Console":

@@ -113,7 +113,7 @@ def run() -> None:
         code = main()
         sys.stdout.flush()
     except KeyboardInterrupt as stop:
-        # before `main` could tell it, such as while modules were loaded
+        # before `main` could report it, for example while modules were loaded
         code = exit_code(stop)
         sys.stderr.write(f"error: stopped by {signal_name(stop)}\n")
     except ImportError as error:

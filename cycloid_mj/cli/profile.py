@@ -68,7 +68,7 @@ def profile(
     relative_curvature_per_mm (disc plus ring) and pressure_mpa (Hertz pressure if the line carries the working force
     of the teeth at the rated torque: working_force.*_n and contact.working_force_n, or ideal sharing).
     """
-    reducer = Reducer(chosen.resolved())
+    reducer = Reducer(chosen.resolve())
     columns = {"gear": _gear, "ring": _ring, "curvature": _curvature}[part](reducer, points)
     claim_csv(csv, delivery.force)
     page = claim_page(delivery, f"{reducer.design.name}-{part}")

@@ -70,7 +70,7 @@ class Progress:
         if not self._quiet:
             tell(text)
 
-    def reached(self, simulated: float) -> None:
+    def report_time(self, simulated: float) -> None:
         """Show that the run has come to `simulated` [s]."""
         self._waiting.close()
         if self._quiet:

@@ -107,7 +107,7 @@ def protocol(
     files = BenchFiles(
         tuple(read_loop(path) for path in loop), read_te(te) if te else None, starting, running, back_driving
     )
-    design = chosen.sound()
+    design = chosen.resolve_checked()
     place = claim_destination(
         delivery, f"{design.name}-protocol", [f"{design.name}-protocol{end}" for end in (".png", ".svg")]
     )

@@ -81,7 +81,7 @@ def rate(
             )
         if value is not None and not (value != 0.0 and isfinite(value)):
             raise UsageError(f"{flag} {value:g} is not allowed: it must be a finite number other than 0")
-    design = chosen.sound()
+    design = chosen.resolve_checked()
     cycle = _duty(design, load_nm, speed_rpm, duty, peak_nm)
     ranges = read_ranges(stress, Reducer(design)) if stress else None
     place = claim_destination(delivery, f"{design.name}-rating")

@@ -133,7 +133,7 @@ def reduce(
         raise UsageError(f"--samples {samples} is out of range: it must be from 2 to {MOST_SAMPLES}")
     if seed < 0:
         raise UsageError(f"--seed {seed} is out of range: it must be 0 or more")
-    design = chosen.sound()
+    design = chosen.resolve_checked()
     place = claim_destination(
         delivery, STEM, (*BASE_FILES, *SPRING_FILES, *([SAMPLES] if spread else [])), OUT, paged=True
     )

@@ -33,7 +33,7 @@ def app(
     """
     if not 1 <= port <= 65535:
         raise UsageError(f"--port {port} is out of range: it must be from 1 to 65535")
-    design = chosen.resolved()
+    design = chosen.resolve()
     from cycloid_mj.app.server import new_token, open_socket, page_address, serve
 
     token = new_token()

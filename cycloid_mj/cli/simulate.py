@@ -116,14 +116,14 @@ def simulate(
     The crank is accelerated linearly from rest and then kept at its speed. For this hold phase, the results are
     compared with theory: disc speed, path and speed of the centre of hole 1, transmission error; contacts, pin 1,
     torques and losses are added. The MCAP log is written during the run, with the design, the model and every sample;
-    the page of `cycloid-mj report` is written next to it, unless --json is given.
+    the page of `cycloid-mj report` is written next to it, unless --json is set.
 
     A failed run (not a number, a MuJoCo warning, excessive penetration, a jumped tooth) ends with an error and exit
     code 1, a stopped run (Ctrl-C, SIGTERM, SIGHUP) with 128 plus the number of the signal; the log contains the
     samples up to that time. Two runs never write the same log: the second uses the next name, or ends with an error.
     """
     values = [(TIMESTEP, timestep_us), (SPEED, speed_rpm), (RAMP, ramp_s), (HOLD, hold_s), (LOAD, load_nm)]
-    design = chosen.resolved(values)
+    design = chosen.resolve(values)
     require_possible(design, solver)
     force = delivery.force
     into = folder(delivery.out or RUNS, "the log", (), force)
@@ -135,7 +135,7 @@ def simulate(
         claim(*names, *(review_of(log) for log in names if page is None and not delivery.json), force=force)
     with Progress(design.drive.ramp + design.drive.hold, delivery.quiet) as progress:
         ran = run_into_log(design, names, force, progress, contact, solver, keep_run=True)
-    findings = ran.judged()
+    findings = ran.require_findings()
     warn(findings.design, findings.warnings)
     page = page or (None if delivery.json else review_of(ran.log))
     outcome = _with_explanations(outcome_of(findings), findings, ran, page, chosen, delivery.quiet)
@@ -163,7 +163,7 @@ def _with_explanations(
         headline={},
         summary=[
             *explain(findings),
-            *([] if findings.condition.load else _explain_unloaded_run(chosen.resolved())),
+            *([] if findings.condition.load else _explain_unloaded_run(chosen.resolve())),
             written,
             *(f"next: {words}" for words in _next(findings, chosen)),
         ],
@@ -199,7 +199,7 @@ def _next(findings: "Findings", chosen: DesignOptions) -> Iterator[str]:
     if findings.condition.load:
         yield _command(["rate", *design], "life, and the weakest part")
     else:
-        loaded = ["--load-nm", f"{chosen.resolved().rated_torque:.4g}", "--ramp-s", "0", "--hold-s", "0.05"]
+        loaded = ["--load-nm", f"{chosen.resolve().rated_torque:.4g}", "--ramp-s", "0", "--hold-s", "0.05"]
         yield _command(["simulate", *design, *loaded], "the same drive under its rated torque")
     yield _command(["design", "new", "actuator", *NEW_ACTUATOR.split()], "I print an actuator: a drive to order")
     yield _command(["statics", *design], "I design reducers: backlash, stiffness, loads, efficiency")
@@ -235,7 +235,7 @@ class Ran:
     findings: "Findings | CycloidError"
     run: "Run | None" = None
 
-    def judged(self) -> "Findings":
+    def require_findings(self) -> "Findings":
         """Return the findings of the run; raise LogError if it cannot be judged."""
         if isinstance(self.findings, CycloidError):
             raise LogError(
@@ -271,9 +271,9 @@ def logs_folder(usual: str, out: str | None, names: Sequence[str], force: bool) 
     Raises
     ------
     CycloidError
-        The folder cannot be made.
+        The folder cannot be created.
     TakenError
-        The folder asked for holds one of the files, and they are not to be replaced.
+        The requested folder contains one of the files, and `--force` is absent.
     """
     if out is None and not force:
         numbered = (f"{usual}-{number}" for number in count(2))
@@ -389,15 +389,15 @@ def _record(
     """
     late: tuple[str, ...] = ()
 
-    def stepped() -> "Iterator[SampleBlock]":
+    def simulate_blocks() -> "Iterator[SampleBlock]":
         nonlocal late
         late = yield from samples
 
     try:
-        for block in stepped():
+        for block in simulate_blocks():
             with defer_signals():
                 log.write(block.time, block.values)
-            progress.reached(float(block.time[-1]))
+            progress.report_time(float(block.time[-1]))
         return late
     except KeyboardInterrupt as stop:
         raise _close_incomplete_log(log, f"stopped by {signal_name(stop)}") from stop

@@ -62,7 +62,7 @@ def statics(
     from cycloid_mj.figures import quantities
     from cycloid_mj.statics.sheet import sheet
 
-    design = chosen.sound()
+    design = chosen.resolve_checked()
     place = claim_destination(delivery, f"{design.name}-statics")
     loaded = design if load_nm is None else design.but(load={"torque": load_nm})
     return deliver(_outcome(sheet(Reducer(design), load_nm), quantities(Reducer(loaded))), place, delivery)

@@ -264,7 +264,7 @@ def _springs(reducers: Sequence[Reducer], load: float | None, mounts: "Mounts | 
 
 
 def _figures(asked: Sequence[str], place: Destination) -> tuple[Drawn, ...]:
-    """Return the figures to draw: the requested ones, or those of the page."""
+    """Return the figures to draw: those requested, or those of the page."""
     if not asked:
         return ("map", "turn") if place.page else ()
     return tuple(name for name in FIGURES if name in asked or "all" in asked)

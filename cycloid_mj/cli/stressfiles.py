@@ -31,7 +31,7 @@ COLUMNS = (
 
 def outcome_of(studies: "Sequence[StressStudy]", place: Destination, figures: Sequence[Drawn] = ()) -> Outcome:
     """Build the outcome of stress studies, with the requested figures."""
-    from cycloid_mj.base.frame import framed
+    from cycloid_mj.base.frame import make_frame
     from cycloid_mj.figures import values_json
     from cycloid_mj.stress.figures import of_study
     from cycloid_mj.stress.findings import MAX_CHANGE
@@ -72,7 +72,7 @@ def outcome_of(studies: "Sequence[StressStudy]", place: Destination, figures: Se
         tables=[*_tables(findings), *_claim_tables(judged)],
         notes=[*_notes(findings), *_claim_notes(judged, any(one.references for one in findings))],
         summary=["logs: " + " ".join(str(one.log) for one in findings)],
-        frame=framed(list(_rows(findings)), COLUMNS, {}),
+        frame=make_frame(list(_rows(findings)), COLUMNS, {}),
         pictures=pictures,
         files=maps,
         result=with_warnings(

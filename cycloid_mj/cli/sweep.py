@@ -145,7 +145,7 @@ def sweep(
 
     wanted = _points(vary, table, sample, points, seed)
     engine = delivery.engine()
-    task = define_task(Reducer(chosen.resolved()), wanted, measure, quick, real_pins, follow, solver)
+    task = define_task(Reducer(chosen.resolve()), wanted, measure, quick, real_pins, follow, solver)
     resumed = has_study(Path(delivery.out or OUT), SWEEP)
     place = claim_destination(delivery, STEM, FILES, OUT, paged=True, resumed=resumed)
     into = place.folder or Path(OUT)

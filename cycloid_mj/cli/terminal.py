@@ -52,7 +52,7 @@ def tell_error(error: CycloidError) -> None:
 
 
 def note(text: str) -> None:
-    """Print a message as `tell` does, unless ``--quiet`` is given."""
+    """Print a message as `tell` does, unless ``--quiet`` is set."""
     logging.getLogger(__name__).info("%s", escape_controls(text))
 
 

@@ -104,7 +104,7 @@ def tolerance(
     if seed < 0:
         raise UsageError(f"--seed {seed} is out of range; allowed: 0 or more")
     engine = delivery.engine("threads")
-    design = chosen.sound()
+    design = chosen.resolve_checked()
     limits = [read(text, Reducer(design)) for text in limit]
     name = design.name
     place = claim_destination(

@@ -66,7 +66,7 @@ def _run(parts: "tuple[ValidationPart, ...]", quick: bool, workers: int) -> "lis
 
 def _outcome(rows: "list[ValidationRow]", quick: bool, wall: float) -> Outcome:
     """Build the outcome of a validation."""
-    from cycloid_mj.base.frame import framed
+    from cycloid_mj.base.frame import make_frame
     from cycloid_mj.base.validation import RowOutcome
     from cycloid_mj.validate.suite import STEP_NAMES
 
@@ -88,7 +88,7 @@ def _outcome(rows: "list[ValidationRow]", quick: bool, wall: float) -> Outcome:
             for row in rows
             if row.measured.note
         ],
-        frame=framed(table, table[0] if table else (), {}),
+        frame=make_frame(table, table[0] if table else (), {}),
         result={"passed": not failed, "quick": quick, "wall_s": wall, "rows": table},
         code=FAILURE if failed else 0,
     )

@@ -20,7 +20,7 @@ from cycloid_mj.cli.page import commands
 
 
 def describe_error(error: CycloptsError) -> str:
-    """Return one line that names the flag, the given value and the allowed values."""
+    """Return one line that names the flag, its value and the allowed values."""
     command = " ".join(("cycloid-mj", *(error.command_chain or ())))
     what = " ".join(_describe(error).split()).rstrip(".")
     return f"{what}{' S' if what.endswith('?') else '; s'}ee {command} --help"

@@ -22,7 +22,7 @@ HEADLINE = (
     *("backlash_arcmin", "lost_motion_arcmin", "stiffness_nm_per_arcmin", "te_loaded_arcsec", "capacity_nm", "mass_kg"),
     *("te_unloaded_arcsec", "tooth_force_n", "output_pin_force_n", "cam_force_n", "efficiency_percent"),
 )
-"""Keys of the catalogue's figures that are printed beside those of the runs, the first six in the headline; JSON has
+"""Keys of the catalogue's figures that are printed next to those of the runs, the first six in the headline; JSON has
 all of geometry and statics."""
 
 

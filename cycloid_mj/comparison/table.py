@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
-from cycloid_mj.base.frame import Cell, Frame, framed
+from cycloid_mj.base.frame import Cell, Frame, make_frame
 from cycloid_mj.base.result import Table
 from cycloid_mj.comparison.measures import Measures
 from cycloid_mj.comparison.starts import StartSpread
@@ -107,7 +107,7 @@ def figure_frame(trials: Iterable[Trial]) -> Frame:
         for figure in ROWS
         if (spread := trial.over_starts(figure.of)) is not None
     ]
-    return framed(rows, COLUMNS, {})
+    return make_frame(rows, COLUMNS, {})
 
 
 def table(trials: Sequence[Trial]) -> Table:

@@ -1,4 +1,4 @@
-"""Design files: TOML to ``Design`` and back, with every error told in the words of the file."""
+"""Design files: TOML to ``Design`` and back, with every error in the words of the file."""
 
 import difflib
 import math
@@ -87,11 +87,11 @@ def inherited_keys(named: Named, changes: Sequence[str], keys: Sequence[str]) ->
     tables = tomllib.loads(note_input(Path(named)).read_text(encoding="utf-8-sig"))
     changed = {_pair(change)[0] for change in changes}
 
-    def stated(key: str) -> bool:
+    def is_stated(key: str) -> bool:
         table, _, name = key.partition(".")
         return key in changed or table in changed or name in tables.get(table, {})
 
-    return tuple(key for key in keys if not stated(key))
+    return tuple(key for key in keys if not is_stated(key))
 
 
 def load(path: Path) -> Design:
@@ -175,7 +175,7 @@ def override(design: Design, changes: Sequence[str] | Mapping[str, Any]) -> Desi
             raise UsageError(f"{where} {path!r}: {keys[0]} is a value, not a table; give {keys[0]} alone")
     for name, change in changed.items():
         section = section_of(field) if (field := Design.model_fields.get(name)) else None
-        tables[name] = (section or Section).changed(tables.get(name, {}), change)
+        tables[name] = (section or Section).merge_change(tables.get(name, {}), change)
     if not pairs:
         return design
     values = _values_except(design, named) | _to_si(Design, tables, where)
@@ -237,7 +237,7 @@ def _plain(value: Any) -> Any:
 def dump(design: Design, reasons: Mapping[str, str] | None = None) -> str:
     """Write the complete commented design file of a design; reading it back gives an equal design.
 
-    `reasons` tell why a value is as it is, by ``table.name`` as in the model, or by the name of a value in no table.
+    `reasons` explain values, by ``table.name`` as in the model, or by the name of a value in no table.
     """
     reasons = reasons or {}
     lines = ["# cycloid_mj design file. Each key ends in its unit."]
@@ -305,7 +305,7 @@ def _tables(section: Section, chosen: Container[str] | None = None) -> Iterator[
 
 
 def _values_except(design: Design, named: Container[str]) -> dict[str, Any]:
-    """Return the values of a design in SI, except for the given names."""
+    """Return the values of a design in SI, except for `names`."""
     return {
         name: {key: item for key, _, item in _fields(value)} if isinstance(value, Section) else value
         for name, _, value in _fields(design)
@@ -314,7 +314,7 @@ def _values_except(design: Design, named: Container[str]) -> dict[str, Any]:
 
 
 @cache
-def _known(section: type[Section]) -> dict[str, tuple[str, FieldInfo]]:
+def _keys_of(section: type[Section]) -> dict[str, tuple[str, FieldInfo]]:
     """Map key of the file to name and declaration in the model."""
     return {file_key(name, field): (name, field) for name, field in section.model_fields.items()}
 
@@ -323,7 +323,7 @@ def _to_si(
     section: type[Section], table: Mapping[str, Any], where: str, prefix: str = "", root: type[Section] = Design
 ) -> dict[str, Any]:
     """Translate the keys of the file to the names of the model and numbers to SI."""
-    known = _known(section)
+    known = _keys_of(section)
     values: dict[str, Any] = {}
     for key, value in table.items():
         if key not in known:

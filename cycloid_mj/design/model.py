@@ -64,7 +64,7 @@ class Section(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=False)
 
     @classmethod
-    def changed(cls, values: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
+    def merge_change(cls, values: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
         """Return the values of a table with some of them changed."""
         return {**values, **change}
 
@@ -672,7 +672,7 @@ class Material(Section):
 
     @model_validator(mode="before")
     @classmethod
-    def _named(cls, value: Any) -> Any:
+    def _fill_from_library(cls, value: Any) -> Any:
         """Fill values that are not set from the library."""
         if not isinstance(value, Mapping):
             return value
@@ -684,7 +684,7 @@ class Material(Section):
 
     @field_validator("name")
     @classmethod
-    def _known(cls, name: str) -> str:
+    def _refuse_unknown(cls, name: str) -> str:
         """Refuse a name that is not in the library."""
         if name and name not in MATERIALS:
             near = get_close_matches(name.casefold(), BY_CASEFOLD, n=1)
@@ -696,9 +696,9 @@ class Material(Section):
         return name
 
     @classmethod
-    def changed(cls, values: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
+    def merge_change(cls, values: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
         """Return the values of a table with some of them changed; a new name replaces all values."""
-        return dict(change) if "name" in change else super().changed(values, change)
+        return dict(change) if "name" in change else super().merge_change(values, change)
 
 
 def _part_material(part: str) -> Any:
@@ -863,9 +863,9 @@ class Design(Section, Presented):
     @property
     def frame(self) -> "Frame":
         """Its values as the design file has them, a row each."""
-        from cycloid_mj.base.frame import framed  # which takes NumPy, that no help page needs
+        from cycloid_mj.base.frame import make_frame  # which takes NumPy, that no help page needs
 
-        return framed([*_rows(self, "")], ("key", "value", "unit", "meaning"), {})
+        return make_frame([*_rows(self, "")], ("key", "value", "unit", "meaning"), {})
 
     def _facts(self) -> tuple[tuple[str, str], ...]:
         """Return key facts as pairs of name and value."""
@@ -895,7 +895,9 @@ class Design(Section, Presented):
         for name, change in changes.items():
             section = section_of(field) if (field := type(self).model_fields.get(name)) else None
             if section and isinstance(change, Mapping):
-                change = section.changed(values[name] or {}, {key: _as_tuple(value) for key, value in change.items()})
+                change = section.merge_change(
+                    values[name] or {}, {key: _as_tuple(value) for key, value in change.items()}
+                )
             values[name] = change
         try:
             return type(self).model_validate(values, strict=True)

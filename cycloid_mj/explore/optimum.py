@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Any
 
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.base.frame import Cell, Frame, Tabular, framed
+from cycloid_mj.base.frame import Cell, Frame, Tabular, make_frame
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.result import Quantity, Table
 from cycloid_mj.checks import check
@@ -176,7 +176,7 @@ class Optimum(Tabular):
             {"evaluation": number, **row.values, "error": row.error, "cpu_s": row.cpu}
             for number, row in enumerate(self.rows, 1)
         ]
-        return framed(rows, names, {key: unit for key, unit in units.items() if unit} | {"cpu_s": "s"})
+        return make_frame(rows, names, {key: unit for key, unit in units.items() if unit} | {"cpu_s": "s"})
 
     def as_json(self) -> dict[str, Any]:
         """Convert all but the history to JSON values."""

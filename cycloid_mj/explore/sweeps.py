@@ -12,7 +12,7 @@ from typing import Any
 
 from cycloid_mj.base.engine import Engine, Progress, silent, versions
 from cycloid_mj.base.errors import CycloidError, UsageError
-from cycloid_mj.base.frame import Cell, Frame, Tabular, framed, write_csv, write_parquet
+from cycloid_mj.base.frame import Cell, Frame, Tabular, make_frame, write_csv, write_parquet
 from cycloid_mj.design import Named, declaration_of, dump, resolve
 from cycloid_mj.design.units import unit_of
 from cycloid_mj.dynamics.run import Solver
@@ -110,7 +110,7 @@ class Sweep(Tabular):
             inputs = dict(zip(self.task.keys, self.points.rows[index], strict=True))
             rows.append({POINT: index + 1, **inputs, **row.followed, **row.values, **columns})
         names = (POINT, *self.task.keys, *follows, *self.quantities, WARNINGS, ERROR, CPU, VERSIONS)
-        return framed(rows, dict.fromkeys(names), {name: unit for name, unit in units.items() if unit})
+        return make_frame(rows, dict.fromkeys(names), {name: unit for name, unit in units.items() if unit})
 
 
 def sweep(

@@ -97,7 +97,7 @@ def mean_losses(reducer: Reducer, loadings: Sequence[Loading]) -> dict[str, floa
 
 
 def cooling_area(reducer: Reducer) -> float:
-    """Compute the area that gives heat to the air [m2]: the outside of the covers without the mounting faces.
+    """Compute the area that passes heat to the air [m2]: the outside of the covers without the mounting faces.
 
     Without covers, it is a cylinder around ring and output disc, with both ends.
     """

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from cycloid_mj.base.frame import Frame, framed
+from cycloid_mj.base.frame import Frame, make_frame
 from cycloid_mj.base.judgement import Judgement, judge
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.base.result import Table, plain
@@ -64,7 +64,7 @@ class RatedItem:
             "limit": self.limit,
             "safety": self.safety,
             "life_h": finite_life(self.life),
-            "unlimited": self.unlimited,
+            "unlimited": self.is_unlimited,
             "source": self.source,
             "note": self.note,
         }
@@ -92,14 +92,14 @@ class RatedItem:
     @property
     def verdict(self) -> str:
         """Safety factor or life as text; empty for a figure without a limit."""
-        if self.unlimited:
+        if self.is_unlimited:
             return "unlimited"
         if self.safety is not None:
             return f"{self.safety:.3g}"
         return "" if self.life is None else format_life(self.life)
 
     @property
-    def unlimited(self) -> bool:
+    def is_unlimited(self) -> bool:
         """True if the safety factor is infinite, or the life longer than `MAX_LIFE`."""
         if self.safety is not None:
             return math.isinf(self.safety)
@@ -164,7 +164,7 @@ class Rating(Presented):
     def frame(self) -> Frame:
         """The items, a row each."""
         rows = [{"key": key, **item} for key, item in self._items_json().items()]
-        return framed(rows, rows[0], {})
+        return make_frame(rows, rows[0], {})
 
     def _items_json(self) -> dict[str, dict[str, Any]]:
         """Convert the items to JSON values with their judgements, by key."""

@@ -1,4 +1,4 @@
-"""Rated torque for a given life, as manufacturers state it."""
+"""Rated torque for a required life, as manufacturers state it."""
 
 import math
 from collections.abc import Callable, Iterable
@@ -95,7 +95,7 @@ def _torque_by_law(
     poses: int,
     stops: bool,
 ) -> tuple[float, RatedItem | None]:
-    """Compute the torque limit [N m] by the law of the weakest item at a torque; 0 if no equilibrium is found there."""
+    """Compute the torque limit [N m] by the law of the weakest item at a torque; 0 if there is no equilibrium."""
     try:
         items = rate(reducer.design, constant_duty(torque, speed), life, poses=poses, stops=stops).items.values()
     except CycloidError:

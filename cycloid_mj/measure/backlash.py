@@ -18,7 +18,7 @@ from cycloid_mj.base.engine import Progress, each_in_threads, silent
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.result import Curve, Quantity, keyed
+from cycloid_mj.base.result import Curve, Quantity, by_key
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.design import Errors, Modification, Named, resolve
 from cycloid_mj.dynamics.massless import assumptions, massless
@@ -144,7 +144,7 @@ def backlash(
         measure="backlash",
         design=reducer.design,
         condition=f"crank locked, without friction and weight, {SOLVERS[solver]}",
-        quantities=keyed(_quantities(by_kind, checked, closed)),
+        quantities=by_key(_quantities(by_kind, checked, closed)),
         curves=_curves(reducer, by_kind, closed),
         assumptions=_assumptions(reducer, [pair.run for pairs in by_kind.values() for pair in pairs], solver),
         runs={name: presses[0].run for name, presses in by_kind.items()},

@@ -9,7 +9,7 @@ import numpy as np
 from cycloid_mj.base.engine import Progress, silent
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.powers import SELF_LOCKING
-from cycloid_mj.base.result import Curve, Quantity, Table, keyed
+from cycloid_mj.base.result import Curve, Quantity, Table, by_key
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.dynamics.massless import assumptions
@@ -75,7 +75,7 @@ def efficiency(
         measure="efficiency",
         design=steady.design,
         condition=f"up to {max(torques):.4g} N m and {max(map(abs, speeds)) / RPM:.0f} rpm, {SOLVERS[solver]}",
-        quantities=keyed(
+        quantities=by_key(
             _rated_quantities(steady, efficiency_map),
             _losses(efficiency_map.rated),
             _drag_quantities(steady, efficiency_map),

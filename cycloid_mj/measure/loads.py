@@ -11,7 +11,7 @@ from cycloid_mj.base.engine import Progress, each_in_threads, silent
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.result import Curve, Quantity, keyed
+from cycloid_mj.base.result import Curve, Quantity, by_key
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
@@ -127,7 +127,7 @@ def loads(
         measure="loads",
         design=reducer.design,
         condition=f"{torque:.4g} N m, {abs(reducer.design.drive.speed) / RPM:.0f} rpm, {SOLVERS[solver]}",
-        quantities=keyed(*by_kind, discs, capacities),
+        quantities=by_key(*by_kind, discs, capacities),
         curves=_curves(contacts, loaded),
         assumptions=_assumptions(loaded),
         runs={"loaded": run},

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cycloid_mj.base.array import Array, Mask
-from cycloid_mj.base.result import Curve, Quantity, keyed
+from cycloid_mj.base.result import Curve, Quantity, by_key
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.measure import bench, rigid_backlash
 from cycloid_mj.measure.hysteresis import HysteresisLoop
@@ -48,7 +48,7 @@ class LostMotionLoops:
 
 def quantities(measured: LostMotionLoops) -> dict[str, Quantity]:
     """Collect all quantities of the measurement."""
-    return keyed(_motions(measured), _stiffness(measured), _friction(measured))
+    return by_key(_motions(measured), _stiffness(measured), _friction(measured))
 
 
 def _quantity(

@@ -11,7 +11,7 @@ import numpy as np
 
 from cycloid_mj.base.engine import Progress, each_in_threads, silent
 from cycloid_mj.base.names import SOLVERS
-from cycloid_mj.base.result import keyed
+from cycloid_mj.base.result import by_key
 from cycloid_mj.base.units import ARCSECONDS, RPM
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.dynamics.run import Solver, model_for
@@ -86,7 +86,7 @@ def te(
         design=reducer.design,
         condition=" and ".join(f"{one} {torque:.3g} N m" for one, torque in torques.items())
         + f", {abs(reducer.design.drive.speed) / RPM:.0f} rpm at speed, {SOLVERS[solver]}",
-        quantities=keyed(te_table.quantities(reducer, traces, finer, statics, turns)),
+        quantities=by_key(te_table.quantities(reducer, traces, finer, statics, turns)),
         curves=te_table.curves(reducer, traces, statics),
         assumptions=_assumptions(reducer, turns),
         runs={case.key: trace.run for case, trace in traces.items()},

@@ -13,7 +13,7 @@ from cycloid_mj.base.errors import suppress_warnings, warn
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.powers import Powers, mean_powers
 from cycloid_mj.base.record import Run
-from cycloid_mj.base.result import Curve, Quantity, keyed
+from cycloid_mj.base.result import Curve, Quantity, by_key
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.dynamics.massless import assumptions, massless
@@ -112,7 +112,7 @@ def torque(
         design=steady.design,
         condition=f"{steady.design.drive.torque:.4g} N m on the crank, {abs(steady.design.drive.speed) / RPM:.0f} rpm, "
         + SOLVERS[solver],
-        quantities=keyed(_quantities(steady, ours, finer, at_held_crank, by_input), friction_quantities(beside)),
+        quantities=by_key(_quantities(steady, ours, finer, at_held_crank, by_input), friction_quantities(beside)),
         curves=(*_curves(steady, ours), *sensitivity.curves(by_row, beside)),
         tables=(
             loss_breakdown.table(ours.powers, beside, rate_error(ours, finer)),

@@ -9,7 +9,7 @@ import numpy as np
 from cycloid_mj.analysis.spectrum import BAND, tapered_orders
 from cycloid_mj.base.engine import Progress, each_in_threads, silent
 from cycloid_mj.base.names import SOLVERS
-from cycloid_mj.base.result import Curve, Quantity, keyed
+from cycloid_mj.base.result import Curve, Quantity, by_key
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.dynamics.massless import require_pin_bodies
@@ -96,7 +96,7 @@ def vibration(
         design=reducer.design,
         condition=" and ".join(f"{one} {torque:.3g} N m" for one, torque in torques.items())
         + f", spectra at {abs(speed) / RPM:.0f} rpm, {SOLVERS[solver]}",
-        quantities=keyed(_levels(reducer, at_speed, checks), _unbalance(reducer, at_speed, checks)),
+        quantities=by_key(_levels(reducer, at_speed, checks), _unbalance(reducer, at_speed, checks)),
         curves=(*_sweep(reducer, full), *_spectra(reducer, at_speed)),
         assumptions=(
             "bearings and housing are rigid; a bearing's force is the inertia of its body minus contact forces and "

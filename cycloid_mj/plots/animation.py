@@ -13,7 +13,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.record import Run
 from cycloid_mj.plots.stage import AnimatedFigure, Script, set_stage, show
-from cycloid_mj.plots.style import styled
+from cycloid_mj.plots.style import with_style
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import columns_from_ring, seen_from_ring
 from cycloid_mj.scene import contact_forces, drawing, drawn_radii, gaps, ideal_forces
@@ -71,7 +71,7 @@ def take(run: Run, magnification: float = 1.0, frames: int = FRAMES, turns: floa
     return Take(motion, start + np.unique(np.searchsorted(swept, turns_at)), magnification)
 
 
-@styled
+@with_style
 def film(scene: Take, width: int = WIDTH) -> Iterator[Image]:
     """Yield the frames of an animation, shape (height, width, 3), height and width even.
 

@@ -17,7 +17,7 @@ from cycloid_mj.plots.style import (
     legend_above,
     sheet,
     state,
-    styled,
+    with_style,
 )
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE
 
@@ -25,7 +25,7 @@ MEASURED = {"color": BLUE, "linestyle": "none", "marker": ".", "markersize": 2.5
 MODEL = {"color": VERMILION, "linewidth": 1.1}
 
 
-@styled
+@with_style
 def calibration_figure(calibration: Calibration) -> Figure:
     """Draw each measured and modelled loop, with the residual below."""
     fitted, loops = calibration.fitted, calibration.fitted.loops
@@ -50,7 +50,7 @@ def calibration_figure(calibration: Calibration) -> Figure:
     return figure
 
 
-@styled
+@with_style
 def protocol_figure(result: Protocol) -> Figure:
     """Draw the loops from which a protocol is evaluated, measured and modelled, each about its middle."""
     figure = sheet(3.2)
@@ -74,7 +74,7 @@ def _centred_turn(loop: MeasuredLoop) -> Array:
     return np.asarray(turn - 0.5 * (turn.max() + turn.min()))
 
 
-@styled
+@with_style
 def comparison_figure(result: BenchComparison) -> Figure:
     """Draw measured and modelled transmission error over the crank angle and by order."""
     figure = sheet(4.4)

@@ -25,9 +25,9 @@ from cycloid_mj.plots.style import (
     NotebookFigure,
     crank_axis,
     keys,
-    styled,
     turn_degrees,
     typeset,
+    with_style,
 )
 from cycloid_mj.reducer import Reducer
 
@@ -49,7 +49,7 @@ OVER_A_TURN = {
 """Name of the figure -> title and signal."""
 
 MAX_TITLE, SMALL = 40, {"fontsize": 7.2}
-"""Characters of a title that fit above a panel, and the style of longer ones."""
+"""Characters of a title that fit above a panel, and the style of longer titles."""
 
 ROW, HEAD = 1.25, 0.75
 """Height of a row of axes, and of title and legend [in]."""
@@ -69,7 +69,7 @@ def comparison_figures(motions: Sequence[Series]) -> dict[str, Figure]:
     return figures | {"compare_vibration": _spectra(grid)}
 
 
-@styled
+@with_style
 def _over_a_turn(grid: Grid, title: str, signal: Signal) -> Figure:
     """Draw a signal of every run over one crank turn; axes of one load share their scale.
 
@@ -96,7 +96,7 @@ def _over_a_turn(grid: Grid, title: str, signal: Signal) -> Figure:
     return figure
 
 
-@styled
+@with_style
 def _spectra(grid: Grid) -> Figure:
     """Draw amplitude spectral densities of the vibration; multiples of the mesh frequency are dotted."""
     loads = len(grid[0])

@@ -12,7 +12,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.geometry.contact_lines import ContactLines, contact_lines, mesh_period, pressure
 from cycloid_mj.geometry.modification import tooth_profile
 from cycloid_mj.plots.comparison import COLORS
-from cycloid_mj.plots.style import GREY, crank_axis, keys, sheet, styled
+from cycloid_mj.plots.style import GREY, crank_axis, keys, sheet, with_style
 from cycloid_mj.reducer import Reducer
 
 CRANK_ANGLES = 120
@@ -29,7 +29,7 @@ MAX_LINE_WIDTH = 4.0
 """Line width of the first design [pt]; further ones are narrower, so that equal curves remain visible."""
 
 
-@styled
+@with_style
 def curvature_figure(designs: Sequence[Design]) -> Figure:
     """Draw relative curvature and Hertz pressure of every contact line of one mesh period over its phase.
 

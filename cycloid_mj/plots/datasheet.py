@@ -11,7 +11,7 @@ from matplotlib.patches import Rectangle
 
 from cycloid_mj.base.result import Curve, Quantity
 from cycloid_mj.life.datasheet import Datasheet
-from cycloid_mj.plots.style import NotebookFigure, styled
+from cycloid_mj.plots.style import NotebookFigure, with_style
 from cycloid_mj.plots.views import draw_views
 from cycloid_mj.reducer import Reducer
 
@@ -36,13 +36,13 @@ NOTE_WIDTH = 138
 """Characters of a line of the notes."""
 
 
-@styled
+@with_style
 def datasheet_pages(sheet: Datasheet) -> list[Figure]:
     """Return the pages: performance with curves, mounting with dimensions, assumptions."""
     return [_first(sheet), _second(sheet), _third(sheet)]
 
 
-@styled
+@with_style
 def datasheet_pictures(sheet: Datasheet) -> dict[str, Figure]:
     """Return the views and the curves as figures, for a page with its own text and tables."""
     views = NotebookFigure(figsize=(9.0, 6.0))

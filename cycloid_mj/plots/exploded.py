@@ -14,7 +14,7 @@ from cycloid_mj.parts.cut import cut
 from cycloid_mj.parts.export.assembly import COLOURS, Place, assembly_parts, places
 from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.order import ALONG
-from cycloid_mj.plots.style import WIDTH, NotebookFigure, styled
+from cycloid_mj.plots.style import WIDTH, NotebookFigure, with_style
 from cycloid_mj.reducer import Reducer
 
 GAP = 0.12
@@ -24,7 +24,7 @@ AXIS = {"color": "#7A8590", "linewidth": 0.45, "linestyle": (0, (9, 2.5, 1.5, 2.
 HEIGHT = 6.2
 
 
-@styled
+@with_style
 def exploded_figure(reducer: Reducer, sizes: Casing) -> Figure:
     """Draw the section through the axis, each part rotated into its plane: assembled, and exploded below."""
     laid, placed = assembly_parts(reducer, sizes), places(reducer, 0.0, sizes)

@@ -22,8 +22,8 @@ from cycloid_mj.plots.style import (
     NotebookFigure,
     in_words,
     state,
-    styled,
     typeset,
+    with_style,
     wrap_label,
 )
 
@@ -51,7 +51,7 @@ class SweepStyle:
 SWEEP = SweepStyle()
 
 
-@styled
+@with_style
 def sweep_figure(sweep: Sweep, quantities: Sequence[str]) -> Figure:
     """Draw quantities of a sweep over its inputs; failed points are marked on the input axes.
 

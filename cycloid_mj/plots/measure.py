@@ -16,7 +16,7 @@ from matplotlib.transforms import ScaledTranslation
 
 from cycloid_mj.base.result import Curve
 from cycloid_mj.measure import Measurement
-from cycloid_mj.plots.style import GREY, PALETTE, THEORY, sheet, styled, typeset
+from cycloid_mj.plots.style import GREY, PALETTE, THEORY, sheet, typeset, with_style
 
 COLOURS = (*PALETTE, GREY)
 
@@ -58,7 +58,7 @@ def measurement_figure(measurement: Measurement) -> Figure:
     return curves_figure(measurement.curves, f"{title}, {measurement.condition}" if measurement.condition else title)
 
 
-@styled
+@with_style
 def curves_figure(curves: Sequence[Curve], title: str = "") -> Figure:
     """Draw curves, one panel below the other."""
     panels: dict[str, list[Curve]] = {}

@@ -15,7 +15,7 @@ from cycloid_mj.base.names import HOUSING, OUTPUT, SHAFT, gears, planar_joints
 from cycloid_mj.base.record import Run
 from cycloid_mj.geometry import kinematics
 from cycloid_mj.parts import VISUAL_CHORD_ERROR, Prism, output_centres, parts, pin_radius, sleeve_core_radius
-from cycloid_mj.plots.style import BLACK, BLUE, GREEN, PURPLE, VERMILION, NotebookFigure, styled
+from cycloid_mj.plots.style import BLACK, BLUE, GREEN, PURPLE, VERMILION, NotebookFigure, with_style
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene import ContactForces, cams, contact_forces, moved, poses, ring_places
 
@@ -42,7 +42,7 @@ MAX_ARROW = 0.3
 """Length of the largest force arrow, relative to the outer radius of the housing."""
 
 
-@styled
+@with_style
 def mechanism(reducer: Reducer, run: Run | None = None, crank_angle: float | None = None) -> Figure:
     """Draw ring, discs, output pins, cam and shaft.
 

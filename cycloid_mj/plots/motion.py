@@ -21,16 +21,16 @@ from cycloid_mj.plots.style import (
     crank_axis,
     legend_above,
     sheet,
-    styled,
     turn_degrees,
     typeset,
+    with_style,
 )
 
 SPEED_SPAN = 0.01
 """Half the span of the axis of the disc speed, relative to the speed: shows the error at its true size."""
 
 
-@styled
+@with_style
 def input_figure(motion: Series) -> Figure:
     """Draw prescribed and simulated crank speed over the entire run, and their difference (Fig. 5)."""
     figure, top, bottom = _speed(motion, "crank_speed", slice(None), motion.time, height_ratios=[3, 2])
@@ -42,7 +42,7 @@ def input_figure(motion: Series) -> Figure:
     return figure
 
 
-@styled
+@with_style
 def gear_speed_figure(motion: Series) -> Figure:
     """Draw the disc speed over a crank turn with Eq. 12, and the magnified error (Fig. 6)."""
     degrees = turn_degrees(motion)
@@ -76,7 +76,7 @@ def _speed(motion: Series, key: str, rows: slice, x: Array, **layout: Any) -> tu
     return figure, top, bottom
 
 
-@styled
+@with_style
 def transmission_error_figure(motion: Series) -> Figure:
     """Draw the transmission error of output and disc over a crank turn."""
     figure, degrees = sheet(3.6), turn_degrees(motion)

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from cycloid_mj.base.array import Array
 from cycloid_mj.explore.optimum import Optimum
 from cycloid_mj.plots.explored import figure_words
-from cycloid_mj.plots.style import BLUE, GREY, SKY, VERMILION, in_words, legend_above, sheet, state, styled
+from cycloid_mj.plots.style import BLUE, GREY, SKY, VERMILION, in_words, legend_above, sheet, state, with_style
 
 MAX_KEYS = 6
 """Keys with a panel."""
@@ -23,7 +23,7 @@ LOOKS: tuple[tuple[str, dict[str, Any]], ...] = (
 )
 
 
-@styled
+@with_style
 def tradeoff_figure(optimum: Optimum) -> Figure:
     """Draw every evaluated point: objective over objective or over the evaluations, and over each varied key.
 

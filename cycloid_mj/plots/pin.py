@@ -19,8 +19,8 @@ from cycloid_mj.plots.style import (
     legend_above,
     sheet,
     square,
-    styled,
     turn_degrees,
+    with_style,
 )
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import socket_half_angle
@@ -28,7 +28,7 @@ from cycloid_mj.reducer.sockets import socket_half_angle
 CLEARANCE: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "linestyle": "--"}
 
 
-@styled
+@with_style
 def pin_figure(motion: Series, pin: PinPath) -> Figure:
     """Draw the path of the centre of pin 1 within its clearance, its distance and its spin over a crank turn."""
     figure = sheet(3.2)

@@ -22,15 +22,15 @@ from cycloid_mj.plots.style import (
     legend_above,
     sheet,
     square,
-    styled,
     turn_degrees,
     typeset,
+    with_style,
 )
 
 _LIGHT = {BLUE: "#9CCBEA", ORANGE: "#F6D9A0", GREEN: "#A5D9CB"}
 
 
-@styled
+@with_style
 def path_figure(motion: Series) -> Figure:
     """Draw the path of q over a crank turn and Eq. 16, a detail at the largest error, and the error (Fig. 7)."""
     figure = sheet(5.0)
@@ -44,7 +44,7 @@ def path_figure(motion: Series) -> Figure:
     return figure
 
 
-@styled
+@with_style
 def velocity_figure(motion: Series) -> Figure:
     """Draw the velocity of q over a crank turn with Eqs 17 and 18, and its error (Fig. 8)."""
     figure = sheet(4.2)

@@ -35,7 +35,7 @@ from cycloid_mj.plots.measure import curves_figure, measurement_figure
 from cycloid_mj.plots.mechanism import mechanism
 from cycloid_mj.plots.optimum import tradeoff_figure
 from cycloid_mj.plots.stress import stress_figures
-from cycloid_mj.plots.style import BLUE, GREY, VERMILION, state, styled
+from cycloid_mj.plots.style import BLUE, GREY, VERMILION, state, with_style
 from cycloid_mj.plots.style import sheet as empty_figure
 from cycloid_mj.plots.tolerance import tolerance_figures
 from cycloid_mj.reducer import Reducer
@@ -107,7 +107,7 @@ def _of_loop(loop: MeasuredLoop) -> Figures:
 
 
 @figures_of.register
-@styled
+@with_style
 def _of_prediction(prediction: Prediction) -> Figures:
     """Draw measured and modelled loops next to each other."""
     figure = empty_figure(2.8)
@@ -187,7 +187,7 @@ def _of_sheet(sheet: Sheet) -> Figures:
 
 
 @figures_of.register
-@styled
+@with_style
 def _of_answer(answer: Answer) -> Figures:
     """Draw a bar chart of each figure of the drives."""
     if not answer.drives:
@@ -204,7 +204,7 @@ def _of_answer(answer: Answer) -> Figures:
     return {"drives": figure}
 
 
-@styled
+@with_style
 def _curve(torque: Array, turn: Array, label: str, condition: str) -> Figure:
     """Draw the rotation of the output over the torque."""
     figure = empty_figure(2.8)
@@ -216,7 +216,7 @@ def _curve(torque: Array, turn: Array, label: str, condition: str) -> Figure:
     return figure
 
 
-@styled
+@with_style
 def _stems(order: Array, amplitude: Array, condition: str) -> Figure:
     """Draw a vertical line for each order."""
     figure = empty_figure(2.4)
@@ -228,7 +228,7 @@ def _stems(order: Array, amplitude: Array, condition: str) -> Figure:
     return figure
 
 
-@styled
+@with_style
 def _bars(values: Mapping[str, float], label: str, condition: str, fails_below_1: bool = False) -> Figure:
     """Draw a bar for each value, the first on top; margins on a logarithmic scale, starting from 1."""
     figure = empty_figure(HEAD + ROW * len(values))

@@ -11,7 +11,7 @@ from matplotlib.text import Text
 from cycloid_mj.base.atomic_write import encodable_text, write_files
 from cycloid_mj.base.errors import CycloidError, UsageError, reason
 from cycloid_mj.base.overwrite_guard import make_folder
-from cycloid_mj.plots.style import styled
+from cycloid_mj.plots.style import with_style
 
 METADATA: dict[str, dict[str, Any]] = {
     "png": {"Software": None},
@@ -28,7 +28,7 @@ class FigureError(CycloidError):
     """A figure cannot be written."""
 
 
-@styled
+@with_style
 def save(figures: Mapping[str, Figure], folder: Path | str, formats: Sequence[str] = ("png",)) -> list[Path]:
     """Write figures as ``folder/name.format``, all or none, and return their paths; the folder is created.
 
@@ -74,9 +74,9 @@ def pictures(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str]
     }
 
 
-@styled
+@with_style
 def encode_figure(figure: Figure, form: str) -> bytes:
-    """Encode a figure in a format; the first encoding fixes the layout of all further ones."""
+    """Encode a figure in a format; the first encoding fixes the layout of all later encodings."""
     for text in figure.findobj(Text):  # undecodable bytes of file names have no glyphs
         text.set_text(encodable_text(text.get_text()))
     content = BytesIO()
@@ -85,7 +85,7 @@ def encode_figure(figure: Figure, form: str) -> bytes:
     return content.getvalue()
 
 
-@styled
+@with_style
 def document(pages: Sequence[Figure]) -> bytes:
     """Encode figures as the pages of one PDF file."""
     from matplotlib.backends.backend_pdf import PdfPages  # imports font subsetting, half the import time of matplotlib

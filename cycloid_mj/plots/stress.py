@@ -13,7 +13,7 @@ from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.names import GEAR, gears
 from cycloid_mj.base.units import MEGAPASCAL, MILLIMETRE
 from cycloid_mj.plots.comparison import COLORS
-from cycloid_mj.plots.style import BLACK, GREY, crank_axis, keys, sheet, styled
+from cycloid_mj.plots.style import BLACK, GREY, crank_axis, keys, sheet, with_style
 from cycloid_mj.stress.field import StressMap
 from cycloid_mj.stress.findings import MAX_CHANGE, StressFindings
 from cycloid_mj.stress.grid import Grid
@@ -42,7 +42,7 @@ PANEL = 2.9
 """Height of a row of maps or grids [in]."""
 
 
-@styled
+@with_style
 def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
     """Draw the largest stress of a part over the crank angle: in bulk, and below the contacts by Hertz.
 
@@ -73,7 +73,7 @@ def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
     return figure
 
 
-@styled
+@with_style
 def map_figure(maps: Mapping[str, StressMap], condition: str) -> Figure:
     """Draw the von Mises stress of every part at its crank angle; the colours end at its largest bulk stress.
 
@@ -93,7 +93,7 @@ def map_figure(maps: Mapping[str, StressMap], condition: str) -> Figure:
     return figure
 
 
-@styled
+@with_style
 def grid_figure(grids: Mapping[str, Grid], design: str) -> Figure:
     """Draw the grid of every part, and a magnified lobe of a planar disc."""
     magnified = [part for part, grid in grids.items() if part in GEARS and grid.dimension == 2]
@@ -109,7 +109,7 @@ def grid_figure(grids: Mapping[str, Grid], design: str) -> Figure:
     return figure
 
 
-@styled
+@with_style
 def refinement_figure(findings: Sequence[StressFindings]) -> Figure:
     """Draw the largest bulk stress of every part over the number of unknowns, relative to the finest grid."""
     figure = sheet(3.4)

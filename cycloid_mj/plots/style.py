@@ -71,7 +71,7 @@ STYLE: dict[str, Any] = {
 }
 
 
-def styled(draw: Callable[P, R]) -> Callable[P, R]:
+def with_style(draw: Callable[P, R]) -> Callable[P, R]:
     """Decorate a drawing function: it uses the style of the package without changing settings of matplotlib."""
 
     @wraps(draw)

@@ -11,7 +11,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.explore.constraints import FigureLimit
 from cycloid_mj.explore.tolerances import Tolerances
 from cycloid_mj.figures import figure as row_of
-from cycloid_mj.plots.style import BLACK, BLUE, SKY, VERMILION, keys, sheet, state, styled, wrap_label
+from cycloid_mj.plots.style import BLACK, BLUE, SKY, VERMILION, keys, sheet, state, with_style, wrap_label
 
 MAX_BINS = 60
 """Bins of a histogram."""
@@ -34,7 +34,7 @@ def tolerance_figures(tolerances: Tolerances) -> Mapping[str, Figure]:
     return figures
 
 
-@styled
+@with_style
 def budget_figure(tolerances: Tolerances) -> Figure:
     """Draw the share of each tolerance in the variance, the largest on top."""
     figure = sheet(1.3 + 0.26 * len(tolerances.budget))
@@ -60,7 +60,7 @@ def budget_figure(tolerances: Tolerances) -> Figure:
     return figure
 
 
-@styled
+@with_style
 def distributions_figure(tolerances: Tolerances) -> Figure:
     """Draw a histogram of every figure over the samples that do not jam, with its limits."""
     keys_of = list(tolerances.figures)

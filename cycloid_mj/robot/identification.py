@@ -14,7 +14,7 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError, RunError
 from cycloid_mj.base.names import SHAFT
-from cycloid_mj.base.result import Quantity, keyed
+from cycloid_mj.base.result import Quantity, by_key
 from cycloid_mj.base.units import ARCMINUTE, RPM
 from cycloid_mj.checks import require_sound
 from cycloid_mj.design import Named, resolve
@@ -109,7 +109,7 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
         slips=tuple(Slip(*item) for item in np.stack(slip_elements(reducer), axis=1).tolist()),
     )
     counted.count_one()
-    return replace(joint.at(level), quantities=keyed(_quantities(reducer, joint, fine, coarse)))
+    return replace(joint.at(level), quantities=by_key(_quantities(reducer, joint, fine, coarse)))
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from functools import lru_cache
 
 from cycloid_mj.base.array import significant
 from cycloid_mj.base.errors import CycloidError, UsageError
-from cycloid_mj.base.frame import Frame, framed
+from cycloid_mj.base.frame import Frame, make_frame
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.base.units import MILLIMETRES, RPM
 from cycloid_mj.design import Design, fits
@@ -149,7 +149,7 @@ class Answer(Presented):
     def frame(self) -> Frame:
         """The drives, a row each: title and figures."""
         figures = self.drives[0].figures if self.drives else {}
-        return framed([{"title": one.title, **one.figures} for one in self.drives], ("title", *figures), {})
+        return make_frame([{"title": one.title, **one.figures} for one in self.drives], ("title", *figures), {})
 
     @property
     def line(self) -> str:

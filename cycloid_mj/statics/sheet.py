@@ -12,7 +12,7 @@ from cycloid_mj.base.errors import DesignError, UsageError, warn
 from cycloid_mj.base.frame import Frame
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.base.powers import Powers
-from cycloid_mj.base.result import Quantity, keyed, quantity_frame
+from cycloid_mj.base.result import Quantity, by_key, quantity_frame
 from cycloid_mj.base.statistics import peak_to_peak, rms_about_mean
 from cycloid_mj.base.units import ARCMINUTE, ARCSECOND, RPM
 from cycloid_mj.design import material_limits
@@ -195,7 +195,7 @@ def _sheet(reducer: Reducer, load: float | None, parts: Iterable[Part]) -> Sheet
     """Compute a sheet from the figures of some parts."""
     _, source = load_of(reducer, load)
     reducer, load = _under(reducer, load)
-    design, quantities = reducer.design, keyed(*(part(reducer, load) for part in parts))
+    design, quantities = reducer.design, by_key(*(part(reducer, load) for part in parts))
     return Sheet(
         design=design.name,
         condition=f"{load:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, quasi-static with disc centrifugal force",
@@ -213,7 +213,7 @@ def sheet_part(reducer: Reducer, part: str, load: float | None = None) -> dict[s
 @once
 def _part(reducer: Reducer, load: float, part: str) -> Mapping[str, Quantity]:
     """Compute one of `PARTS_OF_SHEET` for a reducer whose load is that [N m]."""
-    return keyed(PARTS_OF_SHEET[part](reducer, load))
+    return by_key(PARTS_OF_SHEET[part](reducer, load))
 
 
 def _cached_part(part: str) -> Part:

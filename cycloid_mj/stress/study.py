@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.frame import Cell, Frame, framed
+from cycloid_mj.base.frame import Cell, Frame, make_frame
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.units import MEGAPASCAL
@@ -143,7 +143,7 @@ class StressStudy(Presented):
             for item in self.findings.parts
         ]
         units = {"bulk_mpa": "MPa", "contact_mpa": "MPa", "largest_force_n": "N", "yield_strength_mpa": "MPa"}
-        return framed(rows, ("part", *units), units)
+        return make_frame(rows, ("part", *units), units)
 
     @property
     def line(self) -> str:

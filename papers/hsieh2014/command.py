@@ -230,7 +230,7 @@ def _table(claims: "Sequence[Claim]") -> Table:
 
 def _frame(claims: "Sequence[Claim]") -> "Frame":
     """Return the claims as a data frame with one row per claim."""
-    from cycloid_mj.base.frame import framed
+    from cycloid_mj.base.frame import make_frame
 
     rows = [
         {
@@ -256,4 +256,4 @@ def _frame(claims: "Sequence[Claim]") -> "Frame":
         }
         for claim in claims
     ]
-    return framed([{key: cell for key, cell in row.items() if cell is not None} for row in rows], COLUMNS, {})
+    return make_frame([{key: cell for key, cell in row.items() if cell is not None} for row in rows], COLUMNS, {})

@@ -12,7 +12,7 @@ from matplotlib.patches import Circle
 from cycloid_mj.analysis import Series
 from cycloid_mj.base.array import Array
 from cycloid_mj.plots.comparison import COLORS
-from cycloid_mj.plots.style import BLACK, GREY, THEORY, WIDTH, crank_axis, keys, sheet, styled, turn_degrees
+from cycloid_mj.plots.style import BLACK, GREY, THEORY, WIDTH, crank_axis, keys, sheet, turn_degrees, with_style
 from hsieh2014.peaks import middle
 from hsieh2014.stated import SHOWN
 
@@ -29,7 +29,7 @@ DECADES = 1e-4
 """Smallest stress of a logarithmic axis, as a share of the largest."""
 
 
-@styled
+@with_style
 def speeds_figure(motions: Sequence[Series]) -> Figure:
     """Draw the gear's speed over a crank turn, all designs in one plot, in deg/s as the paper, and rad/s (Fig. 6)."""
     figure = sheet(3.4)
@@ -48,7 +48,7 @@ def speeds_figure(motions: Sequence[Series]) -> Figure:
     return figure
 
 
-@styled
+@with_style
 def paths_figure(motions: Sequence[Series]) -> Figure:
     """Draw the path of q over a crank turn with Eq. 16, all designs in one plot, and its error (Fig. 7)."""
     figure = sheet(3.6)
@@ -70,7 +70,7 @@ def paths_figure(motions: Sequence[Series]) -> Figure:
     return figure
 
 
-@styled
+@with_style
 def velocities_figure(motions: Sequence[Series]) -> Figure:
     """Draw the velocity of q over a crank turn with Eq. 18, all designs in one plot, and its error (Fig. 8)."""
     figure = sheet(4.4)
@@ -91,7 +91,7 @@ def velocities_figure(motions: Sequence[Series]) -> Figure:
     return figure
 
 
-@styled
+@with_style
 def pins_figure(motions: Mapping[str, Series]) -> Figure:
     """Draw pin 1 in its socket at the crank angles of the paper's Fig. 9(a), with its rotation.
 
@@ -117,7 +117,7 @@ def pins_figure(motions: Mapping[str, Series]) -> Figure:
     return figure
 
 
-@styled
+@with_style
 def heights_figure(
     curves: Mapping[str, tuple[Array, Array]], heights: Mapping[str, float], marks: Sequence[float] = ()
 ) -> Figure:
@@ -159,7 +159,7 @@ def heights_figure(
     return figure
 
 
-@styled
+@with_style
 def cam_figure(curves: Mapping[str, Array], marks: Sequence[float]) -> Figure:
     """Draw the cam's force over a crank turn: a panel for each design, a line for each ``design, case``."""
     names = list(dict.fromkeys(label.partition(", ")[0] for label in curves))
@@ -184,7 +184,7 @@ def cam_figure(curves: Mapping[str, Array], marks: Sequence[float]) -> Figure:
     return figure
 
 
-@styled
+@with_style
 def torques_figure(
     ours: Mapping[str, Mapping[str, float]], stated: Mapping[str, Mapping[str, float]], ideal: float
 ) -> Figure:
@@ -220,7 +220,7 @@ def torques_figure(
     return figure
 
 
-@styled
+@with_style
 def picture_figure(pictures: Mapping[str, Any]) -> Figure:
     """Draw rendered pictures, shape (height, width, 3) each, with their names, up to three side by side."""
     columns = min(len(pictures), MOST_BESIDE)

@@ -11,7 +11,7 @@ from matplotlib.patches import Circle
 from cycloid_mj.base.array import Array
 from cycloid_mj.geometry import envelope, kinematics, profile
 from cycloid_mj.geometry.profile import CycloidGear
-from cycloid_mj.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, VERMILION, keys, sheet, styled
+from cycloid_mj.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, VERMILION, keys, sheet, with_style
 
 CRANK = np.radians(25.0)
 """Crank angle of the drawings of contact [rad]."""
@@ -38,7 +38,7 @@ def generation_figures(gear: CycloidGear) -> dict[str, Figure]:
     }
 
 
-@styled
+@with_style
 def rolling_figure(gear: CycloidGear) -> Figure:
     """Draw the pitch circles, the path of a pin's centre in the gear, and the gear's outline."""
     figure, overview, near = _pair()
@@ -72,7 +72,7 @@ def rolling_figure(gear: CycloidGear) -> Figure:
     return figure
 
 
-@styled
+@with_style
 def gear_figure(gear: CycloidGear) -> Figure:
     """Draw the gear as the inner envelope of a pin in all its positions, and the gear's curvature along a lobe."""
     figure = sheet(3.3)
@@ -98,7 +98,7 @@ def gear_figure(gear: CycloidGear) -> Figure:
     return figure
 
 
-@styled
+@with_style
 def meshing_figure(gear: CycloidGear) -> Figure:
     """Draw the gear among its pins at one crank angle, with every contact and its normal through the pitch point."""
     figure, overview, near = _pair()
@@ -131,7 +131,7 @@ def meshing_figure(gear: CycloidGear) -> Figure:
     return figure
 
 
-@styled
+@with_style
 def ring_figure(gear: CycloidGear) -> Figure:
     """Draw the internal gear as the outer envelope of the gear on its orbit, and where both touch."""
     figure, near, overview = _pair()

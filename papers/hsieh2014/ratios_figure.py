@@ -7,14 +7,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
-from cycloid_mj.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, keys, sheet, styled
+from cycloid_mj.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, keys, sheet, with_style
 from hsieh2014.decisions import Varied
 from hsieh2014.ranking import Ranking
 
 MARKS = ((BLUE, "o"), (VERMILION, "s"), (GREEN, "D"), (PURPLE, "^"), (ORANGE, "v"))
 
 
-@styled
+@with_style
 def ratios_figure(conditions: Mapping[float, str], ranked: Sequence[Ranking], sweep: Sequence[Varied]) -> Figure:
     """Draw the ratio of the first pin design's fluctuations to the first nonpin design's, for each variation.
 

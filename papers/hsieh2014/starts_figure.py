@@ -7,7 +7,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from cycloid_mj.comparison import StartSpread
 from cycloid_mj.plots.comparison import COLORS
-from cycloid_mj.plots.style import WIDTH, NotebookFigure, keys, styled
+from cycloid_mj.plots.style import WIDTH, NotebookFigure, keys, with_style
 from hsieh2014.ranking import Ranked
 
 ROW, HEAD = 1.3, 1.4
@@ -18,7 +18,7 @@ BESIDE = 0.15
 """Distance between the middle of a case and the marks of a design."""
 
 
-@styled
+@with_style
 def starts_figure(cases: Mapping[str, Mapping[str, Mapping[str, StartSpread]]], quantities: Sequence[Ranked]) -> Figure:
     """Draw each quantity in a panel: cases side by side, one mark per start and design.
 

@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from cycloid_mj.base.result import Claim, Condition, Quantity, Table, Value, Verdict, keyed, quantity_table
+from cycloid_mj.base.result import Claim, Condition, Quantity, Table, Value, Verdict, by_key, quantity_table
 
 
 @pytest.mark.parametrize(
@@ -52,7 +52,7 @@ def test_a_claim_reaches_a_program_with_both_numbers_and_the_word_of_its_verdict
 def test_quantities_are_one_table_and_one_mapping() -> None:
     one = Quantity("play", "backlash", 1.23456789, "arcmin", 0.0123, 1.2, "linear programme")
     other = Quantity("margin", "margin", math.nan, "1", math.nan)
-    assert keyed([one], (item for item in [other])) == {"play": one, "margin": other}
+    assert by_key([one], (item for item in [other])) == {"play": one, "margin": other}
     table = quantity_table("backlash: pin", [one, other])
     assert table.cells == [
         ["backlash", "1.23457", "arcmin", "0.012", "1.2", "linear programme"],

@@ -365,7 +365,7 @@ def test_progress_without_a_terminal_is_an_occasional_line(monkeypatch, capsys):
     with Progress(end=2.0) as progress:
         for seconds, simulated in ((60.0, 0.2), (64.0, 0.4), (71.0, 0.5), (72.0, 0.6)):
             now = seconds
-            progress.reached(simulated)
+            progress.report_time(simulated)
         progress.judging()
     captured = capsys.readouterr()
     assert captured.err.splitlines() == [
@@ -383,7 +383,7 @@ def test_progress_tells_before_the_first_sample_that_work_goes_on(monkeypatch, c
     monkeypatch.setattr("cycloid_mj.cli.progress.tell", lambda text: "so far" in text and told_so_far.set())
     with Progress(end=2.0) as progress:
         assert told_so_far.wait(60.0)
-        progress.reached(0.2)
+        progress.report_time(0.2)
     with Progress(end=2.0, quiet=True):
         assert capsys.readouterr().err == ""
 
@@ -399,7 +399,7 @@ def test_progress_on_a_terminal_is_a_bar_that_vanishes(width, monkeypatch):
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setenv("COLUMNS", str(width))
     with Progress(end=2.0) as progress:
-        progress.reached(1.0)
+        progress.report_time(1.0)
     assert "50%" in stream.getvalue()
     assert width < 60 or "1.000 of 2 s" in stream.getvalue()
 

@@ -130,8 +130,8 @@ def test_scene_has_every_part_once_in_its_own_frame(logged):
     design, run, path = logged
     ((time, update),) = decoded(path, PARTS)
     assert time == run.time[0]
-    framed = {transform.child_frame_id for transform in decoded(path, FRAMES)[0][1].transforms}
-    assert {entity.frame_id for entity in update.entities} == framed
+    make_frame = {transform.child_frame_id for transform in decoded(path, FRAMES)[0][1].transforms}
+    assert {entity.frame_id for entity in update.entities} == make_frame
     assert [entity.id for entity in update.entities] == [entity.frame_id for entity in update.entities]
     for entity in update.entities:
         (model,) = entity.models
@@ -140,7 +140,7 @@ def test_scene_has_every_part_once_in_its_own_frame(logged):
         assert model.media_type == "model/gltf-binary"
         assert (model.scale.x, model.scale.y, model.scale.z, model.pose.orientation.w) == (1, 1, 1, 1)
         assert model.data[:4] == b"glTF"
-    assert len(framed) == (4 + 36 if design.ring.kind == "pin" else 4)
+    assert len(make_frame) == (4 + 36 if design.ring.kind == "pin" else 4)
 
 
 @pytest.mark.parametrize("kind", PRESETS)
@@ -468,9 +468,9 @@ def test_scene_costs_little():
 def test_layout_names_what_the_log_has(logged):
     design, _, path = logged
     found = layout(Reducer(design))
-    framed = {f"frame:{transform.child_frame_id}" for transform in decoded(path, FRAMES)[0][1].transforms}
+    make_frame = {f"frame:{transform.child_frame_id}" for transform in decoded(path, FRAMES)[0][1].transforms}
     view = found["configById"]["3D!mechanism"]
-    assert view["transforms"].keys() == framed | {f"frame:{ROOT}"}
+    assert view["transforms"].keys() == make_frame | {f"frame:{ROOT}"}
     assert view["topics"].keys() == {PARTS, FORCES}
     assert view["cameraState"]["near"] < 0.1 * design.housing.outer_radius
     columns = {f"{topic}.{name}" for topic, names in read(path).topics.items() for name in names}

@@ -70,7 +70,7 @@ class Engine:
         """Apply a function to each item; yield the index of each item with its result, in the order of completion.
 
         Work for processes or a cluster is a function of a module (or a `functools.partial` of one), so that it can be
-        sent; items and results should be small. The results do not depend on where they were made. The first error of
+        sent; items and results should be small. The results do not depend on the worker. The first error of
         a piece of work ends everything. Ctrl-C, and closing the iterator, leave what is not begun and stop the rest.
 
         Parameters

@@ -1,4 +1,4 @@
-"""Versions of the packages that decide the figures: results of different ones do not belong together."""
+"""Versions of the packages that affect figures; results of different versions must not be mixed."""
 
 import platform
 from functools import cache

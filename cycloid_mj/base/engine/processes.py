@@ -13,7 +13,7 @@ T = TypeVar("T")
 R = TypeVar("R")
 
 TRIES = 3
-"""Times that an item may be under way when a process dies, before it is tried alone to tell whether it is the cause."""
+"""Times that an item may be under way when a process dies, before it is tried alone to see whether it is the cause."""
 
 
 def in_processes(

@@ -17,7 +17,7 @@ R = TypeVar("R")
 def in_threads(work: Callable[[T], R], items: Iterable[T], workers: int) -> Iterator[tuple[int, R]]:
     """Apply a function to each item in threads; yield index and result in the order of completion.
 
-    The first error, or Ctrl-C, ends it: pieces not begun are left, those under way stop where they next give way.
+    The first error, or Ctrl-C, ends it: pieces not begun are left, others stop at their next check for an interrupt.
     """
     from joblib import Parallel, delayed
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.base.errors import DesignError, UsageError
-from cycloid_mj.base.frame import Cell, Frame, framed
+from cycloid_mj.base.frame import Cell, Frame, make_frame
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.parts import Mesh, Part, PartSection, Solid, lay_out_parts, mass_properties, mesh, part_sections, parts
@@ -100,7 +100,7 @@ class Export(Presented):
     def frame(self) -> Frame:
         """The files, a row each."""
         rows: list[dict[str, Cell]] = [{"file": name, "bytes": len(content)} for name, content in self.files.items()]
-        return framed(rows, ("file", "bytes"), {"bytes": "B"})
+        return make_frame(rows, ("file", "bytes"), {"bytes": "B"})
 
     @property
     def line(self) -> str:
