@@ -9,13 +9,13 @@ from cycloid_mj.base.overwrite_guard import claim
 from cycloid_mj.cli.analyze import LogName
 from cycloid_mj.cli.delivery import claim_page, deliver_files
 from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, whole, within
+from cycloid_mj.cli.ranges import RANGES
 
 EXAMPLES = """Examples:
   cycloid-mj animate runs/pin.mcap pin.gif
   cycloid-mj animate runs/pin.mcap pin.mp4 --magnify 200 --turns 3 --frames 600"""
 
 FRAMES, RATE, WIDTH = 90, 25, 640
-MOST_FRAMES, MOST_TURNS = 20_000, 10_000.0
 
 MovieName = Annotated[str, Parameter(name="--out", metavar="FILE", help="Animation to write, .gif or .mp4.")]
 MagnifyFlag = Annotated[
@@ -27,7 +27,7 @@ FramesFlag = Annotated[
     Parameter(
         metavar="N",
         converter=whole,
-        validator=within(1, MOST_FRAMES),
+        validator=within(*RANGES.frames),
         help=f"Maximum number of frames. Default: {FRAMES}.",
     ),
 ]
@@ -35,7 +35,7 @@ TurnsFlag = Annotated[
     float,
     Parameter(
         metavar="X",
-        validator=within(1e-3, MOST_TURNS),
+        validator=within(*RANGES.turns),
         help="Number of crank turns, from the start of the steady part of the run. Default: 1.",
     ),
 ]

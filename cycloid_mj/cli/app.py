@@ -26,7 +26,6 @@ from cycloid_mj.cli.validation_errors import describe_error, with_known_case
 if TYPE_CHECKING:
     from cycloid_mj.papers import Paper
 
-FAILURE = 1
 
 ABOUT = """Design and simulate cycloidal speed reducers.
 
@@ -80,13 +79,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt as stop:
         return _report_failure(f"stopped by {signal_name(stop)}", exit_code(stop))
     except BrokenPipeError:
-        return FAILURE
+        return 1
     except OSError as error:
         file = f" {error.filename}" if error.filename else ""
-        return _report_failure(f"cannot read or write{file}: {reason(error)}", FAILURE)
+        return _report_failure(f"cannot read or write{file}: {reason(error)}", 1)
     except SystemExit as stop:
         # rich ends the program itself when a help page is written to a closed pipe
-        return stop.code if isinstance(stop.code, int) else FAILURE
+        return stop.code if isinstance(stop.code, int) else 1
 
 
 def application(wanted: Collection[str] | None = None) -> App:

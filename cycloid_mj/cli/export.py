@@ -11,6 +11,7 @@ from cycloid_mj.base.result import Table
 from cycloid_mj.cli.delivery import Destination, claim_page, deliver
 from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, DesignOptions, within
 from cycloid_mj.cli.outfile import folder
+from cycloid_mj.cli.ranges import RANGES
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import require_one_ring
 
@@ -23,9 +24,6 @@ EXAMPLES = """Examples:
   cycloid-mj export --design my.toml --set clearance.tooth_um=20 --format step
   cycloid-mj export --design printed --plate --offset-um 80 --out print"""
 
-SMALLEST_UM, LARGEST_UM = 0.001, 100.0
-LARGEST_OFFSET_UM = 1000.0
-SMALLEST_BORE_MM, LARGEST_BORE_MM = 0.001, 10000.0
 PLATE, NAMED_PLATE, BILL = "plate.stl", "plate.3mf", "bom.csv"
 ASSEMBLY, ORDER, EXPLODED = "assembly.step", "assembly.txt", "exploded"
 
@@ -57,7 +55,7 @@ ChordFlag = Annotated[
     float,
     Parameter(
         metavar="X",
-        validator=within(SMALLEST_UM, LARGEST_UM),
+        validator=within(*RANGES.chord_error_um),
         help="Maximum distance between straight edges and the true outline [um], for stl, obj, svg and "
         "--polylines. Default: 1.",
     ),
@@ -85,7 +83,7 @@ OffsetFlag = Annotated[
     float,
     Parameter(
         metavar="X",
-        validator=within(0.0, LARGEST_OFFSET_UM),
+        validator=within(*RANGES.offset_um),
         help="Increase of every clearance of the outlines [um], to compensate for material that the printer "
         "adds; press fits are unchanged. Default: 0.",
     ),
@@ -103,7 +101,7 @@ CamFlag = Annotated[
     Parameter(
         name="--cam-bearing-bore-mm",
         metavar="X",
-        validator=within(SMALLEST_BORE_MM, LARGEST_BORE_MM),
+        validator=within(*RANGES.cam_bearing_bore_mm),
         help="Bore of the rolling bearing on the cam, from its catalogue [mm]; with --plate, the cams have "
         "this diameter. Default: the bore of the stock bearing with the outer diameter 2 "
         "gear.bore_radius_mm; without one, 2 gear.bore_radius_mm.",

@@ -11,16 +11,12 @@ from pydantic.fields import FieldInfo
 
 from cycloid_mj.base.engine import Engine
 from cycloid_mj.base.errors import DesignError, UsageError
+from cycloid_mj.cli.ranges import RANGES
 from cycloid_mj.design import PRESETS, Design, override, resolve
 from cycloid_mj.design.units import BOUNDS, Unit, bounds_of, file_key, unit_of
 from cycloid_mj.reducer import Reducer
 
 SYMBOLS = {"nm": "N m"}
-LARGEST_Q = 10_000.0
-"""Bound on a coordinate of q [mm]: twice the largest pin circle."""
-
-MOST_ROWS = 1_000_000
-MOST_WORKERS = 4096
 
 NAMES = ", ".join(PRESETS)
 """The presets, for help."""
@@ -145,7 +141,7 @@ WorkersFlag = Annotated[
     Parameter(
         metavar="N",
         converter=whole,
-        validator=within(1, MOST_WORKERS),
+        validator=within(*RANGES.workers),
         help="Number of parallel workers. Default: number of CPU cores.",
     ),
 ]
@@ -353,8 +349,9 @@ def point(text: str | None) -> tuple[float, float] | None:
         x, y = (float(word) for word in text.split(","))
     except ValueError:
         raise UsageError(f"--q {text!r} is not a point: give X,Y in mm, e.g. --q 26,0") from None
-    if not (abs(x) <= LARGEST_Q and abs(y) <= LARGEST_Q):
-        raise UsageError(f"--q {text} is out of range: each coordinate must be from {-LARGEST_Q:g} to {LARGEST_Q:g} mm")
+    low, high = RANGES.point_q_mm
+    if not (low <= x <= high and low <= y <= high):
+        raise UsageError(f"--q {text} is out of range: each coordinate must be from {low:g} to {high:g} mm")
     return x / 1e3, y / 1e3
 
 

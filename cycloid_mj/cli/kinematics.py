@@ -10,7 +10,6 @@ from cycloid_mj.cli.delivery import claim_page, deliver_columns
 from cycloid_mj.cli.flags import (
     COMMON,
     FLAT,
-    MOST_ROWS,
     RAMP,
     SPEED,
     CommonFlags,
@@ -20,6 +19,7 @@ from cycloid_mj.cli.flags import (
     within,
 )
 from cycloid_mj.cli.outfile import Columns, CsvFlag, claim_csv
+from cycloid_mj.cli.ranges import RANGES
 from cycloid_mj.design import Design
 
 EXAMPLES = """Examples:
@@ -27,24 +27,25 @@ EXAMPLES = """Examples:
   cycloid-mj design kinematics --design pin --q 26,0 --until-s 0.1 --csv -
   cycloid-mj design kinematics --design twodisc --set output.member=ring --csv ring.csv"""
 
-SHORTEST, LONGEST = 1e-12, 1e6
 ROUNDING = 1e-6
 """Share of a step by which the last sample may lie beyond the end: T/DT is a rounded quotient."""
+
+SPAN = "from {:g} to {:g}".format(*RANGES.time_s)
 
 UntilFlag = Annotated[
     float | None,
     Parameter(
         metavar="T",
-        validator=within(SHORTEST, LONGEST),
-        help=f"Time of the last sample [s], from {SHORTEST:g} to {LONGEST:g}. Default: ramp and hold of the design.",
+        validator=within(*RANGES.time_s),
+        help=f"Time of the last sample [s], {SPAN}. Default: ramp and hold of the design.",
     ),
 ]
 StepFlag = Annotated[
     float | None,
     Parameter(
         metavar="DT",
-        validator=within(SHORTEST, LONGEST),
-        help=f"Time between samples [s], from {SHORTEST:g} to {LONGEST:g}. Default: one degree of crank at "
+        validator=within(*RANGES.time_s),
+        help=f"Time between samples [s], {SPAN}. Default: one degree of crank at "
         "full speed (0.000101626 s at 1640 rpm).",
     ),
 ]
@@ -111,9 +112,9 @@ def _step(design: Design, step: float | None) -> float:
 def _rows(until: float, step: float) -> int:
     """Return the number of samples; raise UsageError if there are too many."""
     rows = math.floor(until / step + ROUNDING) + 1
-    if rows > MOST_ROWS:
+    if rows > RANGES.rows[1]:
         raise UsageError(
-            f"--until-s {until:g} with a step of {step:g} s gives {rows:.3g} rows; at most {MOST_ROWS} are "
+            f"--until-s {until:g} with a step of {step:g} s gives {rows:.3g} rows; at most {RANGES.rows[1]} are "
             "allowed: increase --step-s or reduce --until-s"
         )
     return rows

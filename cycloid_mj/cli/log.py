@@ -19,6 +19,7 @@ from cycloid_mj.cli.flags import COMMON, DELIVERY, FLAT, CommonFlags, Delivery, 
 from cycloid_mj.cli.outfile import STDOUT, claim_csv
 from cycloid_mj.cli.plot import EXAMPLES as PLOT_EXAMPLES
 from cycloid_mj.cli.plot import plot
+from cycloid_mj.cli.ranges import RANGES
 from cycloid_mj.cli.terminal import note
 from cycloid_mj.reducer import Reducer
 
@@ -33,7 +34,6 @@ EXAMPLES = """Examples:
   cycloid-mj log repair runs/pin.mcap
   cycloid-mj log repair runs/pin.mcap slow.mcap --scene-hz 2000"""
 
-LEAST_RATE, LARGEST_RATE = 0.1, 1e5
 
 ColumnsFlag = Annotated[
     str | None,
@@ -48,7 +48,7 @@ SceneFlag = Annotated[
     Parameter(
         name="--scene-hz",
         metavar="X",
-        validator=within(LEAST_RATE, LARGEST_RATE),
+        validator=within(*RANGES.log_rate_hz),
         help="Frames of the 3-D scene per simulated second, recomputed from the columns; 2000 for slow "
         "motion. Default: the frames of the log, or 60.",
     ),

@@ -24,6 +24,7 @@ from cycloid_mj.cli.flags import (
     whole,
     within,
 )
+from cycloid_mj.cli.ranges import RANGES
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
 OUT = "runs/optimize"
 STEM, FIGURE = "optimize", "tradeoff.png"
 SEARCHED = "Evaluated points: the objective over the evaluations or over the second objective; below, over each key."
-MOST_EVALUATIONS, MOST_STARTS = 1_000_000, 1000
 
 VaryFlag = Annotated[
     tuple[str, ...],
@@ -72,7 +72,7 @@ EvaluationsFlag = Annotated[
     Parameter(
         metavar="N",
         converter=whole,
-        validator=within(1, MOST_EVALUATIONS),
+        validator=within(*RANGES.evaluations),
         help="Approximate number of points. Default: 600.",
     ),
 ]
@@ -81,7 +81,7 @@ StartsFlag = Annotated[
     Parameter(
         metavar="N",
         converter=whole,
-        validator=within(1, MOST_STARTS),
+        validator=within(*RANGES.starts),
         help="Number of independent searches. Default: 3.",
     ),
 ]

@@ -14,8 +14,6 @@ from typing import TextIO
 from cycloid_mj.base.interrupt import end_on_signals, exit_code, raise_on_signals, signal_name
 from cycloid_mj.base.memory import leave_circles, look_rarely
 
-FAILURE = 1
-
 SUBSTITUTING = "cycloid_mj.substitute"
 """Name of the handler of characters that a stream cannot encode."""
 
@@ -98,7 +96,7 @@ def run() -> None:
     sys.stdout = sys.stdout or StringIO()
     sys.stderr = sys.stderr or StringIO()
     replace_unencodable(sys.stdout, sys.stderr)
-    code = FAILURE
+    code = 1
     if first_start(sys.argv[1:]):
         sys.stderr.write("first start: Python compiles its modules, which takes some seconds\n")
     look_rarely()

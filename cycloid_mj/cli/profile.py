@@ -6,8 +6,9 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.cli.delivery import claim_page, deliver_columns
-from cycloid_mj.cli.flags import COMMON, FLAT, MOST_ROWS, CommonFlags, DesignOptions, whole, within
+from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, DesignOptions, whole, within
 from cycloid_mj.cli.outfile import Columns, CsvFlag, claim_csv
+from cycloid_mj.cli.ranges import RANGES
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
@@ -28,9 +29,9 @@ PointsFlag = Annotated[
     Parameter(
         metavar="N",
         converter=whole,
-        validator=within(3, MOST_ROWS),
-        help=f"Number of points, from 3 to {MOST_ROWS}. Default: {POINTS_PER_TOOTH} for each lobe or ring tooth. With "
-        f"--part curvature: crank angles in a mesh period. Default: {CRANK_ANGLES}.",
+        validator=within(*RANGES.rows),
+        help=f"Number of points, from 3 to {RANGES.rows[1]}. Default: {POINTS_PER_TOOTH} for each lobe or ring tooth. "
+        f"With --part curvature: crank angles in a mesh period. Default: {CRANK_ANGLES}.",
     ),
 ]
 PartFlag = Annotated[
@@ -104,9 +105,9 @@ def _curvature(reducer: Reducer, crank_angles: int | None) -> Columns:
 
     design, gear = reducer.design, reducer.tooth_profile
     crank_angles = crank_angles or CRANK_ANGLES
-    if crank_angles * design.ring.teeth > MOST_ROWS:
+    if crank_angles * design.ring.teeth > RANGES.rows[1]:
         raise UsageError(
-            f"--points {crank_angles} gives more than {MOST_ROWS} lines with {design.ring.teeth} teeth: reduce it"
+            f"--points {crank_angles} gives more than {RANGES.rows[1]} lines with {design.ring.teeth} teeth: reduce it"
         )
     lines = contact_lines(gear, design.ring.kind, mesh_period(gear, crank_angles))
     modulus = reducer.contacts[design.tooth_pair].modulus

@@ -11,12 +11,12 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.cli.delivery import claim_destination, deliver
 from cycloid_mj.cli.flags import DELIVERY, FLAT, PRESET, Delivery, PresetOptions, whole
+from cycloid_mj.cli.ranges import RANGES
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.bench.protocol import Protocol
 
-MOST_ANGLES = 360
 
 LoopFlag = Annotated[
     tuple[Path, ...],
@@ -102,8 +102,9 @@ def protocol(
 
     if rated_nm is not None and not (rated_nm > 0.0 and isfinite(rated_nm)):
         raise UsageError(f"--rated-nm {rated_nm:g} is out of range: it must be more than 0")
-    if not 1 <= angles <= MOST_ANGLES:
-        raise UsageError(f"--angles {angles} is out of range: it must be from 1 to {MOST_ANGLES}")
+    low, high = RANGES.angles
+    if not low <= angles <= high:
+        raise UsageError(f"--angles {angles} is out of range: it must be from {low} to {high}")
     files = BenchFiles(
         tuple(read_loop(path) for path in loop), read_te(te) if te else None, starting, running, back_driving
     )

@@ -10,6 +10,7 @@ from cycloid_mj.base.errors import UsageError, warn
 from cycloid_mj.base.outcome import Outcome, headline
 from cycloid_mj.cli.delivery import claim_destination, deliver
 from cycloid_mj.cli.flags import FLAT, Delivery, DesignOptions, out_flag, whole
+from cycloid_mj.cli.ranges import RANGES
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ SeedFlag = Annotated[
     int | None,
     Parameter(metavar="N", converter=whole, help="Random seed of the samples. Default: 0."),
 ]
-USUAL_SAMPLES, MOST_SAMPLES = 100, 100_000
+USUAL_SAMPLES = 100
 
 STEM = "reducer"
 SAMPLES = "samples.csv"
@@ -129,8 +130,9 @@ def reduce(
         flag = "--seed" if samples is None else "--samples"
         raise UsageError(f"{flag} can only be used with --spread: add --spread")
     samples, seed = USUAL_SAMPLES if samples is None else samples, seed or 0
-    if not 2 <= samples <= MOST_SAMPLES:
-        raise UsageError(f"--samples {samples} is out of range: it must be from 2 to {MOST_SAMPLES}")
+    low, high = RANGES.joint_samples
+    if not low <= samples <= high:
+        raise UsageError(f"--samples {samples} is out of range: it must be from {low} to {high}")
     if seed < 0:
         raise UsageError(f"--seed {seed} is out of range: it must be 0 or more")
     design = chosen.resolve_checked()

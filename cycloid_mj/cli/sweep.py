@@ -33,7 +33,6 @@ OUT, STEM = "runs/sweep", "sweep"
 FILES = ("sweep.parquet", "sweep.png", "sweep.svg")
 POINTS = 64
 MOST_ERRORS = 5
-FAILURE = 1
 
 EXAMPLES = """Examples:
   cycloid-mj sweep --design pin --vary clearance.cam_um=1:5:5 --measure statics
@@ -216,5 +215,5 @@ def _outcome(swept: "Sweep", quantities: tuple[str, ...], place: Destination) ->
         },
         filed=False,
         page=lambda: sweep_page(swept, quantities, draw("svg")),
-        code=FAILURE if swept.failed == len(swept.points) else 0,
+        code=1 if swept.failed == len(swept.points) else 0,
     )

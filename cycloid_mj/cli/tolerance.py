@@ -11,6 +11,7 @@ from cycloid_mj.base.interrupt import signal_name
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.cli.delivery import claim_destination, deliver, write
 from cycloid_mj.cli.flags import FLAT, PRESET, ClusterDelivery, PresetOptions, StudySolverFlag, out_flag, whole
+from cycloid_mj.cli.ranges import RANGES
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
@@ -21,7 +22,6 @@ CAPTIONS = {
     "distributions": "Distributions of the samples that do not jam.",
     "budget": "Share of each tolerance in the variance, alone and with its interactions (Sobol indices).",
 }
-MOST_SAMPLES = 1_000_000
 
 SamplesFlag = Annotated[int, Parameter(metavar="N", converter=whole, help="Number of samples. Default: 10000.")]
 SeedFlag = Annotated[
@@ -99,8 +99,9 @@ def tolerance(
     from cycloid_mj.explore.tolerances import StudyInterrupted, TooManyJams
     from cycloid_mj.explore.tolerances import tolerance as run_study
 
-    if not 2 <= samples <= MOST_SAMPLES:
-        raise UsageError(f"--samples {samples} is out of range; allowed: 2 to {MOST_SAMPLES}")
+    low, high = RANGES.tolerance_samples
+    if not low <= samples <= high:
+        raise UsageError(f"--samples {samples} is out of range; allowed: {low} to {high}")
     if seed < 0:
         raise UsageError(f"--seed {seed} is out of range; allowed: 0 or more")
     engine = delivery.engine("threads")

@@ -21,7 +21,6 @@ EXAMPLES = """Examples:
   cycloid-mj validate --json > validation.json"""
 
 HEADER = ("quantity", "ours", "reference", "source", "error", "bound", "result")
-FAILURE = 1
 STEM = "validation"
 
 QuickFlag = Annotated[bool, Parameter(help="Use shorter runs and fewer crank angles: less than a minute on two cores.")]
@@ -90,7 +89,7 @@ def _outcome(rows: "list[ValidationRow]", quick: bool, wall: float) -> Outcome:
         ],
         frame=make_frame(table, table[0] if table else (), {}),
         result={"passed": not failed, "quick": quick, "wall_s": wall, "rows": table},
-        code=FAILURE if failed else 0,
+        code=1 if failed else 0,
     )
 
 
