@@ -27,9 +27,8 @@ from cycloid_mj.measure.steady import SETTLING_TIME, run_steady, steady_design
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.contact import HERTZ_REACH, STRIBECK
-from cycloid_mj.statics.bearings import reaction_quantities
 from cycloid_mj.statics.ideal import ideal_peak
-from cycloid_mj.statics.sheet import disc_shares
+from cycloid_mj.statics.sheet import disc_shares, reaction_quantities
 
 CHECKED = 2
 """Mesh periods of the runs with half the time step, and of those for the capacity."""

@@ -262,7 +262,7 @@ def _damping(reducer: Reducer) -> float:
     Bending of pins and twist are in series with the contacts of the output.
     """
     laws, rated = contact_laws(reducer), reducer.design.rated_torque
-    gives = [windup.gives(reducer) for windup in windups(reducer, turn_evenly(reducer), rated)]
+    gives = [windup.compliance_by_spring(reducer) for windup in windups(reducer, turn_evenly(reducer), rated)]
     springs = {spring: float(np.mean([item[spring] for item in gives])) for spring in gives[0]}
     springs["twist"] = wind_up(reducer)
     mesh = [laws[kind] for kind in (reducer.design.tooth_pair, reducer.design.seat_pair) if kind in laws]

@@ -4,13 +4,11 @@ The forces of each disc act in its own plane. Forces of two discs may cancel; th
 not.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.result import Quantity
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP
@@ -73,28 +71,6 @@ class Reactions:
     shaft_near: Array
     output_far: Array | None
     output_near: Array | None
-
-
-BEARINGS = {
-    "shaft_bearing_far": "shaft bearing far from the discs",
-    "shaft_bearing_near": "shaft bearing near the discs",
-    "output_bearing_far": "bearing of the output disc next to the motor",
-    "output_bearing_near": "bearing of the output disc away from the motor",
-}
-"""Names of the bearings, by key."""
-
-
-def reaction_quantities(reactions: Reactions) -> Iterator[Quantity]:
-    """Yield the largest forces and tilting moments over the crank angle."""
-    for part in ("shaft", "output", "ring"):
-        planes: Planes = getattr(reactions, part)
-        tilts, nets = (float(np.hypot(*one.T).max()) for one in (planes.moment, planes.net))
-        yield Quantity(f"{part}_net_force", f"net force of the discs on the {part}, largest", nets, "N")
-        yield Quantity(f"{part}_tilting_moment", f"tilting moment of the discs on the {part}, largest", tilts, "N m")
-    for key, name in BEARINGS.items():
-        forces = getattr(reactions, key.replace("_bearing", ""))
-        if forces is not None:
-            yield Quantity(f"{key}_force", f"{name}: largest force", float(np.hypot(*forces.T).max()), "N")
 
 
 def reactions(reducer: Reducer, springs: Springs, contact_loads: Loads) -> Reactions:

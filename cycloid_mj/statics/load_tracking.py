@@ -10,8 +10,7 @@ from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Design
 from cycloid_mj.parts import turning_inertia
 from cycloid_mj.reducer import Reducer
-
-INERTIA_SHARE = "inertia_torque_share"
+from cycloid_mj.statics.sheet_figures import INERTIA_SHARE
 
 MAX_INERTIA_SHARE = 0.1
 """Inertia torque relative to the load up to which statics and runs agree within 0.5 percentage points of efficiency."""

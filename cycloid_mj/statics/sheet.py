@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any, Literal
 
 import numpy as np
@@ -19,46 +20,50 @@ from cycloid_mj.design import material_limits
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics.balance import Loads, loads, powers
-from cycloid_mj.statics.bearings import reaction_quantities, reactions
+from cycloid_mj.statics.bearings import Planes, Reactions, reactions
 from cycloid_mj.statics.ideal import ideal_peak
 from cycloid_mj.statics.kernel import CARRYING_SHARE
-from cycloid_mj.statics.load_tracking import INERTIA_SHARE, inertia_share, tracking_warnings
+from cycloid_mj.statics.load_tracking import inertia_share, tracking_warnings
 from cycloid_mj.statics.peaks import forces, is_narrow, peak_force, peak_pressure, torque_at_pressure
+from cycloid_mj.statics.sheet_figures import (
+    BEARINGS,
+    CASES,
+    DIRECTIONS,
+    INERTIA_SHARE,
+    SHAFTS,
+    SheetPart,
+    sheet_quantity,
+)
 from cycloid_mj.statics.springs import POSES, Springs, at_rest, springs_of, turn_evenly
 from cycloid_mj.statics.structure import structure_text, twisting_compliance
-from cycloid_mj.statics.windup import GIVING, Windup, windups
+from cycloid_mj.statics.windup import SPRINGS, Windup, windups
 
 Part = Callable[[Reducer, float], Iterator[Quantity]]
 """A function that yields some figures of a design under a load [N m]."""
 
-STOP_TORQUE_SHARE = 1e-4
-"""Torque that moves the parts to their stops, as a share of the larger of load and rated torque.
 
-Under less, deflections are within the rounding of the gaps. The stop is extrapolated linearly from this torque and
-twice this torque to zero.
-"""
+@dataclass(frozen=True)
+class SheetSettings:
+    """Settings of the figures of a sheet."""
 
-UNLOADED_SHARE = 0.01
-"""Torque of the unloaded transmission error as a share of the load, as in `measure te`."""
+    stop_torque_share: float = 1e-4
+    """Torque that moves the parts to their stops, over the larger of load and rated torque.
 
-CASES = {"unloaded": UNLOADED_SHARE, "loaded": 1.0}
-"""Shares of the load for the transmission error, by the name of the case."""
+    Under less, deflections are within the rounding of the gaps. The stop is extrapolated linearly from this torque and
+    twice this torque to zero.
+    """
+    angles_per_mesh_period: int = 8
+    """Crank angles per mesh period for the transmission error."""
+    angles_of_several_discs: int = 241
+    """Crank angles for the forces of several discs: peaks are within 0.1 % of those of a full turn."""
 
-DIRECTIONS = {"forward": 1.0, "reverse": -1.0}
-"""Signs of the crank's speed, by name."""
 
-SHAFTS = ("gear", "output")
-"""Parts with a transmission error."""
-
-PER_MESH_PERIOD = 8
-"""Crank angles per mesh period for the transmission error."""
+SETTINGS = SheetSettings()
 
 SEVERAL = (
     "each disc acts in its own plane and does not tilt; a moving ring pin deflects under each disc as if it carried "
     "that disc only; bearing forces are those of the discs, without weight and unbalance of other parts"
 )
-
-IDEAL_SHARING = "ideal sharing"
 
 LoadSource = Literal["given", "load.torque_nm", "rated torque"]
 """Origin of the load of a sheet."""
@@ -66,28 +71,8 @@ LoadSource = Literal["given", "load.torque_nm", "rated torque"]
 CONFORMAL = "none: the surfaces are conformal, so the contact is not a narrow strip"
 UNLOADED = "none: the output has no load"
 
-PARTS = {
-    "output": "output pins",
-    "cam": "cam",
-    "mesh": "teeth, pins and sockets",
-    "bending": "bending of the output pins",
-    "carrier": "torsion of the carrier",
-    "shaft": "torsion of the crank",
-    "housing": "torsion of the housing",
-}
-
-LIMITS = (
-    ("capacity", "capacity: torque at which a contact first yields, below its surface", YIELD_PRESSURE),
-    (
-        "capacity_shakedown",
-        "shakedown limit: largest torque with elastic repeated rolling",
-        SHAKEDOWN_PRESSURE,
-    ),
-)
-"""Key and name of torque limits, and their contact pressure over the tensile strength."""
-
-POSES_OF_SEVERAL = 241
-"""Crank angles for the forces of several discs: peaks are within 0.1 % of those of a full turn."""
+LIMITS = {"capacity": YIELD_PRESSURE, "capacity_shakedown": SHAKEDOWN_PRESSURE}
+"""Key of a torque limit -> its contact pressure over the tensile strength."""
 
 KNOWN_DIFFERENCES = {
     "backlash": 0.001,
@@ -205,18 +190,18 @@ def _sheet(reducer: Reducer, load: float | None, parts: Iterable[Part]) -> Sheet
     )
 
 
-def sheet_part(reducer: Reducer, part: str, load: float | None = None) -> dict[str, Quantity]:
+def sheet_part(reducer: Reducer, part: SheetPart, load: float | None = None) -> dict[str, Quantity]:
     """Compute one of `PARTS_OF_SHEET`, in a fraction of the time of `sheet`; errors as there."""
     return dict(_part(*_under(reducer, load), part))
 
 
 @once
-def _part(reducer: Reducer, load: float, part: str) -> Mapping[str, Quantity]:
+def _part(reducer: Reducer, load: float, part: SheetPart) -> Mapping[str, Quantity]:
     """Compute one of `PARTS_OF_SHEET` for a reducer whose load is that [N m]."""
     return by_key(PARTS_OF_SHEET[part](reducer, load))
 
 
-def _cached_part(part: str) -> Part:
+def _cached_part(part: SheetPart) -> Part:
     return lambda reducer, load: iter(_part(reducer, load, part).values())
 
 
@@ -252,32 +237,27 @@ def _motions(reducer: Reducer, load: float) -> Iterator[Quantity]:
     still = at_rest(reducer)
     evenly = turn_evenly(reducer)
     springs = springs_of(still, evenly, friction=False)
-    ends, small = [], STOP_TORQUE_SHARE * max(load, reducer.design.rated_torque)
-    for way in (-1.0, 1.0):
-        near, far = (loads(still, springs, way * times * small, follow=True).output_turn for times in (1.0, 2.0))
+    ends, small = [], SETTINGS.stop_torque_share * max(load, reducer.design.rated_torque)
+    for sign in (-1.0, 1.0):
+        near, far = (loads(still, springs, sign * times * small, follow=True).output_turn for times in (1.0, 2.0))
         ends.append(2.0 * near - far)
     width = (ends[1] - ends[0]) / ARCMINUTE
-    yield Quantity("backlash", "backlash of the output, mean", float(width.mean()), "arcmin")
-    yield Quantity("backlash_min", "backlash, smallest over the crank angle", float(width.min()), "arcmin")
-    yield Quantity("backlash_max", "backlash, largest over the crank angle", float(width.max()), "arcmin")
+    yield sheet_quantity("backlash", float(width.mean()))
+    yield sheet_quantity("backlash_min", float(width.min()))
+    yield sheet_quantity("backlash_max", float(width.max()))
     solved = windups(reducer, evenly, load, follow=True)
-    ideal = "without friction and weight"
-    lost = float(np.mean([one.lost_motion for one in solved])) / ARCMINUTE
-    yield Quantity("lost_motion_ideal", f"lost motion at +-3 % of the load, {ideal}", lost, "arcmin")
-    stiffness, name = _stiffness(solved), f"torsional stiffness, 50 to 100 % of the load, {ideal}"
-    yield Quantity("stiffness_ideal", name, stiffness, "N m/arcmin")
-    gives = [one.gives(reducer) for one in solved]
-    give = {part: float(np.mean([one[part] for one in gives])) / ARCMINUTE for part in GIVING}
+    yield sheet_quantity("lost_motion_ideal", float(np.mean([one.lost_motion for one in solved])) / ARCMINUTE)
+    yield sheet_quantity("stiffness_ideal", _stiffness(solved))
+    by_angle = [one.compliance_by_spring(reducer) for one in solved]
+    compliance = {part: float(np.mean([one[part] for one in by_angle])) / ARCMINUTE for part in SPRINGS}
     if reducer.design.structure == "springs":
         rigid = reducer.but(structure="rigid")
-        bare = windups(rigid, evenly, load, follow=True)
-        name = f"torsional stiffness of the contacts only, 50 to 100 % of the load, {ideal}"
-        yield Quantity("stiffness_contacts", name, _stiffness(bare), "N m/arcmin")
-        give |= {part: one / ARCMINUTE for part, one in twisting_compliance(reducer).items()}
+        yield sheet_quantity("stiffness_contacts", _stiffness(windups(rigid, evenly, load, follow=True)))
+        compliance |= {part: one / ARCMINUTE for part, one in twisting_compliance(reducer).items()}
     else:
-        give.pop("bending")
-    for part, one in give.items():
-        yield Quantity(f"compliance_{part}", f"compliance of {PARTS[part]}, in series, {ideal}", one, "arcmin/(N m)")
+        compliance.pop("bending")
+    for part, one in compliance.items():
+        yield sheet_quantity(f"compliance_{part}", one)
 
 
 def _stiffness(windups: Sequence[Windup]) -> float:
@@ -289,53 +269,38 @@ def _errors(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield the transmission errors, loaded and unloaded, in both directions, with friction."""
     mean: dict[tuple[str, str, str], float] = {}
     for case in CASES:
-        for way in DIRECTIONS:
-            turns = _turns(reducer, load, case, way)
-            mean |= {(shaft, case, way): float(turn.mean()) / ARCSECOND for shaft, turn in turns.items()}
-            yield from _widths(turns, case, way)
-            if (case, way) == ("loaded", "forward"):
-                share = inertia_share(reducer, turns["output"][:-1], load)
-                name = "inertia torque of the load if it followed that error, rms, relative to the load"
-                yield Quantity(INERTIA_SHARE, name, share, "1")
+        for direction in DIRECTIONS:
+            turns = _turns(reducer, load, case, direction)
+            mean |= {(shaft, case, direction): float(turn.mean()) / ARCSECOND for shaft, turn in turns.items()}
+            yield from _ranges(turns, case, direction)
+            if (case, direction) == ("loaded", "forward"):
+                yield sheet_quantity(INERTIA_SHARE, inertia_share(reducer, turns["output"][:-1], load))
     for shaft in SHAFTS:
-        reversal = mean[shaft, "unloaded", "forward"] - mean[shaft, "unloaded", "reverse"]
-        yield Quantity(
-            f"{shaft}_reversal",
-            f"mean of the {shaft}, forward minus reverse, unloaded",
-            reversal,
-            "arcsec",
-        )
-        wound = mean[shaft, "loaded", "forward"] - mean[shaft, "unloaded", "forward"]
-        yield Quantity(
-            f"{shaft}_wind_up",
-            f"mean of the {shaft}, loaded minus unloaded, forward",
-            wound,
-            "arcsec",
-        )
+        unloaded = mean[shaft, "unloaded", "forward"]
+        yield sheet_quantity(f"{shaft}_reversal", unloaded - mean[shaft, "unloaded", "reverse"])
+        yield sheet_quantity(f"{shaft}_wind_up", mean[shaft, "loaded", "forward"] - unloaded)
 
 
 def _loaded_error(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield the forward transmission error under the load."""
-    return _widths(_turns(reducer, load, "loaded", "forward"), "loaded", "forward")
+    return _ranges(_turns(reducer, load, "loaded", "forward"), "loaded", "forward")
 
 
-def _turns(reducer: Reducer, load: float, case: str, way: str) -> dict[str, Array]:
+def _turns(reducer: Reducer, load: float, case: str, direction: str) -> dict[str, Array]:
     """Compute the rotations of disc and output from their ideal angles [rad] in a case and direction."""
-    crank, sign = np.linspace(0.0, 2.0 * np.pi, PER_MESH_PERIOD * reducer.mesh_periods + 1), DIRECTIONS[way]
+    count, sign = SETTINGS.angles_per_mesh_period * reducer.mesh_periods, DIRECTIONS[direction]
     turning = reducer.but(drive={"speed": sign * abs(reducer.design.drive.speed)})
-    contact_loads = loads(turning, springs_of(turning, crank), sign * CASES[case] * load, follow=True)
+    springs = springs_of(turning, np.linspace(0.0, 2.0 * np.pi, count + 1))
+    contact_loads = loads(turning, springs, sign * CASES[case] * load, follow=True)
     return {"gear": contact_loads.gear_turn, "output": contact_loads.output_turn}
 
 
-def _widths(turns: Mapping[str, Array], case: str, way: str) -> Iterator[Quantity]:
+def _ranges(turns: Mapping[str, Array], case: str, direction: str) -> Iterator[Quantity]:
     """Yield peak-to-peak and rms values of rotations."""
     for shaft, turn in turns.items():
-        for key, words, value in (
-            ("peak_to_peak", "peak to peak", peak_to_peak(turn)),
-            ("rms", "rms about its mean", rms_about_mean(turn)),
-        ):
-            name = f"transmission error, {words}, {shaft}, {case}, {way}"
-            yield Quantity(f"{shaft}_{key}_{case}_{way}_speed", name, value / ARCSECOND, "arcsec")
+        end = f"{case}_{direction}_speed"
+        yield sheet_quantity(f"{shaft}_peak_to_peak_{end}", peak_to_peak(turn) / ARCSECOND)
+        yield sheet_quantity(f"{shaft}_rms_{end}", rms_about_mean(turn) / ARCSECOND)
 
 
 def _loads(reducer: Reducer, load: float, limits: int = len(LIMITS)) -> Iterator[Quantity]:
@@ -354,13 +319,13 @@ def _loads(reducer: Reducer, load: float, limits: int = len(LIMITS)) -> Iterator
         yield from _of_kind(springs, contact_loads, kind, reducer, spare.get(kind, math.nan))
     if contact_loads.discs > 1:
         yield from reaction_quantities(reactions(reducer, springs, contact_loads))
-    for key, name, allowed in LIMITS[:limits]:
+    for key, allowed in islice(LIMITS.items(), limits):
         if not spare:
-            yield Quantity(key, name, math.nan, "N m", note="none: no contact is narrow enough for Hertz theory")
+            yield sheet_quantity(key, math.nan, note="none: no contact is narrow enough for Hertz theory")
             continue
         pressures = {kind: allowed * reducer.contacts[kind].strength for kind in spare}
         reached, weakest = torque_at_pressure(reducer, springs, pressures, torque, contact_loads, follow=True)
-        yield Quantity(key, name, abs(reached), "N m", note=f"limited by {weakest}")
+        yield sheet_quantity(key, abs(reached), note=f"limited by {weakest}")
 
 
 def _loads_and_yield(reducer: Reducer, load: float) -> Iterator[Quantity]:
@@ -370,7 +335,7 @@ def _loads_and_yield(reducer: Reducer, load: float) -> Iterator[Quantity]:
 
 def _angles(reducer: Reducer) -> Array:
     """Return the crank angles for forces [rad], in order."""
-    return turn_evenly(reducer, POSES if reducer.design.gear.discs == 1 else POSES_OF_SEVERAL)
+    return turn_evenly(reducer, POSES if reducer.design.gear.discs == 1 else SETTINGS.angles_of_several_discs)
 
 
 def disc_shares(share: Array) -> Iterator[Quantity]:
@@ -378,7 +343,19 @@ def disc_shares(share: Array) -> Iterator[Quantity]:
     for number, one in enumerate(share.T if share.shape[1] > 1 else (), start=1):
         value = float(one.mean()) if one.size else math.nan
         note = f"from {one.min():.4g} to {one.max():.4g} over the crank angle" if one.size else UNLOADED
-        yield Quantity(f"disc_{number}_share", f"share of disc {number} in the torque", value, "1", note=note)
+        yield sheet_quantity(f"disc_{number}_share", value, note=note)
+
+
+def reaction_quantities(reactions: Reactions) -> Iterator[Quantity]:
+    """Yield the largest forces and tilting moments over the crank angle."""
+    for member in ("shaft", "output", "ring"):
+        planes: Planes = getattr(reactions, member)
+        yield sheet_quantity(f"{member}_net_force", float(np.hypot(*planes.net.T).max()))
+        yield sheet_quantity(f"{member}_tilting_moment", float(np.hypot(*planes.moment.T).max()))
+    for key in BEARINGS:
+        forces = getattr(reactions, key.replace("_bearing", ""))
+        if forces is not None:
+            yield sheet_quantity(f"{key}_force", float(np.hypot(*forces.T).max()))
 
 
 def _of_kind(springs: Springs, contact_loads: Loads, kind: str, reducer: Reducer, spare: float) -> Iterator[Quantity]:
@@ -388,14 +365,13 @@ def _of_kind(springs: Springs, contact_loads: Loads, kind: str, reducer: Reducer
     """
     peak, force = peak_force(contact_loads, kind), forces(contact_loads, kind).reshape(springs.crank.size, -1)
     carries, note = force > CARRYING_SHARE * peak, CONFORMAL if math.isnan(spare) else ""
-    carrying = float(carries.sum(axis=1).mean())
-    pressure = 1e-6 * reducer.contacts[kind].strength / spare
-    ideal = ideal_peak(reducer, kind, np.linspace(0.0, 2.0 * np.pi, PER_MESH_PERIOD * reducer.design.ring.teeth + 1))
-    yield Quantity(f"{kind}_peak_force", f"{kind}: largest force", peak, "N", reference=ideal, source=IDEAL_SHARING)
-    yield Quantity(f"{kind}_mean_force", f"{kind}: mean force of the loaded contacts", _mean(force[carries]), "N")
-    yield Quantity(f"{kind}_carrying", f"{kind}: loaded contacts, mean number", carrying, "1")
-    yield Quantity(f"{kind}_pressure", f"{kind}: largest Hertz pressure", pressure, "MPa", note=note)
-    yield Quantity(f"{kind}_margin", f"{kind}: margin against first yield", YIELD_PRESSURE * spare, "1", note=note)
+    turn = np.linspace(0.0, 2.0 * np.pi, SETTINGS.angles_per_mesh_period * reducer.design.ring.teeth + 1)
+    ideal = ideal_peak(reducer, kind, turn)
+    yield sheet_quantity(f"{kind}_peak_force", peak, reference=ideal, source="ideal sharing")
+    yield sheet_quantity(f"{kind}_mean_force", _mean(force[carries]))
+    yield sheet_quantity(f"{kind}_carrying", float(carries.sum(axis=1).mean()))
+    yield sheet_quantity(f"{kind}_pressure", 1e-6 * reducer.contacts[kind].strength / spare, note=note)
+    yield sheet_quantity(f"{kind}_margin", YIELD_PRESSURE * spare, note=note)
 
 
 def _mean(values: Array) -> float:
@@ -406,25 +382,22 @@ def _losses(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield efficiency and losses, and the figures of back-driving."""
     yield from _efficiency(reducer, load)
     back, backward = back_driving(reducer, load)
-    against = f"against {load / reducer.design.reduction:.4g} N m on the crank"
     locked = self_locking(reducer, load) if math.isnan(backward) else ""
-    yield Quantity("back_driving_torque_rated", f"output torque that drives {against}", backward, "N m", note=locked)
-    yield Quantity(
-        "back_driving_efficiency", f"efficiency of back-driving, {against}", 100.0 * back.efficiency, "%", note=locked
-    )
+    yield sheet_quantity("back_driving_torque_rated", backward, note=locked)
+    yield sheet_quantity("back_driving_efficiency", 100.0 * back.efficiency, note=locked)
 
 
 def _efficiency(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield efficiency and losses of the reducer when the crank drives."""
     design = reducer.design
     mean_powers = powers(reducer, load)
-    yield Quantity("efficiency", f"efficiency at {load:.4g} N m", 100.0 * mean_powers.efficiency, "%")
+    yield sheet_quantity("efficiency", 100.0 * mean_powers.efficiency)
     for kind, part in {design.tooth_pair: "teeth", "cam": "cam", "output": "output"}.items():
         note = f"including {design.seat_pair}" if part == "teeth" and design.seat_pair else ""
-        yield Quantity(f"{kind}_friction_power", f"friction of {kind}", mean_powers.friction[part], "W", note=note)
-    yield Quantity("seals_power", "drag of seals and lubricant", mean_powers.friction["seals"], "W")
-    yield Quantity("input_power", "input power", mean_powers.supplied, "W")
-    yield Quantity("output_power", "output power", mean_powers.delivered, "W")
+        yield sheet_quantity(f"{kind}_friction_power", mean_powers.friction[part], note=note)
+    yield sheet_quantity("seals_power", mean_powers.friction["seals"])
+    yield sheet_quantity("input_power", mean_powers.supplied)
+    yield sheet_quantity("output_power", mean_powers.delivered)
 
 
 def back_driving(reducer: Reducer, load: float) -> tuple[Powers, float]:
@@ -451,7 +424,7 @@ def self_locking(reducer: Reducer, load: float) -> str:
     )
 
 
-PARTS_OF_SHEET: Mapping[str, Part] = {"motions": _motions, "errors": _errors, "loads": _loads, "losses": _losses}
+PARTS_OF_SHEET: Mapping[SheetPart, Part] = {"motions": _motions, "errors": _errors, "loads": _loads, "losses": _losses}
 """Functions that yield the figures of a sheet, by name."""
 
 
@@ -474,7 +447,8 @@ def _assumptions(reducer: Reducer) -> tuple[str, ...]:
         "a flank of an internal gear and the arc next to it form a single contact patch",
         *([SEVERAL] if design.gear.discs > 1 else []),
         *([structure_text(reducer)] if design.structure == "springs" else []),
-        f"forces and losses cover {_angles(reducer).size} crank angles, the transmission error {PER_MESH_PERIOD} per "
-        f"mesh period, unloaded under {UNLOADED_SHARE:.0%} of the load; the bearings of the shafts are not included",
+        f"forces and losses cover {_angles(reducer).size} crank angles, the transmission error "
+        f"{SETTINGS.angles_per_mesh_period} per mesh period, unloaded under {CASES['unloaded']:.0%} of the load; "
+        "the bearings of the shafts are not included",
         *material_limits(design),
     )

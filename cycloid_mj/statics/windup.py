@@ -29,7 +29,7 @@ STRAIGHT = (0.5, 1.0)
 """Ends of the linear part of the curve, relative to the rated torque."""
 
 SERIES = ("output", "cam", "mesh")
-GIVING = ("output", "cam", "mesh", "bending")
+SPRINGS = ("output", "cam", "mesh", "bending")
 """Keys of the springs: contacts, and bending of the output pins."""
 
 SHARES = (*sorted(STRAIGHT, reverse=True), LOST_MOTION_SHARE)
@@ -47,7 +47,7 @@ class Windup:
         Rotation of output and disc from the ideal pose [rad], and displacement of the disc's centre along the circle of
         the eccentric [m], by relative torque.
     work
-        Work of the forces over the linear part, both sides together, by `GIVING` [J].
+        Work of the forces over the linear part, both sides together, by `SPRINGS` [J].
     """
 
     rated: float
@@ -71,8 +71,8 @@ class Windup:
         """Compute the compliance of each part in series [rad/(N m)], keyed by `SERIES`."""
         return in_series(reducer, *(self.compliance(at) for at in (self.turn, self.gear_turn, self.centre_lead)))
 
-    def gives(self, reducer: Reducer) -> dict[str, float]:
-        """Compute the compliance of each spring [rad/(N m)], keyed by `GIVING`; without torsion of the structure."""
+    def compliance_by_spring(self, reducer: Reducer) -> dict[str, float]:
+        """Compute the compliance of each spring [rad/(N m)], keyed by `SPRINGS`; without torsion of the structure."""
         whole, work = self.compliance(self.turn) - wind_up(reducer), sum(self.work.values())
         return {spring: one / work * whole for spring, one in self.work.items()}
 
@@ -114,7 +114,7 @@ def windups(reducer: Reducer, cranks: Sequence[float] | Array, rated: float, fol
 
     low, high = STRAIGHT
     sides = [_work(reducer, springs, by_torque[side * low], by_torque[side * high]) for side in (-1, 1)]
-    work = {spring: (sides[0][spring] + sides[1][spring]).tolist() for spring in GIVING}
+    work = {spring: (sides[0][spring] + sides[1][spring]).tolist() for spring in SPRINGS}
     turns = {share: one.output_turn.tolist() for share, one in by_torque.items()}
     gear_turns = {share: one.gear_turn.tolist() for share, one in by_torque.items()}
     centre_leads = {share: leads(one.departures).tolist() for share, one in by_torque.items()}

@@ -85,7 +85,10 @@ def test_what_a_spring_gives_is_told_by_its_work(name: str) -> None:
     def solved(one: Design) -> list[Windup]:
         return windups(Reducer(one), [0.3, 1.1], design.rated_torque)
 
-    told, contacts = [one.gives(Reducer(design)) for one in solved(design)], Reducer(design).at_rated_load.contacts
+    told, contacts = (
+        [one.compliance_by_spring(Reducer(design)) for one in solved(design)],
+        Reducer(design).at_rated_load.contacts,
+    )
     mesh = [design.tooth_pair, *([design.seat_pair] if design.seat_pair else [])]
     for spring, kinds in (("output", ["output"]), ("cam", ["cam"]), ("mesh", mesh)):
         softer, stiffer = (
