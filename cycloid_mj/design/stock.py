@@ -46,6 +46,41 @@ _GAUGES, _GAUGE_LENGTH, _GAUGE_STEP = (0.2, 1.0), 40, 0.01
 """DIN 2269:1998 (0.1 to 20 mm), as sold: +-2 um, in steps of 0.01 mm; least and largest diameter that is taken, length
 of the usual sets (assumed), step. For ring pins below 1 mm, which ISO 8734 does not have."""
 
+_LONG_GAUGES, _LONG_GAUGE_LENGTH = (1.0, 20.0), 70
+"""The same from 1 mm on: least and largest diameter, and the length of the usual sets (assumed)."""
+
+_ROLLERS = {
+    1: (5.8, 9.8),
+    1.5: (5.8, 13.8),
+    2: (6.8, 19.8),
+    2.5: (7.8, 23.8),
+    3: (9.8, 29.8),
+    3.5: (11.8, 34.8),
+    4: (13.8, 39.8),
+    5: (15.8, 49.8),
+    6: (17.8, 59.8),
+}
+"""ISO 3096 (DIN 5402-3), needle rollers with flat ends: diameter -> shortest and longest of `_ROLLER_LENGTHS` (the
+makers' usual ranges, assumed). SKF's grade G2 has diameters sorted in groups of 2 um, 0/-2 um and so on, and lengths
+h13."""
+
+_ROLLER_LENGTHS = (
+    *(5.8, 6.8, 7.8, 9.8, 11.8, 13.8, 15.8, 17.8, 19.8, 21.8, 23.8, 25.8, 27.8, 29.8, 34.8, 39.8, 49.8, 59.8),
+)
+
+_KEYS = """
+6 8 2 2 1.2 1 6 20          8 10 3 3 1.8 1.4 6 36       10 12 4 4 2.5 1.8 8 45    12 17 5 5 3 2.3 10 56
+17 22 6 6 3.5 2.8 14 70     22 30 8 7 4 3.3 18 90       30 38 10 8 5 3.3 22 110   38 44 12 8 5 3.3 28 140
+44 50 14 9 5.5 3.8 36 160   50 58 16 10 6 4.3 45 180    58 65 18 11 7 4.4 50 200  65 75 20 12 7.5 4.9 56 220
+"""
+"""DIN 6885-1:1968, parallel keys: shaft above, up to, width, height, depth in the shaft, depth in the hub, shortest and
+longest; as in engineeringhardware.com and Siemens MD 31.1."""
+
+_KEY_LENGTHS = (
+    *(6, 8, 10, 12, 14, 16, 18, 20, 22, 25, 28, 32, 36, 40, 45, 50, 56, 63, 70, 80, 90, 100, 110, 125, 140, 160),
+)
+"""Lengths of DIN 6885-1 [mm]."""
+
 _DRAWN_CUPS = """
 3 6.5 6 0.925 0.6   4 8 8 1.54 1.07   5 9 9 2.2 1.79   6 10 8 1.98 1.54   6 10 9 2.65 2.4   7 11 9 2.85 2.75
 8 12 8 2.55 2.4   8 12 10 3.5 3.65   9 13 10 4 4.3   9 13 12 5 5.9   10 14 10 4.1 4.7   10 14 12 5.1 6.3
@@ -170,6 +205,38 @@ class Dowel:
 
 
 @dataclass(frozen=True)
+class Roller:
+    """A free pin: a needle roller or a pin gauge, with designation, tolerance, diameter and length as sold [m].
+
+    `count` of them stand in line, each cut to the length `cut` [m] if that is not 0.
+    """
+
+    designation: str
+    tolerance: str
+    diameter: float
+    length: float
+    count: int = 1
+    cut: float = 0.0
+
+    @property
+    def used(self) -> float:
+        """Length in the drive [m]."""
+        return self.cut or self.length
+
+
+@dataclass(frozen=True)
+class Key:
+    """A parallel key: designation, width, height and length, depths of its keyways in shaft and hub [m]."""
+
+    designation: str
+    width: float
+    height: float
+    length: float
+    in_shaft: float
+    in_hub: float
+
+
+@dataclass(frozen=True)
 class StockBearing:
     """A rolling bearing: designation, bore, outside and width [m], load ratings [N]."""
 
@@ -227,6 +294,44 @@ def pins(diameter: float, reach: float) -> tuple[Dowel, int] | None:
         return Dowel(f"ISO 8734 - {size:g} x {length} - A", diameter, length * MM), int(count)
     if _GAUGES[0] <= size < _GAUGES[1] and abs(size / _GAUGE_STEP - round(size / _GAUGE_STEP)) < 1e-6:
         return Dowel(f"DIN 2269 - {size:.2f} x {_GAUGE_LENGTH}", diameter, _GAUGE_LENGTH * MM), 1
+    return None
+
+
+def free_pin(diameter: float, reach: float, play: float) -> Roller | None:
+    """Find the needle roller or pin gauge for a free pin of a diameter [m]; None if none is in stock.
+
+    It is shorter than the `reach` [m] between two covers, by at most five times the axial `play` [m] at each end; a
+    longer one is cut to the reach less the play, and several stand in line where none is long enough.
+    """
+    size, needed = round(diameter / MM, 6), reach / MM
+    if size in _ROLLERS:
+        shortest, longest = _ROLLERS[size]
+        lengths = [length for length in _ROLLER_LENGTHS if shortest <= length <= longest]
+        count = max(-(-(needed - 5.0 * play / MM) // longest), 1)
+        sold = next((one for one in lengths if 0.0 <= needed / count - one <= 5.0 * play / MM), 0.0)
+        cut = 0.0 if sold else reach / count - 2.0 * play
+        length = sold or next(one for one in lengths if one >= needed / count - 2.0 * play / MM - 1e-6)
+        return Roller(f"ISO 3096 - {size:g} x {length:g} - G2", "0/-2 um", diameter, length * MM, int(count), cut)
+    longest = next((long for (low, high), long in _gauges() if low <= size <= high), 0.0)
+    if not longest or abs(size / _GAUGE_STEP - round(size / _GAUGE_STEP)) > 1e-6:
+        return None
+    count = int(max(-(-(needed - 2.0 * play / MM) // longest), 1))
+    designation = f"DIN 2269 - {size:.2f} x {longest:g}"
+    return Roller(designation, "+-1 um", diameter, longest * MM, count, reach / count - 2.0 * play)
+
+
+def _gauges() -> tuple[tuple[tuple[float, float], float], ...]:
+    return (_GAUGES, _GAUGE_LENGTH), (_LONG_GAUGES, _LONG_GAUGE_LENGTH)
+
+
+def key_for(shaft: float, reach: float) -> Key | None:
+    """Find the longest parallel key for a shaft [m] within a reach [m] along it; None if none is in stock."""
+    for above, up_to, width, height, in_shaft, in_hub, shortest, longest in _rows(_KEYS, 8):
+        if above < round(shaft / MM, 6) <= up_to:
+            lengths = [one for one in _KEY_LENGTHS if shortest <= one <= min(longest, reach / MM + 1e-6)]
+            if lengths:
+                sizes = (round(value * MM, 9) for value in (width, height, lengths[-1], in_shaft, in_hub))
+                return Key(f"DIN 6885 - B {width:g} x {height:g} x {lengths[-1]}", *sizes)
     return None
 
 

@@ -3,7 +3,6 @@
 import math
 
 from cycloid_mj.base.units import MILLIMETRES, RPM
-from cycloid_mj.figures.geometry import mass
 from cycloid_mj.life import datasheet
 from cycloid_mj.life.items import rate_at_rated_load
 from cycloid_mj.life.loading import relative_speed
@@ -37,8 +36,8 @@ def length(reducer: Reducer) -> float:
 
 
 def drive_mass(reducer: Reducer) -> float:
-    """Compute the mass of a drive with covers, bearings and screws [kg]; errors as ``drive.casing_mass``."""
-    return mass(reducer) + drive.casing_mass(reducer)
+    """Compute the mass of a drive with covers, bearings and screws [kg]; errors as ``drive.drive_mass``."""
+    return drive.drive_mass(reducer)
 
 
 def drive_length(reducer: Reducer) -> float:

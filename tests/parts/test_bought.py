@@ -57,8 +57,14 @@ def sizes_in_stock(designation: str) -> dict[str, float]:
     for insert in stock.inserts():
         if insert.designation == designation:
             return {"hole": 1e3 * insert.hole, "length": 1e3 * insert.length}
-    if dowel := re.fullmatch(r"ISO 8734 - ([\d.]+) x ([\d.]+) - A|DIN 2269 - ([\d.]+) x ([\d.]+)", designation):
-        diameter, length = (float(number) for number in dowel.groups() if number)
+    if roller := re.fullmatch(r"(?:ISO 3096|DIN 2269) - ([\d.]+) x ([\d.]+)(?: - G2)?", designation):
+        diameter, length = map(float, roller.groups())
+        in_stock = stock.free_pin(1e-3 * diameter, 1e-3 * length + 0.4e-3, 1e-4)
+        assert in_stock
+        assert in_stock.designation == designation
+        return {"diameter": diameter, "length": length}
+    if dowel := re.fullmatch(r"ISO 8734 - ([\d.]+) x ([\d.]+) - A", designation):
+        diameter, length = map(float, dowel.groups())
         assert 1e-3 * diameter in [pytest.approx(size) for size in stock.pin_diameters()]
         in_stock = stock.pins(1e-3 * diameter, 1e-3 * length)
         assert in_stock
@@ -91,9 +97,24 @@ def test_every_size_in_the_bill_is_in_the_tables_of_stock(name: str) -> None:
         assert line.count > 0
 
 
-def test_pins_longer_than_their_seat_are_cut() -> None:
-    design = PRESETS["pin"].but(ring={"pin_radius": 2.5e-3}, gear={"face_width": 15e-3})
+def test_free_pins_are_rollers_and_cut_if_too_long() -> None:
+    """A dowel, m6, jams in a socket: it is 4 to 12 um thicker than its nominal size of 5 mm."""
+    design = PRESETS["pin"].but(ring={"pin_radius": 2.5e-3}, gear={"face_width": 19e-3})
     line = next(line for line in bill(Reducer(design)) if line.item == "pin")
-    assert (line.designation, line.fit) == ("ISO 8734 - 5 x 16 - A", "m6, free in its socket, cut to 15 mm")
-    flush = next(line for line in bill(Reducer(design.but(gear={"face_width": 16e-3}))) if line.item == "pin")
-    assert flush.fit == "m6, free in its socket"
+    expected = ("ISO 3096 - 5 x 19.8 - G2", "0/-2 um, free in its socket, cut to 19 mm")
+    assert (line.designation, line.fit) == expected
+    short = next(line for line in bill(Reducer(design.but(gear={"face_width": 20e-3}))) if line.item == "pin")
+    assert (short.size, short.fit) == ("diameter 5 x length 19.8 mm", "0/-2 um, free in its socket")
+    fixed = next(line for line in bill(Reducer(design.but(ring={"pins": "fixed"}))) if line.item == "pin")
+    assert fixed.designation.startswith("ISO 8734")
+    assert fixed.fit.startswith("m6 in H7, glued")
+
+
+@pytest.mark.parametrize("size", [0.72, 2.0, 4.08, 5.0, 8.0])
+@pytest.mark.parametrize("width", [4.2, 10.2, 30.2, 130.2])
+def test_free_pins_fill_the_ring_with_axial_play(size: float, width: float) -> None:
+    roller = stock.free_pin(1e-3 * size, 1e-3 * width, 1e-4)
+    assert roller is not None
+    slack = width - 1e3 * roller.count * roller.used
+    assert 0.2 - 1e-9 <= slack <= 0.5 * roller.count + 1e-9
+    assert roller.used <= roller.length

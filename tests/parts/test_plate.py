@@ -279,7 +279,12 @@ def test_the_command_writes_plate_and_bill(tmp_path: Path, capsys: pytest.Captur
     told = json.loads(capsys.readouterr().out)
     assert told["offset"] == pytest.approx(OFFSET)
     assert told["plate"]["file"] == str(out / "plate.stl")
-    assert told["plate"]["parts"] == ON_PLATE["pin"] | {"motor_cover": 1, "output_cover": 1, "output_flange": 1}
+    assert told["plate"]["parts"] == ON_PLATE["pin"] | {
+        "motor_cover": 1,
+        "output_cover": 1,
+        "output_flange": 1,
+        "crank_ring_1": 1,
+    }
     extent = read_stl((out / "plate.stl").read_bytes()).reshape(-1, 3).max(axis=0)
     assert told["plate"]["size"] == pytest.approx(1e-3 * extent, abs=SINGLE)
     for one in told["clearances"]:

@@ -12,6 +12,7 @@ from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import Part, PartSection, carried, output_centres
 from cycloid_mj.parts.cam_bearing import cam_bearing
+from cycloid_mj.parts.export.bearings import cam_seat, pin_pieces
 from cycloid_mj.parts.export.casing import (
     CAM_BEARING,
     DOWEL,
@@ -30,6 +31,7 @@ from cycloid_mj.parts.export.casing import (
     Casing,
 )
 from cycloid_mj.parts.export.casing_parts import casing_places
+from cycloid_mj.parts.export.crank_rings import CRANK_RING
 from cycloid_mj.parts.export.printing import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT, STEEL, in_one_piece, separate_parts
 from cycloid_mj.parts.export.round_part import tube, with_holes
 from cycloid_mj.parts.export.step import SPLINES, step_part
@@ -45,6 +47,7 @@ COLOURS: Mapping[str, Colour] = {
     names.SHAFT: (0.75, 0.35, 0.3, 1.0),
     names.CAM: (0.8, 0.5, 0.35, 1.0),
     names.SPACER: (0.6, 0.6, 0.55, 1.0),
+    CRANK_RING: (0.7, 0.7, 0.6, 1.0),
     names.OUTPUT: (0.4, 0.6, 0.45, 1.0),
     names.ROLLER: (0.7, 0.8, 0.7, 1.0),
     OUTPUT_PIN: (0.5, 0.5, 0.5, 1.0),
@@ -67,12 +70,13 @@ _NUMBER = re.compile(r"#(\d+)")
 
 @dataclass(frozen=True)
 class Place:
-    """Position of a part: its name there, the part, its origin [m] and its angle about z [rad]."""
+    """Position of a part: its name there, the part, its origin [m], its angle about z [rad], and its rigid body."""
 
     name: str
     part: str
     origin: tuple[float, float, float]
     angle: float
+    body: str = ""
 
 
 def places(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = None) -> tuple[Place, ...]:
@@ -86,38 +90,47 @@ def _places(reducer: Reducer, crank: float, sizes: Casing | None) -> Iterator[Pl
     ring, carrier = float(reducer.member.ring_angle(crank)), float(reducer.member.gear_angle(crank))
     turned = {names.HOUSING: ring, names.SHAFT: crank, names.OUTPUT: carrier}
     for body, angle in turned.items():
-        yield _rotated_place(body, body, origin, angle)
+        yield _rotated_place(body, body, origin, angle, body)
     rollers = roller_places(reducer) if design.output.rollers else {}
     for body, attached in ((names.SHAFT, carried(reducer, names.SHAFT)), (names.OUTPUT, rollers)):
         for name, (part, position) in attached.items():
-            yield _rotated_place(name, part, position, turned[body])
+            yield _rotated_place(name, part, position, turned[body], names.ROLLER if part == names.ROLLER else body)
     if not in_one_piece(reducer):
         if design.output.support == "both_ends":
-            yield _rotated_place(SECOND_OUTPUT, SECOND_OUTPUT, origin, carrier)
+            yield _rotated_place(SECOND_OUTPUT, SECOND_OUTPUT, origin, carrier, names.OUTPUT)
         for number, centre in enumerate(output_centres(reducer), start=1):
-            yield _rotated_place(names.numbered(OUTPUT_PIN, number), OUTPUT_PIN, np.array([*centre, 0.0]), carrier)
+            at = np.array([*centre, 0.0])
+            yield _rotated_place(names.numbered(OUTPUT_PIN, number), OUTPUT_PIN, at, carrier, names.OUTPUT)
     discs = zip(reducer.gears, reducer.phases, design.gear.disc_planes, strict=True)
     for gear, phase, plane in discs:
         x, y = design.gear.eccentricity * unit(-(crank + phase))  # unit turns clockwise, the crank the other way
-        yield Place(gear, gear, (float(x), float(y), plane), carrier)
-        if cam_bearing(reducer):
+        yield Place(gear, gear, (float(x), float(y), plane), carrier, gear)
+        if cam_seat(reducer) < design.gear.bore_radius:
             bearing = gear.replace(names.GEAR, CAM_BEARING)
-            yield Place(bearing, CAM_BEARING, (float(x), float(y), plane), carrier)
+            yield Place(bearing, CAM_BEARING, (float(x), float(y), plane), carrier, gear)
     if design.ring.kind == "pin":
-        angles = 2.0 * np.pi * np.arange(design.ring.teeth) / design.ring.teeth - ring
-        for number, (x, y) in enumerate(design.ring.pin_circle_radius * unit(angles), start=1):
-            at = float(x), float(y), 0.0
-            yield Place(names.pin(number), names.PIN, at, ring)
-            if design.ring.has_sleeves:
-                yield Place(f"{PRESSED_PIN}_{number}", PRESSED_PIN, at, ring)
+        yield from _ring_pins(reducer, ring, pin_pieces(reducer) if sizes else (1, 0.0))
     for one in casing_places(reducer, sizes) if sizes else ():
-        yield _rotated_place(one.name, one.part, np.array(one.origin), turned[one.body])
+        yield _rotated_place(one.name, one.part, np.array(one.origin), turned[one.body], one.body)
 
 
-def _rotated_place(name: str, part: str, place: Array, angle: float) -> Place:
+def _ring_pins(reducer: Reducer, turn: float, pieces: tuple[int, float]) -> Iterator[Place]:
+    """Yield the places of ring pins or sleeves, several of a length [m] in line, and of the pins inside sleeves."""
+    ring, (in_line, length) = reducer.design.ring, pieces
+    angles = 2.0 * np.pi * np.arange(ring.teeth) / ring.teeth - turn
+    centres = (ring.pin_circle_radius * unit(angles)).tolist()
+    heights = length * (np.arange(in_line) - 0.5 * (in_line - 1))
+    body = names.PIN if reducer.design.seat_pair else names.HOUSING
+    for number, (z, (x, y)) in enumerate(((z, centre) for z in heights.tolist() for centre in centres), start=1):
+        yield Place(names.pin(number), names.PIN, (x, y, z), turn, body)
+    for number, (x, y) in enumerate(centres if ring.has_sleeves else (), start=1):
+        yield Place(f"{PRESSED_PIN}_{number}", PRESSED_PIN, (x, y, 0.0), turn, names.HOUSING)
+
+
+def _rotated_place(name: str, part: str, place: Array, angle: float, body: str) -> Place:
     cos, sin = np.cos(angle), np.sin(angle)
     x, y, z = place
-    return Place(name, part, (float(cos * x - sin * y), float(sin * x + cos * y), float(z)), angle)
+    return Place(name, part, (float(cos * x - sin * y), float(sin * x + cos * y), float(z)), angle, body)
 
 
 def assembly_step(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = None) -> bytes:
@@ -154,12 +167,12 @@ def assembly_parts(reducer: Reducer, sizes: Casing | None = None) -> dict[str, P
         A part cannot be manufactured or does not fit, or the ring is in two halves.
     """
     require_one_ring(reducer, "assembly")
-    in_stock = cam_bearing(reducer)
-    laid = separate_parts(reducer, 0.5 * in_stock[0].bore if in_stock else 0.0, sizes)
-    if in_stock:
-        bearing, count = in_stock
-        ring = tube(0.5 * bearing.bore, 0.5 * bearing.outside, bearing.width * count)
-        laid[CAM_BEARING] = Part(CAM_BEARING, with_holes(CAM_BEARING, ring), STEEL)
+    gear, seat, in_stock = reducer.design.gear, cam_seat(reducer), cam_bearing(reducer)
+    if seat == gear.bore_radius:
+        return separate_parts(reducer, 0.0, sizes)
+    laid = separate_parts(reducer, seat, sizes)
+    width = in_stock[0].width * in_stock[1] if in_stock else gear.face_width
+    laid[CAM_BEARING] = Part(CAM_BEARING, with_holes(CAM_BEARING, tube(seat, gear.bore_radius, width)), STEEL)
     return laid
 
 

@@ -16,9 +16,11 @@ from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.export.bearings import (
     PRESS_FIT,
+    RETAINED_FIT,
     SHAFT_BEARINGS,
-    SOCKET_FIT,
     fit_of,
+    free_pin,
+    pin_pieces,
     shaft_bearing,
 )
 from cycloid_mj.parts.export.casing import (
@@ -128,12 +130,14 @@ def _pins(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLine]:
         material = _material(reducer, names.PIN)
         if ring.has_sleeves:
             diameters = ("outside diameter", ring.pin_radius), ("bore", ring.sleeve_bore_radius)
-            yield BillLine(names.SLEEVE, ring.teeth, _round(*diameters, length=gear.stack_width), material, "bought")
+            size = _round(*diameters, length=pin_pieces(reducer)[1])
+            yield BillLine(names.SLEEVE, ring.teeth, size, material, "bought")
             core = sleeve_core_radius(reducer)
             yield _pin(PRESSED_PIN, ring.teeth, core, gear.stack_width, material, PRESS_FIT)
+        elif ring.has_sockets:
+            yield _free_pin(reducer, material)
         else:
-            fit = SOCKET_FIT if ring.has_sockets else PRESS_FIT
-            yield _pin(names.PIN, ring.teeth, ring.pin_radius, gear.stack_width, material, fit)
+            yield _pin(names.PIN, ring.teeth, ring.pin_radius, gear.stack_width, material, RETAINED_FIT)
     if not in_one_piece(reducer) and not is_printed(reducer, names.OUTPUT):
         length = output_pin_length(reducer)
         yield _pin(OUTPUT_PIN, output.pins, output.root_radius, length, _material(reducer, names.OUTPUT), PRESS_FIT)
@@ -163,6 +167,17 @@ def _pin(item: str, count: int, radius: float, reach: float, material: str, fit:
     if in_line * pin.length > reach + stock.ROUNDING:
         fit += f", cut to {_mm(reach / in_line)} mm"
     return BillLine(item, count * in_line, size, material, "bought", pin.designation, fit)
+
+
+def _free_pin(reducer: Reducer, material: str) -> BillLine:
+    """Return the line of ring pins that move in their sockets: needle rollers, gauges, or ground to their size."""
+    ring, roller, (count, length) = reducer.design.ring, free_pin(reducer), pin_pieces(reducer)
+    if not roller:
+        size = _round(("diameter", ring.pin_radius), length=length)
+        return BillLine(names.PIN, ring.teeth, size, material, "bought", fit="ground 0/-2 um, free in its socket")
+    fit = f"{roller.tolerance}, free in its socket" + (f", cut to {_mm(roller.cut)} mm" if roller.cut else "")
+    size = _round(("diameter", ring.pin_radius), length=roller.length)
+    return BillLine(names.PIN, ring.teeth * count, size, material, "bought", roller.designation, fit)
 
 
 def _rollers(reducer: Reducer) -> Iterator[BillLine]:

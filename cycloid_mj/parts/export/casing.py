@@ -56,6 +56,16 @@ HEAD_PLAY = 0.2e-3
 FLANGE_SCREWS, FLANGE_CIRCLE, FLANGE_THREAD = 6, 0.66, 0.16
 """Number of screws of the output flange; their circle radius and thread relative to the radius of the hub."""
 
+AXIAL_PLAY, PRINTED_AXIAL_PLAY = 0.1e-3, 0.2e-3
+"""Least distance of parts that move against each other, in metal and in plastic [m]: above the flatness of a cover and
+the unevenness of a layer."""
+
+BLIND_ROOM = 3e-3
+"""Depth of the bore of the crank beyond the motor shaft [m]: those of NEMA 17 are up to 24 instead of 22 mm long."""
+
+COLLAR = 0.5 * AXIAL_GAP
+"""Length of the collar of the crank between counterweight and bearing, and depth of recesses next to bearings [m]."""
+
 SHOULDER_SHARE = 0.3
 """Height of a shoulder relative to the section of its bearing."""
 
@@ -119,8 +129,9 @@ class Casing:
     ----------
     outer, wall
         Outer radius of both covers, and minimum wall around holes.
-    screws, dowel, dowel_angles
-        Screws of the covers, and their dowels (None if none fits) with angles clockwise from +y.
+    screws, dowel, dowel_angles, dowel_circle
+        Screws of the covers, and dowels of covers and ring (None if none fits) with angles clockwise from +y and the
+        radius of their circle.
     motor, face
         Interface of the motor, and its plane.
     near, far, seat
@@ -131,6 +142,9 @@ class Casing:
         Bearing of the output (two of it), start of the first one, and the distance between them.
     rim
         Radius of the disc of the output.
+    play, end
+        Least distance of parts that move against each other, and half the width of the ring: it is wider than the discs
+        by the play at both ends, so that they turn freely between the covers.
     flange_bolt, flange_thickness
         Screws of the output flange, and its thickness.
     """
@@ -140,6 +154,7 @@ class Casing:
     screws: Screws
     dowel: stock.Dowel | None
     dowel_angles: tuple[float, ...]
+    dowel_circle: float
     motor: MotorFlange
     face: float
     near: tuple[float, float]
@@ -151,6 +166,8 @@ class Casing:
     hub_floor: float
     spacing: float
     rim: float
+    play: float
+    end: float
     flange_bolt: stock.Bolt
     flange_thickness: float
 
@@ -177,8 +194,8 @@ class Casing:
 
     @property
     def grip(self) -> float:
-        """Thickness of the output cover below the heads of its screws [m]."""
-        return _grip(self.screws.bolt, self.wall)
+        """Thickness of the output cover below the heads of its screws [m], less what the ring is wider than discs."""
+        return _grip(self.screws.bolt, self.wall) - 2.0 * self.play
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -206,29 +223,32 @@ def casing(reducer: Reducer, motor: Motor = "auto") -> Casing:
     seat = seat_radius(reducer, near[1] - near[0])
     weight = prisms.get("counterweight")
     second = -half - AXIAL_GAP - output.disc_thickness if output.support == "both_ends" else -half
-    cavity, most = _cavity(reducer, screws, rim if second < -half else 0.0, wall)
+    cavity, most = _cavity(reducer, screws, max(rim if second < -half else 0.0, seat - wall), wall)
     floor = min(weight.z0 if weight else second, second) - AXIAL_GAP
     flange = _motor_flange(reducer, motor, outer, seat, wall, most)
     if flange.tapped:
         cavity = max(cavity, _heads_end(flange))
     under = _floor_thickness(reducer, flange, wall)
     first = near[0] if straddles else far[0]
-    through = _grip(screws.bolt, wall) + (0.0 if screws.outside else 2.0 * half)
-    tip = (half if screws.outside else -half) - hole_depth(reducer, screws.bolt.thread, screws.length - through) - wall
-    bored = _bore_end(reducer) - flange.shaft_length
-    face = min(min(prisms["journal"].z0, first - wall) - PILOT_DEPTH, floor - under, tip - under, bored)
-    dowel, dowel_angles = _dowel(reducer, screws, wall)
+    end = ring_end(reducer)
+    through = _grip(screws.bolt, wall) + 2.0 * ((0.0 if screws.outside else end) - axial_play(reducer))
+    tip = (end if screws.outside else -end) - hole_depth(reducer, screws.bolt.thread, screws.length - through) - wall
+    bored = _bore_end(reducer) - flange.shaft_length - BLIND_ROOM
+    journal = prisms["journal"].z0 - axial_play(reducer)
+    face = min(min(journal, first - wall) - PILOT_DEPTH, floor - under, tip - under, bored)
+    dowel, dowel_angles, dowel_circle = _dowel(reducer, screws, wall)
     room = screws.circle - counterbore(screws.bolt) - 2.0 * wall
     hub = _hub(min(room, design.ring_root_radius), rim - wall, seat + 2.0 * wall if straddles else 0.0)
     bolt = thickest_bolt(FLANGE_THREAD * hub.bore / 2.0)
     hub_floor = half + AXIAL_GAP + output.disc_thickness + AXIAL_GAP
-    deepest = max(far[1] if straddles else 0.0, hub_floor) + 2.0 * wall + 2.0 * ENGAGEMENT * bolt.thread
+    deepest = max(far[1] + COLLAR if straddles else 0.0, hub_floor) + 2.0 * wall + 2.0 * ENGAGEMENT * bolt.thread
     return Casing(
         outer=outer,
         wall=wall,
         screws=screws,
         dowel=dowel,
         dowel_angles=dowel_angles,
+        dowel_circle=dowel_circle,
         motor=flange,
         face=face,
         near=(first, near[1]),
@@ -240,9 +260,21 @@ def casing(reducer: Reducer, motor: Motor = "auto") -> Casing:
         hub_floor=hub_floor,
         spacing=max(0.5 * hub.width, deepest - hub_floor - 2.0 * hub.width),
         rim=rim,
+        play=axial_play(reducer),
+        end=end,
         flange_bolt=bolt,
         flange_thickness=hole_depth(reducer, bolt.thread, bolt.head_height + max(bolt.thread, wall)),
     )
+
+
+def ring_end(reducer: Reducer) -> float:
+    """Compute half the width of the ring between the covers [m]."""
+    return reducer.design.gear.stack_width / 2.0 + axial_play(reducer)
+
+
+def axial_play(reducer: Reducer) -> float:
+    """Return the least distance of parts that move against each other [m]."""
+    return PRINTED_AXIAL_PLAY if is_plastic(reducer) else AXIAL_PLAY
 
 
 def casing_or_none(reducer: Reducer, motor: Motor = "auto") -> tuple[Casing | None, str]:
@@ -335,7 +367,7 @@ def _lands(teeth: int) -> tuple[float, ...]:
 
 
 def _min_screw_length(bolt: stock.Bolt, wall: float, through: float) -> float:
-    """Compute the minimum length of a screw through a cover and a ring into the other cover [m]."""
+    """Compute the minimum length of a screw through a cover and a ring, wide as the discs, into the other cover [m]."""
     return _grip(bolt, wall) + through + ENGAGEMENT * bolt.thread
 
 
@@ -346,21 +378,27 @@ def _screws_of_length(
     return Screws(bolt, length, circle, angles, outside=not through)
 
 
-def _dowel(reducer: Reducer, screws: Screws, wall: float) -> tuple[stock.Dowel | None, tuple[float, ...]]:
-    """Choose two dowels for each face between covers and ring, opposite each other between the screws."""
+def _dowel(reducer: Reducer, screws: Screws, wall: float) -> tuple[stock.Dowel | None, tuple[float, ...], float]:
+    """Choose two dowels for each face between covers and ring, opposite each other, with their angles and circle.
+
+    They stand between the screws, or in the wall of a ring that the screws pass outside of: they keep it from turning.
+    """
     design = reducer.design
-    sizes = [size for size in reversed(stock.dowel_diameters()) if size <= screws.bolt.thread]
+    room = design.housing.outer_radius - design.ring_root_radius - 2.0 * wall if screws.outside else screws.bolt.thread
+    sizes = [size for size in reversed(stock.dowel_diameters()) if size <= min(screws.bolt.thread, room)]
     pins = [in_stock[0] for size in sizes if (in_stock := stock.pins(size, 2.0 * size))]
     pin = next((one for one in pins if one.length <= design.gear.stack_width - wall), None)
     if not pin:
-        return None, ()
+        return None, (), 0.0
     if screws.outside or design.housing.support == "bolts":
         step = math.pi / len(screws.angles)
-        return pin, (step, step + 2.0 * math.pi * (len(screws.angles) // 2) / len(screws.angles))
+        angles = step, step + 2.0 * math.pi * (len(screws.angles) // 2) / len(screws.angles)
+        middle = 0.5 * (design.ring_root_radius + design.housing.outer_radius)
+        return pin, angles, middle if screws.outside else screws.circle
     teeth = design.ring.teeth
     free = sorted({*range(teeth)} - {round(angle * teeth / (2.0 * math.pi) - 0.5) for angle in screws.angles})
     other = min(free[1:], key=lambda land: abs(land - free[0] - 0.5 * teeth))
-    return pin, tuple(2.0 * math.pi * (land + 0.5) / teeth for land in (free[0], other))
+    return pin, tuple(2.0 * math.pi * (land + 0.5) / teeth for land in (free[0], other)), screws.circle
 
 
 def counterbore(bolt: stock.Bolt) -> float:
@@ -369,7 +407,7 @@ def counterbore(bolt: stock.Bolt) -> float:
 
 
 def _cavity(reducer: Reducer, screws: Screws, second: float, wall: float) -> tuple[float, float]:
-    """Compute the radius of the cavity for crank and second disc in the motor cover, and its maximum [m].
+    """Compute the radius of the cavity for crank and a `second` radius [m] in the motor cover, and its maximum [m].
 
     The cover retains the ring pins: the maximum leaves them a fifth of their end face.
     """
@@ -424,9 +462,9 @@ def _motor_flange(reducer: Reducer, motor: Motor, outer: float, seat: float, wal
     return MotorFlange("bolt circle", max(0.6 * circle, min(seat, circle - thread)), circle, thread)
 
 
-def output_cover_step(reducer: Reducer, sizes: Casing) -> float | None:
+def output_cover_step(sizes: Casing) -> float | None:
     """Return the height [m] of the step of the output cover, above the heads of its screws; None without a step."""
-    step = reducer.design.gear.stack_width / 2.0 + sizes.grip + sizes.screws.bolt.head_height
+    step = sizes.end + sizes.grip + sizes.screws.bolt.head_height
     slim = sizes.output_cavity + 2.0 * sizes.wall
     fits = slim < sizes.screws.circle - counterbore(sizes.screws.bolt) and step < sizes.bearings[0][0]
     return step if fits else None
@@ -515,7 +553,7 @@ def flange_screw_length(sizes: Casing) -> float:
 def motor_bore(reducer: Reducer, sizes: Casing) -> tuple[float, float, float] | None:
     """Return radius, start and end [m] of the bore of the crank for the motor shaft; None if that is unknown."""
     motor, start = sizes.motor, crank_stretches(reducer)["journal"].z0
-    return (motor.shaft, start, sizes.face + motor.shaft_length) if motor.shaft else None
+    return (motor.shaft, start, sizes.face + motor.shaft_length + BLIND_ROOM) if motor.shaft else None
 
 
 def stock_screw_length(bolt: stock.Bolt, reach: float) -> float:
@@ -552,4 +590,4 @@ def motor_centres(sizes: Casing) -> Array:
 
 def dowel_centres(sizes: Casing) -> Array:
     """Compute the centres of the dowels of a face (n, 2) [m]."""
-    return sizes.screws.circle * unit(np.array(sizes.dowel_angles))
+    return sizes.dowel_circle * unit(np.array(sizes.dowel_angles))

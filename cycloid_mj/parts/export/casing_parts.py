@@ -1,10 +1,12 @@
 """Solids and places of the casing: the bodies of covers, hub and flange, with the holes and bought parts of joints."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 from cycloid_mj.base import names
-from cycloid_mj.parts import Part, lay_out_parts
+from cycloid_mj.parts import Part, Stretch, lay_out_parts
+from cycloid_mj.parts.contour import CircleContour
+from cycloid_mj.parts.export.bearings import pin_pieces
 from cycloid_mj.parts.export.casing import (
     FLANGE,
     MOTOR_COVER,
@@ -14,10 +16,15 @@ from cycloid_mj.parts.export.casing import (
     output_cover_step,
     shoulder_radius,
 )
+from cycloid_mj.parts.export.crank_rings import counterweight_shift, crank_rings, hub_radius
 from cycloid_mj.parts.export.joints import Point, bought_parts, drive_joints
 from cycloid_mj.parts.export.round_part import AXIS, Round, RoundPart, with_holes
+from cycloid_mj.parts.shaft import COUNTERWEIGHT, INNER, JOURNAL
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP
+
+OF_MECHANISM = (names.HOUSING, names.SHAFT, names.SPACER, names.PIN)
+"""Parts of the mechanism that the casing changes even without holes."""
 
 
 @dataclass(frozen=True)
@@ -36,15 +43,22 @@ def casing_parts(reducer: Reducer, sizes: Casing) -> dict[str, RoundPart]:
     bodies = {
         names.HOUSING: (names.HOUSING, ()),
         names.OUTPUT: (names.OUTPUT, _hub(reducer, sizes)),
-        MOTOR_COVER: (names.HOUSING, _motor_cover(reducer, sizes)),
-        OUTPUT_COVER: (names.HOUSING, _output_cover(reducer, sizes)),
+        MOTOR_COVER: (names.HOUSING, _motor_cover(sizes)),
+        OUTPUT_COVER: (names.HOUSING, _output_cover(sizes)),
         FLANGE: (names.OUTPUT, ((sizes.flange_radius, sizes.top, sizes.top + sizes.flange_thickness),)),
         names.SHAFT: (names.SHAFT, ()),
     }
+    if reducer.design.gear.discs > 1:
+        bodies[names.SPACER] = (names.SHAFT, ())
+    if reducer.design.ring.kind == "pin":
+        bodies[names.PIN] = (names.PIN, ())
     parts = {}
+    for ring in crank_rings(reducer, sizes):
+        bore = AXIS, reducer.design.shaft.radius, ring.low, ring.high
+        parts[ring.name] = RoundPart(names.SHAFT, ((ring.radius, ring.low, ring.high),), (bore,))
     for name, (material, rounds) in bodies.items():
         holes = tuple(hole for joint in joints for hole in joint.holes_in(name))
-        if holes or rounds or name == names.HOUSING:
+        if holes or rounds or name in OF_MECHANISM:
             parts[name] = RoundPart(material, rounds, holes)
     return parts | {part.item: part.solid for part in bought_parts(joints)}
 
@@ -54,6 +68,8 @@ def casing_places(reducer: Reducer, sizes: Casing) -> Iterator[CasingPlace]:
     for name in (MOTOR_COVER, OUTPUT_COVER):
         yield CasingPlace(name, name, (0.0, 0.0, 0.0), names.HOUSING)
     yield CasingPlace(FLANGE, FLANGE, (0.0, 0.0, 0.0), names.OUTPUT)
+    for ring in crank_rings(reducer, sizes):
+        yield CasingPlace(ring.name, ring.name, (0.0, 0.0, 0.0), names.SHAFT)
     for part in bought_parts(drive_joints(reducer, sizes)):
         for number, origin in enumerate(part.origins, start=part.first):
             yield CasingPlace(names.numbered(part.item, number), part.item, origin, part.body)
@@ -65,24 +81,57 @@ def bored_shaft(reducer: Reducer, sizes: Casing | None, chord_error: float | Non
     `chord_error` [m] is that of the outlines that balance, see `lay_out_parts`.
     """
     shaft = lay_out_parts(reducer, chord_error)[names.SHAFT]
-    bore = motor_bore(reducer, sizes) if sizes else None
-    if not bore:
+    if not sizes:
         return shaft
-    return shaft.of(with_holes(names.SHAFT, RoundPart(names.SHAFT, holes=((AXIS, *bore),)), shaft.stretches))
+    bore = motor_bore(reducer, sizes)
+    holes = ((AXIS, *bore),) if bore else ()
+    base = fitted_stretches(reducer, sizes, names.SHAFT, shaft.stretches)
+    return shaft.of(with_holes(names.SHAFT, RoundPart(names.SHAFT, holes=holes), base))
 
 
-def _motor_cover(reducer: Reducer, sizes: Casing) -> tuple[Round, ...]:
-    half = reducer.design.gear.stack_width / 2.0
-    return ((sizes.outer, sizes.face, half if sizes.screws.outside else -half),)
+def fitted_stretches(reducer: Reducer, sizes: Casing, name: str, drawn: Sequence[Stretch]) -> tuple[Stretch, ...]:
+    """Return the stretches of a part of the mechanism with the axial clearances that it has in a casing.
+
+    The ring is wider than discs, pins and sleeves. The counterweight makes room for a ring next to its bearing. A
+    spacer touches the cams; its rim, which guides discs that turn at another speed, is narrower.
+    """
+    if name == names.SPACER:
+        return _with_hub(reducer, sizes, drawn)
+    if name == names.HOUSING:
+        return tuple(
+            replace(one, z0=one.z0 - sizes.play * (one is drawn[0]), z1=one.z1 + sizes.play * (one is drawn[-1]))
+            for one in drawn
+        )
+    if name == names.PIN:
+        _, length = pin_pieces(reducer)
+        return tuple(replace(stretch, z0=-0.5 * length, z1=0.5 * length) for stretch in drawn)
+    back = counterweight_shift(reducer)
+    if name != names.SHAFT or not back:
+        return tuple(drawn)
+    low = {stretch.name: stretch.z0 + back * (stretch.name in (COUNTERWEIGHT, INNER)) for stretch in drawn}
+    high = {stretch.name: stretch.z1 + back * (stretch.name in (JOURNAL, COUNTERWEIGHT)) for stretch in drawn}
+    return tuple(replace(stretch, z0=low[stretch.name], z1=high[stretch.name]) for stretch in drawn)
 
 
-def _output_cover(reducer: Reducer, sizes: Casing) -> tuple[Round, ...]:
+def _with_hub(reducer: Reducer, sizes: Casing, drawn: Sequence[Stretch]) -> tuple[Stretch, ...]:
+    """Return a spacer with a rim narrower by the axial play on both sides, and a hub as long as the gap."""
+    (ring,) = drawn
+    hub = replace(ring, outline=CircleContour(hub_radius(reducer, sizes)))
+    low, high = ring.z0 + sizes.play, ring.z1 - sizes.play
+    return replace(hub, z1=low), replace(ring, z0=low, z1=high), replace(hub, z0=high)
+
+
+def _motor_cover(sizes: Casing) -> tuple[Round, ...]:
+    """Return the cover: up to the ring, or around it, its rim lower than the ring, which the other cover clamps."""
+    return ((sizes.outer, sizes.face, sizes.end - sizes.play if sizes.screws.outside else -sizes.end),)
+
+
+def _output_cover(sizes: Casing) -> tuple[Round, ...]:
     """Return the cover: one cylinder, or a slimmer one beyond the heads of its screws."""
-    half, slim = reducer.design.gear.stack_width / 2.0, sizes.output_cavity + 2.0 * sizes.wall
-    step = output_cover_step(reducer, sizes)
+    step = output_cover_step(sizes)
     if step:
-        return (sizes.outer, half, step), (slim, step, sizes.top)
-    return ((sizes.outer, half, sizes.top),)
+        return (sizes.outer, sizes.end, step), (sizes.output_cavity + 2.0 * sizes.wall, step, sizes.top)
+    return ((sizes.outer, sizes.end, sizes.top),)
 
 
 def _hub(reducer: Reducer, sizes: Casing) -> tuple[Round, ...]:

@@ -1,23 +1,10 @@
 """Mass, inertia and length that covers, bearings, screws and flanges add to a mechanism."""
 
-from collections.abc import Mapping
-
 from cycloid_mj.base import names
-from cycloid_mj.parts import Part, mass_properties
-from cycloid_mj.parts.cam_bearing import cam_bearing
-from cycloid_mj.parts.export.casing import (
-    FLANGE,
-    MOTOR_COVER,
-    OUTPUT_BEARING,
-    OUTPUT_COVER,
-    SHAFT_BEARING,
-    Casing,
-    casing,
-    casing_or_none,
-)
-from cycloid_mj.parts.export.casing_parts import casing_parts, casing_places
-from cycloid_mj.parts.export.printing import STEEL, PrintedPart, manufactured_parts, separate_parts
-from cycloid_mj.parts.export.round_part import RoundPart, tube, with_holes
+from cycloid_mj.parts import mass_properties
+from cycloid_mj.parts.export.assembly import assembly_parts, places
+from cycloid_mj.parts.export.casing import FLANGE, MOTOR_COVER, OUTPUT_COVER, casing, casing_or_none
+from cycloid_mj.parts.export.printing import PrintedPart, manufactured_parts
 from cycloid_mj.reducer import Reducer, once
 
 BEARING_FILL = 0.67
@@ -35,19 +22,21 @@ def has_casing(reducer: Reducer) -> bool:
     return casing_or_none(reducer)[0] is not None
 
 
-def casing_mass(reducer: Reducer) -> float:
-    """Compute the mass that the casing adds to the drawn parts [kg]: covers, hub, flange, screws, dowels, bearings.
-
-    Holes in ring and shaft are subtracted; the bearing of a cam replaces the outer part of the drawn cam.
+@once
+def drive_mass(reducer: Reducer) -> float:
+    """Compute the mass of a drive [kg]: that of all solids of its assembly, bearings filled by `BEARING_FILL`.
 
     Raises
     ------
     DesignError
         A part does not fit.
     """
-    sizes = casing(reducer)
-    added = sum(mass for mass, _ in _added(reducer).values())
-    return added + _bought(reducer, sizes) - _hollow_cams(reducer)
+    one = reducer.but(ring={"halves": 1, "preload": 0.0}) if reducer.design.ring.halves > 1 else reducer
+    sizes = casing(one)
+    laid = assembly_parts(one, sizes)
+    share = {name: BEARING_FILL if name.endswith("_bearing") else 1.0 for name in laid}
+    mass = {name: share[name] * mass_properties(part.solid(CHORD_ERROR)).mass for name, part in laid.items()}
+    return sum(mass[place.part] for place in places(one, 0.0, sizes))
 
 
 def casing_inertia(reducer: Reducer) -> float:
@@ -58,10 +47,11 @@ def casing_inertia(reducer: Reducer) -> float:
     DesignError
         A part does not fit.
     """
-    added = _added(reducer)
-    turning = TURNING[reducer.mechanism.turning]
-    slow = sum(inertia for name, (_, inertia) in added.items() if name in turning)
-    _, fast = added.get(names.SHAFT, (0.0, 0.0))
+    bare, cased = (manufactured_parts(reducer, CHORD_ERROR, sizes=sizes) for sizes in (None, casing(reducer)))
+    slow, fast = (
+        sum(_inertia(cased.get(name)) - _inertia(bare.get(name)) for name in turning)
+        for turning in (TURNING[reducer.mechanism.turning], (names.SHAFT,))
+    )
     return fast + slow / reducer.design.reduction**2
 
 
@@ -88,51 +78,9 @@ def drive_diameter(reducer: Reducer) -> float:
     return 2.0 * casing(reducer).outer
 
 
-@once
-def _added(reducer: Reducer) -> Mapping[str, tuple[float, float]]:
-    """Compute mass [kg] and inertia about the axis [kg m2] that the casing adds to each manufactured part."""
-    bare, cased = (manufactured_parts(reducer, CHORD_ERROR, sizes=sizes) for sizes in (None, casing(reducer)))
-    of_casing = [name for name, part in casing_parts(reducer, casing(reducer)).items() if not part.bought]
-    gains = {}
-    for name in of_casing:
-        if name in cased:
-            (mass, inertia), (before, slower) = _heaviness(cased[name]), _heaviness(bare.get(name))
-            gains[name] = mass - before, inertia - slower
-    return gains
-
-
-def _heaviness(part: PrintedPart | None) -> tuple[float, float]:
+def _inertia(part: PrintedPart | None) -> float:
+    """Compute the moment of inertia of a part about the axis [kg m2]; 0 without it."""
     if part is None:
-        return 0.0, 0.0
-    whole = mass_properties(part.solid)
-    return whole.mass, float(whole.inertia[2, 2] + whole.mass * (whole.centroid[:2] ** 2).sum())
-
-
-def _bought(reducer: Reducer, sizes: Casing) -> float:
-    """Compute the mass of screws, dowels and the bearings of shaft and output [kg]."""
-    drawn = {name: part for name, part in casing_parts(reducer, sizes).items() if part.bought}
-    each = {name: _steel(part) for name, part in drawn.items()}
-    for bearing in (SHAFT_BEARING, OUTPUT_BEARING):
-        each[bearing] *= BEARING_FILL
-    return sum(each.get(place.part, 0.0) for place in casing_places(reducer, sizes))
-
-
-def _hollow_cams(reducer: Reducer) -> float:
-    """Compute the mass that cams with bearings in stock save, compared with cams that fill the bores [kg]."""
-    bought = cam_bearing(reducer)
-    if not bought:
         return 0.0
-    bearing, count = bought
-    drawn, made = (separate_parts(reducer, cam) for cam in (0.0, 0.5 * bearing.bore))
-    crank = drawn.keys() & {names.SHAFT, *names.all_numbered(names.CAM, reducer.design.gear.discs)}
-    ring = _steel(tube(0.5 * bearing.bore, 0.5 * bearing.outside, bearing.width))
-    saved = sum(_mass(drawn[name]) - _mass(made[name]) for name in crank)
-    return saved - BEARING_FILL * count * reducer.design.gear.discs * ring
-
-
-def _steel(part: RoundPart) -> float:
-    return _mass(Part("bought", with_holes("bought", part), STEEL))
-
-
-def _mass(part: Part) -> float:
-    return mass_properties(part.solid(CHORD_ERROR)).mass
+    whole = mass_properties(part.solid)
+    return float(whole.inertia[2, 2] + whole.mass * (whole.centroid[:2] ** 2).sum())

@@ -14,6 +14,7 @@ from cycloid_mj.design import stock
 from cycloid_mj.parts import crank_stretches
 from cycloid_mj.parts.export.bearings import HUB_BEARING_FIT, PRESS_FIT, fit_of, shaft_bearing
 from cycloid_mj.parts.export.casing import (
+    COLLAR,
     DOWEL,
     ENGAGEMENT,
     FLANGE,
@@ -56,6 +57,9 @@ ITEMS = (
     *(SCREW_INSERT, FLANGE_INSERT, LOAD_INSERT, MOTOR_INSERT, DOWEL),
 )
 """Bought parts of joints, in the order of solids and places."""
+
+SEAT_PLAY = 0.05e-3
+"""Radial play of a ring in the cover around it, as dowels locate it [m]: less than a printer or a lathe is off."""
 
 MOTOR, LOAD = "motor", "load"
 """Mating parts that are not part of the drive."""
@@ -142,7 +146,7 @@ def drive_joints(reducer: Reducer, sizes: Casing) -> tuple[Joint, ...]:
         *_motor_shaft(reducer, sizes),
         _motor_pilot(sizes),
         _cover_shaft_bearings(reducer, sizes),
-        *_cavities(reducer, sizes),
+        *_cavities(sizes),
         _output_bearings(sizes),
         _cover_screws(reducer, sizes),
         _motor_screws(reducer, sizes),
@@ -194,10 +198,14 @@ def _hub_shaft_bearing(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
     """Yield the joint of a straddled shaft in the hub of the output."""
     if sizes.far:
         disc = reducer.design.gear.stack_width / 2.0 + AXIAL_GAP
-        seat = (AXIS, sizes.seat, disc, sizes.far[1])
+        recess = shoulder_radius(sizes.seat, reducer.design.shaft.radius)
+        holes: tuple[tuple[str, Hole], ...] = (
+            (names.OUTPUT, (AXIS, sizes.seat, disc, sizes.far[1])),
+            (names.OUTPUT, (AXIS, recess, sizes.far[1], sizes.far[1] + COLLAR)),
+        )
         bearing = _shaft_bearings(reducer, sizes, (1,))
         parts = (names.SHAFT, names.OUTPUT)
-        yield Joint("shaft in the hub", JointKind.BEARING, parts, ((names.OUTPUT, seat),), (bearing,))
+        yield Joint("shaft in the hub", JointKind.BEARING, parts, holes, (bearing,))
 
 
 def _shaft_bearings(reducer: Reducer, sizes: Casing, numbers: tuple[int, ...]) -> BoughtPart:
@@ -217,12 +225,11 @@ def _shaft_bearings(reducer: Reducer, sizes: Casing, numbers: tuple[int, ...]) -
     )
 
 
-def _cavities(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
+def _cavities(sizes: Casing) -> Iterator[Joint]:
     """Yield the cavities in which crank and output turn."""
-    half = reducer.design.gear.stack_width / 2.0
-    crank = (AXIS, sizes.cavity, sizes.floor, -half)
+    crank = (AXIS, sizes.cavity, sizes.floor, -sizes.end)
     yield Joint("crank in its cavity", JointKind.CLEARANCE, (names.SHAFT, MOTOR_COVER), ((MOTOR_COVER, crank),))
-    output = (AXIS, sizes.output_cavity, half, sizes.bearings[0][0])
+    output = (AXIS, sizes.output_cavity, sizes.end, sizes.bearings[0][0])
     yield Joint("output in its cavity", JointKind.CLEARANCE, (names.OUTPUT, OUTPUT_COVER), ((OUTPUT_COVER, output),))
 
 
@@ -252,11 +259,11 @@ def _output_bearings(sizes: Casing) -> Joint:
 
 def _cover_screws(reducer: Reducer, sizes: Casing) -> Joint:
     """Return the joint of both covers: through the ring, or next to it."""
-    screws, bolt, half = sizes.screws, sizes.screws.bolt, reducer.design.gear.stack_width / 2.0
-    centres, end = screws.centres(), half if screws.outside else -half
-    engagement = screws.length - sizes.grip - (0.0 if screws.outside else 2.0 * half)
+    screws, bolt, half = sizes.screws, sizes.screws.bolt, sizes.end
+    centres, end = screws.centres(), half - sizes.play if screws.outside else -half
+    engagement = screws.length - sizes.grip - half + end
     thread_depth = hole_depth(reducer, bolt.thread, engagement)
-    step = output_cover_step(reducer, sizes)
+    step = output_cover_step(sizes)
     holes: list[tuple[str, Hole]] = [
         (MOTOR_COVER, (centres, core_radius(reducer, bolt.thread), end - thread_depth, end)),
         (OUTPUT_COVER, (centres, screws.hole, half, half + sizes.grip)),
@@ -293,8 +300,7 @@ def _motor_screws(reducer: Reducer, sizes: Casing) -> Joint:
 def _ring_seat(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
     """Yield the seat of a ring that the screws pass outside of."""
     if sizes.screws.outside:
-        half = reducer.design.gear.stack_width / 2.0
-        seat = (AXIS, reducer.design.housing.outer_radius, -half, half)
+        seat = (AXIS, reducer.design.housing.outer_radius + SEAT_PLAY, -sizes.end, sizes.end - sizes.play)
         parts = (names.HOUSING, MOTOR_COVER)
         yield Joint("ring in the motor cover", JointKind.LOCATED, parts, ((MOTOR_COVER, seat),))
 
@@ -324,20 +330,13 @@ def _load_threads(reducer: Reducer, sizes: Casing) -> Joint:
 
 
 def _dowels(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
-    """Yield the dowels of each face at which covers and ring, or both covers, meet."""
+    """Yield the dowels of each face at which a cover and the ring meet."""
     dowel = sizes.dowel
     if dowel is None:
         return
-    half, centres = reducer.design.gear.stack_width / 2.0, dowel_centres(sizes)
+    half, centres = sizes.end, dowel_centres(sizes)
     radius, depth = 0.5 * dowel.diameter, 0.5 * dowel.length
-    faces = (
-        ((half, MOTOR_COVER, OUTPUT_COVER),)
-        if sizes.screws.outside
-        else (
-            (-half, MOTOR_COVER, names.HOUSING),
-            (half, names.HOUSING, OUTPUT_COVER),
-        )
-    )
+    faces = (-half, MOTOR_COVER, names.HOUSING), (half, names.HOUSING, OUTPUT_COVER)
     for index, (face, below, above) in enumerate(faces):
         bought = BoughtPart(
             DOWEL,

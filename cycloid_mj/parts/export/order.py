@@ -22,6 +22,7 @@ from cycloid_mj.parts.export.casing import (
     is_plastic,
     motor_screw,
 )
+from cycloid_mj.parts.export.crank_rings import CRANK_RING
 from cycloid_mj.parts.export.printing import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT, in_one_piece
 from cycloid_mj.reducer import Reducer
 
@@ -32,8 +33,9 @@ ALONG = (
     SCREW_INSERT,
     SHAFT_BEARING,
     names.SHAFT,
-    names.SPACER,
+    CRANK_RING,
     names.CAM,
+    names.SPACER,
     CAM_BEARING,
     names.GEAR,
     names.PIN,

@@ -8,17 +8,16 @@ from cycloid_mj.base import names
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.parts import Part, Solid, Stretch, lay_out_parts, output_centres, parts, sleeve_core_radius
 from cycloid_mj.parts.contour import CircleContour, Contour, TurnedContour
+from cycloid_mj.parts.export.bearings import MIN_CAM_STEP
 from cycloid_mj.parts.export.casing import FLANGE, MOTOR_COVER, OUTPUT_COVER, Casing
-from cycloid_mj.parts.export.casing_parts import casing_parts
+from cycloid_mj.parts.export.casing_parts import casing_parts, fitted_stretches
+from cycloid_mj.parts.export.crank_rings import CRANK_RING
 from cycloid_mj.parts.export.round_part import RoundPart, with_holes
 from cycloid_mj.parts.output import roller_part
 from cycloid_mj.reducer import Reducer
 
 SECOND_OUTPUT = "output_2"
 """The output disc on the motor side, if both ends of the output pins are supported."""
-
-MIN_CAM_STEP = 1e-5
-"""Minimum step of the cam of a single disc from the shaft [m], as outlines must not touch."""
 
 STEEL = 7850.0
 """Density of bought parts [kg/m3]."""
@@ -76,7 +75,7 @@ def material_part(reducer: Reducer, part: str) -> str:
     Discs and flange of the output have the material of the housing, whatever the material of its pins.
     """
     family = names.family(part)
-    if family in (names.CAM, names.SPACER):
+    if family in (names.CAM, names.SPACER, CRANK_RING):
         return names.SHAFT
     if family == PRESSED_PIN:
         return names.PIN
@@ -184,9 +183,12 @@ def separate_parts(
             if name in laid:
                 laid[name] = laid[name].of(_with_cam(reducer, stretch, cam) for stretch in laid[name].stretches)
     for name, part in (casing_parts(reducer, sizes) if sizes else {}).items():
-        base = laid[name].stretches if name in laid else ()
+        base = fitted_stretches(reducer, sizes, name, laid[name].stretches) if sizes and name in laid else ()
         density = STEEL if part.bought else reducer.design.material_of(material_part(reducer, name)).density
         laid[name] = Part(name, with_holes(name, part, base), density)
+    if SECOND_OUTPUT in laid:
+        density = reducer.design.material_of(material_part(reducer, SECOND_OUTPUT)).density
+        laid[SECOND_OUTPUT] = replace(laid[SECOND_OUTPUT], density=density)
     return laid
 
 

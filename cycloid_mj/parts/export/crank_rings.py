@@ -1,0 +1,60 @@
+"""Rings on the crank of an assembled drive: they keep its bearings off cams and counterweight, and locate it axially.
+
+A ring touches the inner ring of a bearing only, or stands back from a drawn cup, whose whole face is at rest.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from cycloid_mj.base import names
+from cycloid_mj.design import stock
+from cycloid_mj.parts import crank_stretches
+from cycloid_mj.parts.export.bearings import cam_seat, shaft_bearing
+from cycloid_mj.parts.export.casing import COLLAR, MIN_WALL, Casing, shoulder_radius
+from cycloid_mj.parts.shaft import COUNTERWEIGHT
+from cycloid_mj.reducer import Reducer
+
+CRANK_RING = "crank_ring"
+"""Family of the rings: 1 on the side of the motor, 2 beyond the discs."""
+
+
+@dataclass(frozen=True)
+class CrankRing:
+    """A ring on the crank: its name, outer radius and ends along z [m]."""
+
+    name: str
+    radius: float
+    low: float
+    high: float
+
+
+def crank_rings(reducer: Reducer, sizes: Casing) -> tuple[CrankRing, ...]:
+    """Return the rings of a crank: before counterweight or first cam, and beyond the last cam of a straddled shaft."""
+    return tuple(_rings(reducer, sizes))
+
+
+def counterweight_shift(reducer: Reducer) -> float:
+    """Compute how far the counterweight stands closer to the disc than in the mechanism, for its ring [m]."""
+    offset = reducer.design.shaft.bearing_offset
+    return max(COLLAR - offset, 0.0) if reducer.design.gear.discs == 1 else 0.0
+
+
+def hub_radius(reducer: Reducer, sizes: Casing) -> float:
+    """Compute the radius within which a ring touches the cams but not their bearings [m]."""
+    return cam_seat(reducer) - reducer.design.gear.eccentricity - sizes.play
+
+
+def _rings(reducer: Reducer, sizes: Casing) -> Iterator[CrankRing]:
+    shaft, along = reducer.design.shaft, crank_stretches(reducer)
+    radius = shoulder_radius(shaft.radius, sizes.seat)
+    if COUNTERWEIGHT not in along:
+        radius = min(radius, hub_radius(reducer, sizes))
+    if radius < shaft.radius + MIN_WALL:
+        return
+    cams = [stretch for name, stretch in along.items() if names.family(name) == names.CAM]
+    before = along[COUNTERWEIGHT].z0 + counterweight_shift(reducer) if COUNTERWEIGHT in along else cams[0].z0
+    back = sizes.play if shaft_bearing(reducer) in stock.needle_bearings() else 0.0
+    yield CrankRing(names.numbered(CRANK_RING, 1), radius, sizes.near[1] + back, before)
+    if sizes.far:
+        beyond = min(radius, hub_radius(reducer, sizes))
+        yield CrankRing(names.numbered(CRANK_RING, 2), beyond, cams[-1].z1, sizes.far[0] - back)

@@ -1,0 +1,172 @@
+"""Distances of parts that move against each other, in the half-section through the axis of an assembled drive.
+
+A part that turns about the axis sweeps annuli, which its radii and its ends along z bound; a disc, on its eccentric,
+sweeps wider ones. Where the annuli of two bodies are apart, the parts neither touch nor rub at any crank angle. Pairs
+that overlap along z by design, as disc and pins, have a clearance of their own (`clearance.measure`); of them only the
+faces are compared.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from cycloid_mj.base import names
+from cycloid_mj.base.array import Array
+from cycloid_mj.design import stock
+from cycloid_mj.parts import Stretch
+from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
+from cycloid_mj.parts.contour import Contour, circle_of
+from cycloid_mj.parts.export.assembly import Place, assembly_parts, places
+from cycloid_mj.parts.export.bearings import shaft_bearing
+from cycloid_mj.parts.export.casing import CAM_BEARING, OUTPUT_BEARING, SHAFT_BEARING, Casing, shoulder_radius
+from cycloid_mj.parts.export.joints import MOTOR
+from cycloid_mj.parts.export.printing import OUTPUT_PIN, PRESSED_PIN
+from cycloid_mj.parts.export.round_part import SAME_FACE
+from cycloid_mj.reducer import Reducer
+
+PILOT_HEIGHT = 2.0e-3
+"""Height of the pilot of a NEMA motor [m] (NEMA ICS 16)."""
+
+ROLLING_ELEMENTS = "rolling elements"
+"""Body of the space between the rings of a bearing, which no other part may touch."""
+
+_MATES = (
+    {names.GEAR, names.SHAFT, names.CAM, CAM_BEARING},
+    {names.GEAR, names.PIN, names.HOUSING, PRESSED_PIN},
+    {names.GEAR, names.ROLLER, OUTPUT_PIN, names.OUTPUT},
+    {ROLLING_ELEMENTS, SHAFT_BEARING, OUTPUT_BEARING},
+    {names.SHAFT, SHAFT_BEARING},
+)
+"""Families that overlap along z with a clearance of their own, or none."""
+
+
+@dataclass(frozen=True)
+class Annulus:
+    """What a stretch of a part sweeps: radii and ends along z [m], with its part and the body that it moves with."""
+
+    part: str
+    body: str
+    inner: float
+    outer: float
+    low: float
+    high: float
+
+    def distances(self, other: "Annulus") -> tuple[float, float]:
+        """Return the distances along z and along the radius [m]; negative where they overlap."""
+        axial = max(other.low - self.high, self.low - other.high)
+        return axial, max(other.inner - self.outer, self.inner - other.outer)
+
+
+@dataclass(frozen=True)
+class RunningGap:
+    """The smallest distance [m] of two parts that move against each other, and whether it is along the axis."""
+
+    part: str
+    other: str
+    distance: float
+    axial: bool
+
+
+def running_gaps(reducer: Reducer, sizes: Casing) -> tuple[RunningGap, ...]:
+    """Measure the smallest distance of each two parts of different bodies; not positive: they touch.
+
+    Raises
+    ------
+    DesignError
+        A part cannot be manufactured, or does not fit.
+    """
+    smallest: dict[tuple[str, str], RunningGap] = {}
+    for one, other in combinations(swept_annuli(reducer, sizes), 2):
+        axial, radial = one.distances(other)
+        if one.body == other.body or one.part == other.part or _is_mate(one, other, axial, radial):
+            continue
+        apart = math.hypot(max(axial, 0.0), max(radial, 0.0)) or max(axial, radial)
+        gap = RunningGap(one.part, other.part, apart, axial > radial)
+        key = min((one.part, other.part), (other.part, one.part))
+        if key not in smallest or gap.distance < smallest[key].distance:
+            smallest[key] = gap
+    return tuple(smallest.values())
+
+
+def _is_mate(one: Annulus, other: Annulus, axial: float, radial: float) -> bool:
+    """Return whether parts overlap along z by design, or a shoulder ends where the rolling elements begin."""
+    families = {names.family(one.part), names.family(other.part)}
+    if ROLLING_ELEMENTS in families and radial > -SAME_FACE:
+        return True
+    if {one.body, other.body} == {names.PIN, names.HOUSING} and axial < -SAME_FACE:
+        return True  # pins stay in their sockets
+    return axial < -SAME_FACE and any(families <= mates for mates in _MATES)
+
+
+def swept_annuli(reducer: Reducer, sizes: Casing) -> tuple[Annulus, ...]:
+    """Return the annuli that all parts of a drive and its motor sweep, each once."""
+    return tuple(dict.fromkeys((*_of_parts(reducer, sizes), *_of_motor(sizes))))
+
+
+def _of_parts(reducer: Reducer, sizes: Casing) -> Iterator[Annulus]:
+    laid = assembly_parts(reducer, sizes)
+    for place in places(reducer, 0.0, sizes):
+        for stretch in laid[place.part].stretches:
+            annulus = _swept(place, stretch)
+            if names.family(place.part) in (SHAFT_BEARING, OUTPUT_BEARING):
+                yield from _rings(reducer, sizes, annulus)
+            else:
+                yield annulus
+
+
+def _swept(place: Place, stretch: Stretch) -> Annulus:
+    """Return what a stretch sweeps as its body turns about the axis; a disc orbits on its eccentric as well."""
+    x, y, z = place.origin
+    orbit = math.hypot(x, y) if names.family(place.body) == names.GEAR else 0.0
+    centre = np.zeros(2) if orbit else np.array([x, y])
+    inner, outer = _radii(stretch.outline, centre)
+    inner = max((_radii(hole, centre)[0] for hole in stretch.holes if _surrounds_axis(hole, centre)), default=inner)
+    solid = _surrounds_axis(stretch.outline, centre) and inner == _radii(stretch.outline, centre)[0]
+    radii = 0.0 if solid else max(inner - orbit, 0.0), outer + orbit
+    ends = stretch.z0 + z, stretch.z1 + z
+    return Annulus(place.part, place.body, *(round(value, 10) for value in (*radii, *ends)))
+
+
+def _radii(contour: Contour, centre: Array) -> tuple[float, float]:
+    """Return the smallest and the largest distance of a contour about a centre (2,) from the axis [m]."""
+    if circle := circle_of(contour):
+        away = math.dist(circle.centre, (-centre).tolist())
+        return abs(away - circle.radius), away + circle.radius
+    radii = np.linalg.norm(contour.polygon(VISUAL_CHORD_ERROR) + centre, axis=1)
+    return float(radii.min()), float(radii.max())
+
+
+def _surrounds_axis(contour: Contour, centre: Array) -> bool:
+    """Return whether a contour about a centre (2,) [m] winds around the axis."""
+    if circle := circle_of(contour):
+        return math.dist(circle.centre, (-centre).tolist()) < circle.radius
+    x, y = (contour.polygon(VISUAL_CHORD_ERROR) + centre).T
+    steps = np.diff(np.unwrap(np.arctan2([*y, y[0]], [*x, x[0]])))
+    return bool(abs(steps.sum()) > math.pi)
+
+
+def _rings(reducer: Reducer, sizes: Casing, bearing: Annulus) -> Iterator[Annulus]:
+    """Yield the outer ring, rolling elements and inner ring of a bearing; a drawn cup has no inner ring."""
+    on_shaft = bearing.part == SHAFT_BEARING
+    ends = bearing.low, bearing.high
+    in_hub = on_shaft and sizes.far is not None and bearing.low > 0.0
+    outer_body = names.OUTPUT if in_hub else names.HOUSING
+    if on_shaft and shaft_bearing(reducer) in stock.needle_bearings():
+        yield Annulus(bearing.part, outer_body, bearing.inner, bearing.outer, *ends)
+        return
+    inner, outer = shoulder_radius(bearing.inner, bearing.outer), shoulder_radius(bearing.outer, bearing.inner)
+    yield Annulus(bearing.part, names.SHAFT if on_shaft else names.OUTPUT, bearing.inner, inner, *ends)
+    yield Annulus(ROLLING_ELEMENTS, ROLLING_ELEMENTS, inner, outer, *ends)
+    yield Annulus(bearing.part, outer_body, outer, bearing.outer, *ends)
+
+
+def _of_motor(sizes: Casing) -> Iterator[Annulus]:
+    """Yield the annuli of the motor: body, pilot and shaft."""
+    motor, face = sizes.motor, sizes.face
+    yield Annulus(MOTOR, names.HOUSING, 0.0, motor.circle, face - motor.circle, face)
+    yield Annulus(MOTOR, names.HOUSING, motor.shaft, motor.pilot, face, face + PILOT_HEIGHT)
+    if motor.shaft:
+        yield Annulus(MOTOR, names.SHAFT, 0.0, motor.shaft, face, face + motor.shaft_length)

@@ -1,0 +1,118 @@
+"""Parts of a drive that move against each other neither touch nor rub, at any crank angle."""
+
+from dataclasses import replace
+
+import pytest
+from designs import FOLDER, design_file
+
+from cycloid_mj.design import PRESETS, load
+from cycloid_mj.parts.export import casing, places
+from cycloid_mj.parts.export.assembly import assembly_parts
+from cycloid_mj.parts.export.bearings import shaft_bearing
+from cycloid_mj.parts.export.crank_rings import CRANK_RING
+from cycloid_mj.parts.export.joints import JointKind, drive_joints
+from cycloid_mj.parts.export.running import running_gaps, swept_annuli
+from cycloid_mj.reducer import Reducer
+
+NAMES = (*PRESETS, *sorted(path.stem for path in FOLDER.glob("*-*.toml")))
+
+
+def reducer_of(name: str) -> Reducer:
+    return Reducer(PRESETS[name] if name in PRESETS else load(design_file(name)))
+
+
+def smallest(reducer, sizes, *parts):
+    return min(gap.distance for gap in running_gaps(reducer, sizes) if {gap.part, gap.other} == set(parts))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_parts_that_move_against_each_other_are_apart_by_the_play(name):
+    reducer = reducer_of(name)
+    sizes = casing(reducer)
+    assert sizes.play >= 1e-4
+    assert {
+        (gap.part, gap.other): gap for gap in running_gaps(reducer, sizes) if gap.distance < sizes.play - 1e-9
+    } == {}
+
+
+@pytest.mark.parametrize("name", ["pin", "printed"])
+def test_the_ring_is_wider_than_the_disc_by_its_axial_play(name):
+    reducer = reducer_of(name)
+    sizes = casing(reducer)
+    ring = assembly_parts(reducer, sizes)["housing"].stretches
+    width = max(one.z1 for one in ring) - min(one.z0 for one in ring)
+    assert width - reducer.design.gear.face_width == pytest.approx(2.0 * sizes.play)
+    for cover in ("motor_cover", "output_cover"):
+        assert smallest(reducer, sizes, "gear", cover) == pytest.approx(sizes.play)
+
+
+def test_a_ring_as_wide_as_the_disc_jams():
+    reducer = reducer_of("pin")
+    sizes = casing(reducer)
+    tight = replace(sizes, play=0.0, end=0.5 * reducer.design.gear.face_width)
+    for cover in ("motor_cover", "output_cover"):
+        assert smallest(reducer, tight, "gear", cover) == 0.0
+        assert smallest(reducer, sizes, "pin", cover) >= 1e-4 - 1e-9
+
+
+def test_dowels_key_a_ring_inside_of_its_cover():
+    """Its rim is lower than the ring, so that the other cover clamps the ring, and its seat has play."""
+    reducer = reducer_of("printed")
+    sizes = casing(reducer)
+    assert sizes.screws.outside
+    dowelled = {part for one in drive_joints(reducer, sizes) if one.kind is JointKind.DOWELLED for part in one.parts}
+    assert dowelled == {"motor_cover", "housing", "output_cover"}
+    cover = assembly_parts(reducer, sizes)["motor_cover"].stretches
+    assert max(one.z1 for one in cover) <= sizes.end - 1e-4
+    seats = [hole.radius for one in cover for hole in one.holes if hole.centre == (0.0, 0.0)]
+    assert max(seats) == pytest.approx(reducer.design.housing.outer_radius + 0.05e-3)
+
+
+@pytest.mark.parametrize("name", ["pin", "printed"])
+def test_the_counterweight_stays_off_the_ring_of_its_bearing_that_is_at_rest(name):
+    reducer = reducer_of(name)
+    sizes = casing(reducer)
+    weight = next(one for one in assembly_parts(reducer, sizes)["shaft"].stretches if one.name == "counterweight")
+    assert weight.z0 - sizes.near[1] >= 0.5e-3 - 1e-12
+    ring = next(one for one in swept_annuli(reducer, sizes) if one.part == f"{CRANK_RING}_1")
+    assert (ring.low, ring.high) == pytest.approx((sizes.near[1], weight.z0))
+    assert ring.outer < 0.5 * (reducer.design.shaft.radius + sizes.seat)
+
+
+@pytest.mark.parametrize("name", ["printed", "twodisc"])
+def test_the_end_of_a_straddled_shaft_has_a_recess(name):
+    reducer = reducer_of(name)
+    sizes = casing(reducer)
+    for part in ("shaft", "rolling elements"):
+        assert smallest(reducer, sizes, part, "output") >= sizes.play - 1e-9
+    assert smallest(reducer, sizes, "shaft", "motor_cover") >= sizes.play - 1e-9
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_bearing_of_the_shaft_can_enter_its_seat(name):
+    """From the seat to one of its ends the cover is open as wide as the bearing is."""
+    reducer = reducer_of(name)
+    sizes = casing(reducer)
+    cover = [one for one in swept_annuli(reducer, sizes) if one.part == "motor_cover"]
+    assert min(one.inner for one in cover if one.low >= sizes.near[0]) >= sizes.seat - 1e-9
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_rolling_cam_has_its_bearing_in_the_assembly(name):
+    reducer = reducer_of(name)
+    laid, sizes = assembly_parts(reducer, casing(reducer)), casing(reducer)
+    bearings = [place for place in places(reducer, 0.0, sizes) if place.part == "cam_bearing"]
+    assert len(bearings) == reducer.design.gear.discs
+    bore = laid["cam_bearing"].stretches[0].holes[0].radius
+    assert reducer.design.shaft.radius + reducer.design.gear.eccentricity <= bore < reducer.design.gear.bore_radius
+
+
+def test_a_drawn_cup_does_not_rub_on_the_rings_of_the_crank():
+    reducer = Reducer(
+        PRESETS["printed"].but(shaft={"bearing_width": 12e-3, "radius": 7.5e-3}, gear={"bore_radius": 12e-3})
+    )
+    assert shaft_bearing(reducer).designation == "HK1512"
+    sizes = casing(reducer)
+    assert all(gap.distance >= sizes.play - 1e-9 for gap in running_gaps(reducer, sizes))
+    ring = next(one for one in swept_annuli(reducer, sizes) if one.part == f"{CRANK_RING}_1")
+    assert ring.low == pytest.approx(sizes.near[1] + sizes.play)
