@@ -47,8 +47,6 @@ BLOCKS = 6
 PRINTED = rb"^<!-- printed by .*?^```$"
 """What a command printed, on a page."""
 
-MOST_REASONS = 3
-"""Figures of one probe that are told, of those that moved."""
 
 Value = float | str
 Values = Mapping[str, Value]
@@ -365,9 +363,7 @@ def moved(artefact: Artefact, before: Mapping[str, Values]) -> list[str]:
     for name in artefact.probes:
         was, now = before.get(name, {}), probed(name)
         keys = [key for key in sorted(set(was) | set(now)) if not _alike(was.get(key), now.get(key))]
-        changes += [
-            f"{name}, {key}: {_shortened(was.get(key))}, now {_shortened(now.get(key))}" for key in keys[:MOST_REASONS]
-        ]
+        changes += [f"{name}, {key}: {_shortened(was.get(key))}, now {_shortened(now.get(key))}" for key in keys[:3]]
     return changes
 
 

@@ -14,6 +14,7 @@ import itertools
 import sys
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from unittest.mock import patch
 
 import numpy as np
@@ -49,19 +50,29 @@ LAYOUTS = {
 MOVING_PINS = {"free pins", "sleeved pins"}
 """Layouts whose ring pins are bodies of their own."""
 
-LOAD_SHARES, TOOTH_FRICTIONS, CRANK_SPEEDS_RPM = (0.03, 0.3, 1.0), (0.05, 0.3), (1640.0, 12000.0)
 
-EVALUATED_TURNS, MIN_EVALUATED_TIME = 2.0, 0.02
-"""Crank turns of a run that are evaluated, and the minimum time [s]."""
+@dataclass(frozen=True)
+class SolverComparison:
+    """Conditions of the comparison of both solvers."""
 
-PLANAR_STEP, FINE_STEP = 2e-6, 1e-6
-"""Time steps [s] of the planar solver, and of both solvers in the repeated comparison."""
+    loads: tuple[float, ...] = (0.03, 0.3, 1.0)
+    frictions: tuple[float, float] = (0.05, 0.3)
+    speeds: tuple[float, float] = (1640.0, 12000.0)
+    """Shares of the rated torque, tooth frictions, and crank speeds [rpm]."""
+    turns: float = 2.0
+    min_time: float = 0.02
+    """Crank turns of a run that are evaluated, and the minimum time [s]."""
+    planar_step: float = 2e-6
+    fine_step: float = 1e-6
+    """Time steps [s] of the planar solver, and of both solvers in the repeated comparison."""
+    fine_impratio: float = 100.0
+    """Value of MuJoCo's ``impratio`` at which its cone hardly lifts sliding contacts."""
+    low_load: float = 10.0
+    """Below this share of the rated torque the page reports the differences in rows of their own [%]."""
 
-FINE_IMPRATIO = 100.0
-"""Value of MuJoCo's ``impratio`` at which its cone hardly lifts sliding contacts."""
 
-LOW_LOAD_PERCENT = 10.0
-"""Below this share of the rated torque the page reports the differences in rows of their own [%]."""
+SOLVERS = SolverComparison()
+
 
 FIGURES = ("mean_error", "peak_to_peak", "cam", "efficiency", "rms_speed", "teeth", "output_pins")
 BOUNDS = np.array([0.1, 1.0, 0.1, 0.1, 5.0, 0.1, 0.1])
@@ -80,7 +91,7 @@ def design_of(layout: str, load_share: float, friction: float, speed: float) -> 
     design = override(
         PRESETS[preset], [*witness.CONDITIONS, *without_gravity(), f"drive.speed_rpm={speed!r}", *changes]
     )
-    hold = SETTLED + max(60.0 * EVALUATED_TURNS / speed, MIN_EVALUATED_TIME)
+    hold = SETTLED + max(60.0 * SOLVERS.turns / speed, SOLVERS.min_time)
     load = f"load.torque_nm={load_share * design.rated_torque!r}"
     return override(design, [load, f"friction.{design.tooth_pair}={friction!r}", f"drive.hold_s={hold!r}"])
 
@@ -101,9 +112,9 @@ def difference(planar: Array, mujoco: Array) -> Array:
 
 
 def fine_difference(design: Design) -> Array:
-    """Return the differences at `FINE_STEP`, with MuJoCo at `FINE_IMPRATIO`."""
-    reducer = Reducer(override(design, [f"settings.timestep_us={1e6 * FINE_STEP!r}"]))
-    with patch("cycloid_mj.dynamics.mjcf.model.impratio", lambda *_: FINE_IMPRATIO):
+    """Return the differences at `SOLVERS.fine_step`, with MuJoCo at `SOLVERS.fine_impratio`."""
+    reducer = Reducer(override(design, [f"settings.timestep_us={1e6 * SOLVERS.fine_step!r}"]))
+    with patch("cycloid_mj.dynamics.mjcf.model.impratio", lambda *_: SOLVERS.fine_impratio):
         model = build(reducer.design)
     return difference(run_figures(reducer, planar_model(reducer)), run_figures(reducer, model))
 
@@ -111,10 +122,10 @@ def fine_difference(design: Design) -> Array:
 def compare_layout(layout: str) -> list[dict[str, str]]:
     """Run a layout under all conditions and return the rows of the table."""
     rows = []
-    for share, friction, speed in itertools.product(LOAD_SHARES, TOOTH_FRICTIONS, CRANK_SPEEDS_RPM):
+    for share, friction, speed in itertools.product(SOLVERS.loads, SOLVERS.frictions, SOLVERS.speeds):
         design = design_of(layout, share, friction, speed)
         reducer, stopped = Reducer(design), []
-        models: dict[str, Model] = {"planar": planar_model(reducer, step=PLANAR_STEP), "MuJoCo": build(design)}
+        models: dict[str, Model] = {"planar": planar_model(reducer, step=SOLVERS.planar_step), "MuJoCo": build(design)}
         figures = {}
         for solver, model in models.items():
             try:
@@ -142,12 +153,12 @@ def summary(rows: Iterable[Row]) -> str:
     rows = [row for row in rows if not row["stopped"]]
     head = ("Ring", "Load", "Speed [rpm]", "Mean TE", "Peak-to-peak TE", "Cam force", "Efficiency", "Rms speed")
     lines = []
-    for moving, low_load, speed in itertools.product((False, True), (False, True), CRANK_SPEEDS_RPM):
+    for moving, low_load, speed in itertools.product((False, True), (False, True), SOLVERS.speeds):
         chosen = [
             row
             for row in rows
             if (row["layout"] in MOVING_PINS) == moving
-            and (float(row["load_percent"]) < LOW_LOAD_PERCENT) == low_load
+            and (float(row["load_percent"]) < SOLVERS.low_load) == low_load
             and float(row["speed_rpm"]) == speed
             and row["settings"] == "chosen"
         ]

@@ -22,9 +22,6 @@ SCRIPT = "scripts/docs_validation.py"
 COLUMNS = ("rung", "quantity", "source", "ours", "reference", "unit", "error", "bound", "error_unit", "note")
 """Columns of the table for download: the keys of a row in the command's JSON."""
 
-ERROR_DIGITS = 2
-"""Significant digits of an error on the page."""
-
 
 @dataclass(frozen=True)
 class Group:
@@ -129,8 +126,8 @@ def table(rows: Sequence[Mapping[str, str]]) -> str:
                 summary.group.result,
                 summary.group.reference,
                 str(summary.number),
-                f"{summary.error:.{ERROR_DIGITS}g} {summary.group.unit}",
-                f"{summary.bound:.{ERROR_DIGITS}g} {summary.group.unit}",
+                f"{summary.error:.2g} {summary.group.unit}",
+                f"{summary.bound:.2g} {summary.group.unit}",
             )
             for summary in summaries(rows)
         ],

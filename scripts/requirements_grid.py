@@ -18,6 +18,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import redirect_stderr, redirect_stdout, suppress
+from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -38,10 +39,27 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.process import PROCESSES, Process
 from cycloid_mj.sizing.requirement import Requirement
 
-RATIOS, DIAMETERS, TORQUES = (5.0, 120.0), (0.03, 0.3), (0.2, 500.0)
+
+@dataclass(frozen=True)
+class GridSettings:
+    """Ranges of the requirements, and what is judged."""
+
+    ratios: tuple[float, float] = (5.0, 120.0)
+    diameters: tuple[float, float] = (0.03, 0.3)
+    torques: tuple[float, float] = (0.2, 500.0)
+    """Ratios, diameters [m] and torques [N m] between which requirements are drawn."""
+    max_cpu: float = 10.0
+    """CPU time of an answer [s] that a user is asked to wait at most."""
+    rtol: float = 0.06
+    """Relative: how near the shortlist is to be to the data sheet, which looks at thrice as many crank angles."""
+    range_interval: int = 8
+    range: int = 6
+    """Every so many requirements a range of ratios is asked for, so wide."""
+
+
+GRID = GridSettings()
+
 KINDS: tuple[Process, ...] = ("steel", "printed", "steel", "milled")
-SLOWEST = 10.0
-"""CPU time of an answer [s] that a user is asked to wait at most."""
 
 FLAGS = {
     "diameter": "--diameter-mm",
@@ -61,11 +79,6 @@ FLAGS = {
 ALWAYS = ("diameter", "torque", "process")
 NUMBERS = ("--diameter-mm", "--torque-nm", "--life-h", "--speed-rpm", "--length-mm", "--backlash-arcmin")
 
-TOLD = 0.06
-"""Relative: how near the shortlist is to be to the data sheet, which looks at thrice as many crank angles."""
-
-EVERY, RANGE = 8, 6
-"""Every so many requirements a range of ratios is asked for, so wide."""
 
 WISHES: tuple[Callable[[Requirement, float], dict[str, Any]], ...] = (
     lambda asked, share: {"discs": 2},
@@ -94,9 +107,9 @@ def drawn(count: int, seed: int) -> list[Requirement]:
     for number, (ratio, size, more, *wishes) in enumerate(points[:count]):
         torque = min(max(0.7 * size + 0.6 * (more - 0.35), 0.0), 1.0)
         asked = Requirement(
-            ratio=round(_even(*RATIOS, ratio)),
-            diameter=_even(*DIAMETERS, size),
-            torque=_even(*TORQUES, torque),
+            ratio=round(_even(*GRID.ratios, ratio)),
+            diameter=_even(*GRID.diameters, size),
+            torque=_even(*GRID.torques, torque),
             process=KINDS[number % len(KINDS)],
         )
         for wish, share in (wishes[:2], wishes[2:]):
@@ -163,7 +176,7 @@ def faults(told: dict[str, Any], asked: dict[str, str]) -> Iterator[str]:
     rated = min(lasting, once)
     if rated < wanted["--torque-nm"]:
         yield f"its rated torque is {rated:.4g} N m"
-    if abs(figures["rated_torque_nm"] / rated - 1.0) > TOLD:
+    if abs(figures["rated_torque_nm"] / rated - 1.0) > GRID.rtol:
         yield f"the shortlist tells {figures['rated_torque_nm']:.4g} N m, the data sheet {rated:.4g}"
     kept = {
         "--diameter-mm": 2e3 * design.housing.outer_radius,
@@ -223,14 +236,14 @@ def main() -> int:
     answer_to(flags(Requirement(20, 0.06, 5.0)))  # compiles what is not yet
     times, bad = [], 0
     for number, one in enumerate(drawn(given.count, given.seed), start=1):
-        asked = flags(one, RANGE if number % EVERY == 0 else 0)
+        asked = flags(one, GRID.range if number % GRID.range_interval == 0 else 0)
         told, spent, wrong = judged(asked, number, given.thorough)
         times.append(spent)
         bad += bool(wrong)
         words = " ".join(f"{flag} {value}" for flag, value in asked.items())
         print(f"{number:3d}  {spent:5.1f} s  {words}\n       {told}", *wrong, sep="\n       ! ", flush=True)
-    slow = sum(spent > SLOWEST for spent in times)
-    print(f"{len(times)} asked for: {bad} wrong; {slow} took over {SLOWEST:g} s of CPU, the slowest {max(times):.1f} s")
+    slow = sum(spent > GRID.max_cpu for spent in times)
+    print(f"{len(times)} drawn: {bad} wrong; {slow} took over {GRID.max_cpu:g} s of CPU, at most {max(times):.1f} s")
     return int(bool(bad))
 
 

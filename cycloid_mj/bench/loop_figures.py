@@ -15,26 +15,30 @@ from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.statistics import student_half_width
 from cycloid_mj.base.units import DEGREE
 from cycloid_mj.bench.loop import MeasuredLoop
-from cycloid_mj.bench.uncertainty import CONFIDENCE, autocorrelation_time
+from cycloid_mj.bench.uncertainty import INTERVAL, autocorrelation_time
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE
 
-LOADED_RANGE = (0.5, 0.98)
-"""Straight part of a loading branch, as shares of the torque at its end; beyond it parts creep."""
 
-LOADED_COULOMB = 1.2
-"""Torque from which a branch is loaded, over the Coulomb torque; below, it crosses the play."""
+@dataclass(frozen=True)
+class ReadingSettings:
+    """Ranges over which the figures of a measured loop are read."""
 
-LEVEL_WINDOW = 0.05
-"""Half the width of the window about a level, as a share of the range."""
+    loaded: tuple[float, float] = (0.5, 0.98)
+    """Straight part of a loading branch, as shares of the torque at its end; beyond it parts creep."""
+    loaded_coulomb: float = 1.2
+    """Torque from which a branch is loaded, over the Coulomb torque; below, it crosses the play."""
+    level_window: float = 0.05
+    """Half the width of the window about a level, as a share of the range."""
+    lost_motion_window: float = 0.2
+    """Half the width of the window about 3 % of the rated torque, as a share of that torque."""
+    min_unloaded: float = 0.005
+    """Share of the rated torque down to which a branch that is unloaded has not begun to cross its play."""
+    min_points: int = 5
+    """Smallest number of points of a straight line."""
 
-LOST_MOTION_WINDOW = 0.2
-"""Half the width of the window about 3 % of the rated torque, as a share of that torque."""
 
-MIN_UNLOADED_SHARE = 0.005
-"""Share of the rated torque down to which a branch that is unloaded has not begun to cross its play."""
+READING = ReadingSettings()
 
-MIN_LINE_POINTS = 5
-"""Smallest number of points of a straight line."""
 
 DEFINITIONS = {
     "play_deg": "rotation between straight lines through both loading branches, from 50 to 98 % of the torque at their "
@@ -121,7 +125,7 @@ def loop_figures(loops: Sequence[MeasuredLoop]) -> LoopFigures:
     """
     loaded, lowest = max(loops, key=attrgetter("most")), min(loops, key=attrgetter("height"))
     coulomb = coulomb_of(lowest)
-    low, high = LOADED_RANGE
+    low, high = READING.loaded
     below, above = loaded.ends
     rising = _loading(loaded, 1, low * above, high * above, coulomb.value)
     falling = _loading(loaded, -1, -low * below, -high * below, coulomb.value)
@@ -135,7 +139,7 @@ def stiffness_between(loop: MeasuredLoop, low: float, high: float) -> LoopFigure
 
     NaN where the loop does not reach the higher torque.
     """
-    if min(high, *map(abs, loop.ends)) < high * LOADED_RANGE[1]:
+    if min(high, *map(abs, loop.ends)) < high * READING.loaded[1]:
         return NO_FIGURE
     coulomb = coulomb_of(loop).value
     return _of_both(*(_stiffness(_loading(loop, direction, low, high, coulomb)) for direction in (1, -1)))
@@ -145,7 +149,7 @@ def lost_motion_of(loop: MeasuredLoop, rated: float) -> LoopFigure:
     """Compute the rotation between the middles of the branches at +3 % and -3 % of a rated torque [rad]."""
     level = LOST_MOTION_SHARE * rated
     sides = [
-        _across(loop, loop.torque, loop.deflection, direction * level, LOST_MOTION_WINDOW * level)
+        _across(loop, loop.torque, loop.deflection, direction * level, READING.lost_motion_window * level)
         for direction in (1, -1)
     ]
     branches = [branch for side in sides if side for branch in side]
@@ -167,7 +171,7 @@ def hysteresis_of(loop: MeasuredLoop, rated: float) -> LoopFigure:
         torque, inside = direction * loop.torque, loop.moving(-direction)
         if not inside.any() or not torque[inside].min() < 0.0 < torque[inside].max():
             return NO_FIGURE
-        near = (torque >= MIN_UNLOADED_SHARE * rated) & (torque <= LOST_MOTION_SHARE * rated)
+        near = (torque >= READING.min_unloaded * rated) & (torque <= LOST_MOTION_SHARE * rated)
         line = _line(loop.torque, loop.deflection, inside & near)
         sides.append(
             (*line.at(0.0), line.freedom) if line else _between(loop.torque[inside], loop.deflection[inside], 0.0)
@@ -191,7 +195,7 @@ def coulomb_of(loop: MeasuredLoop) -> LoopFigure:
 def _loading(loop: MeasuredLoop, direction: int, low: float, high: float, coulomb: float) -> _Line | None:
     """Fit a line, deflection over torque, to the loading branches of one side between two torques."""
     carried = direction * loop.torque
-    loaded = (carried >= low) & (carried <= high) & ~(carried < LOADED_COULOMB * coulomb)
+    loaded = (carried >= low) & (carried <= high) & ~(carried < READING.loaded_coulomb * coulomb)
     return _line(loop.torque, loop.deflection, loop.moving(direction) & loaded)
 
 
@@ -226,7 +230,7 @@ def _play(rising: _Line | None, falling: _Line | None, coulomb: LoopFigure) -> L
 
 def _apart(loop: MeasuredLoop, along: Array, values: Array, level: float) -> LoopFigure:
     """Compute the distance of the falling branches above the rising ones in `values`, at a level of `along`."""
-    sides = _across(loop, along, values, level, LEVEL_WINDOW * float(np.ptp(along)))
+    sides = _across(loop, along, values, level, READING.level_window * float(np.ptp(along)))
     if sides is None:
         return NO_FIGURE
     (above, of_above, item), (below, of_below, other) = sides
@@ -261,7 +265,7 @@ def _line(x: Array, y: Array, chosen: Mask) -> _Line | None:
     x, y = x[chosen], y[chosen]
     count, away = len(x), x - np.mean(x) if len(x) else x
     squares = float(away @ away)
-    if count < MIN_LINE_POINTS or squares <= 0.0:
+    if count < READING.min_points or squares <= 0.0:
         return None
     slope = float(away @ y) / squares
     left = y - np.mean(y) - slope * away
@@ -275,4 +279,4 @@ def _line(x: Array, y: Array, chosen: Mask) -> _Line | None:
 
 def _quantile(freedom: float) -> float:
     """Compute the half width of an interval in standard errors."""
-    return student_half_width(freedom, CONFIDENCE)
+    return student_half_width(freedom, INTERVAL.confidence)

@@ -10,7 +10,7 @@ from cycloid_mj.base.statistics import rms
 from cycloid_mj.base.units import DEGREE
 from cycloid_mj.bench.fit import Fitted, fit
 from cycloid_mj.bench.loop import MeasuredLoop
-from cycloid_mj.bench.loop_figures import LOADED_COULOMB, coulomb_of
+from cycloid_mj.bench.loop_figures import READING, coulomb_of
 from cycloid_mj.bench.overlay import LoopCondition
 from cycloid_mj.bench.parameters import DEFAULT, STANDS_FOR_RUBBING, Model, parameters
 from cycloid_mj.bench.search import MODEL_ERROR, FitProblem, Trials
@@ -155,7 +155,7 @@ def compare_stretches(fitted: Fitted) -> tuple[LoopStretch, ...]:
     rows = []
     for loop, turn in zip(fitted.loops, fitted.turns, strict=True):
         coulomb = coulomb_of(loop).value
-        leap = LOADED_COULOMB * coulomb if np.isfinite(coulomb) else 0.0
+        leap = READING.loaded_coulomb * coulomb if np.isfinite(coulomb) else 0.0
         for direction, along in ((1, "torque rising"), (-1, "torque falling")):
             moving, carried = loop.moving(direction), direction * loop.torque
             for stretch, inside in (

@@ -22,7 +22,7 @@ from cycloid_mj.bench.loop_figures import NO_FIGURE, LoopFigure, hysteresis_of, 
 from cycloid_mj.bench.te import MeasuredError, model_error
 from cycloid_mj.figures import figure
 from cycloid_mj.measure import hysteresis
-from cycloid_mj.measure.back_driving import TURNED
+from cycloid_mj.measure.back_driving import START
 from cycloid_mj.measure.bench import crank_angles
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.locked import locked_course, locked_curve, slip_elements
@@ -267,7 +267,7 @@ def breakaway_torque(crank: Array, torque: Array) -> float:
 
     Angles [rad] and torques are in the order of time, shape (n,). NaN where the crank stays.
     """
-    away = np.abs(crank - crank[0]) > TURNED
+    away = np.abs(crank - crank[0]) > START.turned
     if not away[-1]:
         return math.nan
     still = np.flatnonzero(~away)

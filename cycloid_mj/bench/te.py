@@ -24,21 +24,25 @@ from cycloid_mj.statics import transmission_error
 
 CRANK, ERROR = COLUMNS = ("crank_deg", "te_arcsec")
 
-MAX_MESH_HARMONIC = 3
-"""Largest multiple of the mesh order that is compared."""
 
-ZERO_RTOL = 1e-9
-"""Tolerance of equally good zeros of the crank, as a share of the range of the squared residual: protects against
-rounding."""
+@dataclass(frozen=True)
+class TeSettings:
+    """Settings of the comparison of a measured transmission error with the model."""
 
-POSES_PER_MESH_PERIOD = 16
-"""Crank angles in a mesh period at which the model is solved, and among which the crank's zero is searched."""
+    max_harmonic: int = 3
+    """Largest multiple of the mesh order that is compared."""
+    zero_rtol: float = 1e-9
+    """Tolerance of equally good zeros of the crank, as a share of the range of the squared residual: protects against
+    rounding."""
+    poses_per_period: int = 16
+    """Crank angles in a mesh period at which the model is solved, and among which the crank's zero is searched."""
+    max_error: float = 36_000.0
+    """Largest plausible transmission error [arcsec]: ten degrees."""
+    min_amplitude: float = 1e-3
+    """Smallest amplitude that is reported, relative to the strongest."""
 
-MAX_ERROR_ARCSEC = 36_000.0
-"""Largest plausible transmission error [arcsec]: ten degrees."""
 
-MIN_AMPLITUDE = 1e-3
-"""Smallest amplitude that is reported, relative to the strongest."""
+TE = TeSettings()
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +105,7 @@ class BenchComparison:
     def strongest_first(self) -> list[int]:
         """Indices of the orders with an amplitude of note in either curve, the strongest first."""
         size = np.maximum(np.abs(self.bench_amplitude), np.abs(self.model_amplitude))
-        return [int(index) for index in np.argsort(-size) if size[index] > MIN_AMPLITUDE * size.max()]
+        return [int(index) for index in np.argsort(-size) if size[index] > TE.min_amplitude * size.max()]
 
     def table(self, max_rows: int = 20) -> Table:
         """Tabulate the strongest orders."""
@@ -166,7 +170,7 @@ def read_te(path: Path) -> MeasuredError:
         span = f"{measured.turns * 360.0:.4g} deg"
         radians = f". Is {CRANK} in radians?" if np.ptp(columns[CRANK]) < 70.0 and len(crank) > 70 else ""
         raise UsageError(f"{path}: {CRANK} covers {span}; at least a full turn of 360 deg is needed{radians}")
-    if np.ptp(columns[ERROR]) > MAX_ERROR_ARCSEC or not np.ptp(columns[ERROR]) > 0.0:
+    if np.ptp(columns[ERROR]) > TE.max_error or not np.ptp(columns[ERROR]) > 0.0:
         raise UsageError(
             f"{path}: {ERROR} has a range of {np.ptp(columns[ERROR]):.4g} arcsec, which is not a transmission "
             "error. It must be the output angle minus (crank angle / ratio), in arcseconds"
@@ -231,7 +235,7 @@ def compare_bench(design: Design, measured: MeasuredError, load: float | None = 
 def model_error(reducer: Reducer, torque: float) -> Array:
     """Compute the output's error about its mean [rad] under a torque on it [N m], evenly over its turn, shape (n,)."""
     lobes = reducer.design.lobes
-    count = POSES_PER_MESH_PERIOD * reducer.design.ring.teeth * lobes
+    count = TE.poses_per_period * reducer.design.ring.teeth * lobes
     crank = 2.0 * np.pi * lobes * np.arange(count) / count
     error = transmission_error(reducer.but(environment={"gravity_x": 0.0, "gravity_y": 0.0}), crank, torque)[:, 1]
     return np.asarray(error - error.mean())
@@ -241,7 +245,7 @@ def _orders(reducer: Reducer, measured: MeasuredError) -> Array:
     """Return the orders that a measurement resolves: integer orders, and those of the disc far enough from them."""
     teeth, lobes = reducer.design.ring.teeth, reducer.design.lobes
     sampled = 0.4 * len(measured.crank) / measured.turns
-    most = min(MAX_MESH_HARMONIC * teeth, int(sampled))
+    most = min(TE.max_harmonic * teeth, int(sampled))
     integer = np.arange(1, most + 1, dtype=np.float64)
     gear = np.arange(1, most + 1) * teeth / lobes
     apart = np.abs(gear - np.rint(gear)) * measured.turns > 0.9
@@ -266,7 +270,7 @@ def _fit_zero(ideal: Array, measured: MeasuredError, lobes: int) -> float:
     cross = np.fft.irfft(np.conj(np.fft.rfft(total)) * spectrum, count)
     power = np.fft.irfft(np.conj(np.fft.rfft(hits)) * np.fft.rfft(ideal**2), count)
     left = power - 2.0 * cross
-    best = int(np.argmax(left <= left.min() + ZERO_RTOL * np.ptp(left)))
+    best = int(np.argmax(left <= left.min() + TE.zero_rtol * np.ptp(left)))
     near = [left[(best + shift) % count] for shift in (-1, 0, 1)]
     bend = near[0] - 2.0 * near[1] + near[2]
     return float((best + (0.5 * (near[0] - near[2]) / bend if bend > 0.0 else 0.0)) * width)

@@ -9,17 +9,23 @@ import numpy as np
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.statistics import student_half_width
 
-CONFIDENCE = 0.95
-"""Coverage of an interval."""
 
-MAX_LAG = 0.25
-"""Largest lag of the autocorrelation that is summed, as a share of a loop's points."""
+@dataclass(frozen=True)
+class IntervalSettings:
+    """Settings of the intervals of fitted values."""
 
-MAX_LEVERAGE = 0.9
-"""Upper limit of a point's leverage h in 1/(1-h): a point that decides a value alone does not show its own noise."""
+    confidence: float = 0.95
+    """Coverage of an interval."""
+    max_lag: float = 0.25
+    """Largest lag of the autocorrelation that is summed, as a share of a loop's points."""
+    max_leverage: float = 0.9
+    """Upper limit of a point's leverage h in 1/(1-h): a point that decides a value alone does not show its own
+    noise."""
+    unknown_error: float = 1e6
+    """Standard error of a scaled value on which no residual depends."""
 
-UNKNOWN_ERROR = 1e6
-"""Standard error of a scaled value on which no residual depends."""
+
+INTERVAL = IntervalSettings()
 
 
 def autocorrelation_time(residuals: Array) -> float:
@@ -30,7 +36,7 @@ def autocorrelation_time(residuals: Array) -> float:
     centred = residuals - residuals.mean()
     variance = float(np.mean(centred**2))
     total = 1.0
-    for lag in range(1, int(MAX_LAG * len(residuals))):
+    for lag in range(1, int(INTERVAL.max_lag * len(residuals))):
         correlation = float(np.mean(centred[lag:] * centred[:-lag])) / variance if variance else 0.0
         if correlation <= 2.0 / np.sqrt(len(residuals)):
             break
@@ -66,8 +72,8 @@ class FitUncertainty:
 
     @cached_property
     def half_widths(self) -> Array:
-        """Half widths of the intervals of coverage `CONFIDENCE`, shape (v,)."""
-        return self.quantiles(CONFIDENCE) * self.errors
+        """Half widths of the intervals of coverage `INTERVAL.confidence`, shape (v,)."""
+        return self.quantiles(INTERVAL.confidence) * self.errors
 
     def quantiles(self, confidence: float) -> Array:
         """Compute the half width of each value's interval in standard errors, shape (v,)."""
@@ -103,7 +109,7 @@ def estimate_uncertainty(
         Those of each loop, shapes (n, v) and (n,), weighted as in the sum of squares.
     free
         Which values are free, shape (v,); the others have no error. A value on which no residual depends has the error
-        `UNKNOWN_ERROR`.
+        `INTERVAL.unknown_error`.
     prior
         Slope of the residual of each value's prior, shape (v,). It has no noise, and only bounds the value.
     """
@@ -118,12 +124,12 @@ def estimate_uncertainty(
     inverse[chosen] = (vectors / np.maximum(values, least)) @ vectors.T
     covariance, influence, counts = np.zeros_like(information), [], []
     for part, rows in zip(residuals, slopes, strict=True):
-        leverage = np.minimum(np.sum(rows @ inverse * rows, axis=1), MAX_LEVERAGE)
+        leverage = np.minimum(np.sum(rows @ inverse * rows, axis=1), INTERVAL.max_leverage)
         moved, count = rows @ inverse, autocorrelation_time(part)
         # a sum of squares, so that no small variance is rounded below 0
         scaled = moved * (part / (1.0 - leverage))[:, np.newaxis]
         covariance += count * scaled.T @ scaled
         influence.append(moved / np.sqrt(1.0 - leverage)[:, np.newaxis])
         counts.append(np.full(len(part), count))
-    covariance[chosen] += UNKNOWN_ERROR**2 * unseen @ unseen.T
+    covariance[chosen] += INTERVAL.unknown_error**2 * unseen @ unseen.T
     return FitUncertainty(covariance, inverse, np.concatenate(influence), np.concatenate(counts))

@@ -41,8 +41,6 @@ class SobolSettings:
 
 SOBOL = SobolSettings()
 
-CONFIDENCE = 0.95
-
 
 @dataclass(frozen=True)
 class Share:
@@ -226,6 +224,6 @@ def _ratio_interval(parts: Array, variance: Array) -> tuple[Array, Array, Array]
     spread = left_out - left_out.mean(axis=1, keepdims=True)
     error = np.sqrt((count - 1.0) / count * np.sum(spread**2, axis=1))
     relative = error / np.maximum(np.abs(ratio), np.finfo(float).tiny)
-    factor = np.exp(np.minimum(student_half_width(count - 1, CONFIDENCE) * relative, math.log(1e6)))
+    factor = np.exp(np.minimum(student_half_width(count - 1, 0.95) * relative, math.log(1e6)))
     size = np.maximum(ratio, 0.0)
     return ratio, size / factor, np.maximum(size * factor, ratio + error)

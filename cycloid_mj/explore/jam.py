@@ -1,6 +1,7 @@
 """Samples that jam, and why: parts that press into each other without a load."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,35 +13,42 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.limits import tightest
 from cycloid_mj.statics.samples import identical_samples
 
-JAM_SHARE = 0.01
-"""A sample jams where a preload is more than this share of the same pair's largest force under the rated torque, or
-where it has no balance at all."""
+
+@dataclass(frozen=True)
+class JamSettings:
+    """Criteria of a jammed sample, and extent of the search for its cause."""
+
+    share: float = 0.01
+    """A sample jams where a preload is more than this share of the same pair's largest force under the rated torque, or
+    where it has no balance at all."""
+    max_examined: int = 6
+    angles: int = 6
+    """Jammed samples that are examined for the cause, and crank angles at which."""
+    max_share: float = 0.99
+    """Share of jammed samples at which a study stops after its first block: what is left has no distribution."""
+    min_pair_share: float = 0.05
+    """Share of the forces from which a pair counts among those that interfere."""
+
+
+JAM = JamSettings()
+
 
 PRELOADS = {"preload_n": "tooth_force_n", "output_preload_n": "output_pin_force_n", "cam_preload_n": "cam_force_n"}
 """Figures that identify a jam: the force without a load -> the same force under load."""
 
 PRELOADED_PARTS = {"preload_n": "a tooth", "output_preload_n": "an output pin", "cam_preload_n": "the cam"}
 
-MAX_EXAMINED, JAM_ANGLES = 6, 6
-"""Jammed samples that are examined for the cause, and crank angles at which."""
-
-MAX_JAM_SHARE = 0.99
-"""Share of jammed samples at which a study stops after its first block: what is left has no distribution."""
-
-MIN_PAIR_SHARE = 0.05
-"""Share of the forces from which a pair counts among those that interfere."""
-
 
 def find_jams(figures: Mapping[str, Array]) -> Mask:
     """Return which samples jam, by the figures of `PRELOADS`, shape (samples,)."""
-    fits = [figures[free] <= JAM_SHARE * figures[loaded] for free, loaded in PRELOADS.items()]
+    fits = [figures[free] <= JAM.share * figures[loaded] for free, loaded in PRELOADS.items()]
     return np.asarray(~np.all(fits, axis=0))
 
 
 def preloaded_pairs(figures: Mapping[str, Array]) -> dict[str, float]:
     """Compute the share of samples in which each part presses without a load, and of those without a balance."""
     counts = {
-        PRELOADED_PARTS[free]: float(np.mean(figures[free] > JAM_SHARE * figures[loaded]))
+        PRELOADED_PARTS[free]: float(np.mean(figures[free] > JAM.share * figures[loaded]))
         for free, loaded in PRELOADS.items()
     }
     lost = float(np.mean(~np.isfinite(figures["preload_n"])))
@@ -49,14 +57,14 @@ def preloaded_pairs(figures: Mapping[str, Array]) -> dict[str, float]:
 
 def jams_too_often(jams: Mask) -> bool:
     """Return whether so many samples of a first block, shape (samples,), jam that the study stops."""
-    return bool(np.mean(jams) >= MAX_JAM_SHARE)
+    return bool(np.mean(jams) >= JAM.max_share)
 
 
 def explain_jams(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: Mask) -> str:
     """Explain in a sentence why samples of the first block jam: which pairs interfere, and by how much.
 
-    The first `MAX_EXAMINED` jammed samples are examined with rigid parts, in the position of least interference. Each
-    tolerance is left out on its own, to see whether the parts of all these samples then fit.
+    The first `JAM.max_examined` jammed samples are examined with rigid parts, in the position of least interference.
+    Each tolerance is left out on its own, to see whether the parts of all these samples then fit.
 
     Parameters
     ----------
@@ -65,7 +73,7 @@ def explain_jams(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: M
     jams
         Which samples of its first block jam, shape (samples,); one at least.
     """
-    rows = np.flatnonzero(jams)[:MAX_EXAMINED]
+    rows = np.flatnonzero(jams)[: JAM.max_examined]
     first = draw_departures(reducer, zones, seed, Batch(0, int(rows[-1]) + 1))
     drawn = {key: values[rows] for key, values in first.items()}
     depths, shares = _interference(reducer, drawn)
@@ -74,7 +82,9 @@ def explain_jams(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: M
             f"in the first {rows.size} of them rigid parts would fit, but contacts press without a load, or no static "
             "balance was found"
         )
-    pairs = sorted((pair for pair, share in shares.items() if share > MIN_PAIR_SHARE), key=lambda pair: -shares[pair])
+    pairs = sorted(
+        (pair for pair, share in shares.items() if share > JAM.min_pair_share), key=lambda pair: -shares[pair]
+    )
     sufficient = [
         f"tolerance.{key}"
         for key in zones
@@ -99,7 +109,7 @@ def _interference(reducer: Reducer, drawn: Mapping[str, Array]) -> tuple[list[fl
     depths, shares = [], dict[str, float]()
     for row in range(count):
         drive = unchecked_design_of_sample(reducer, samples, row)
-        turn = np.linspace(0.0, 2.0 * np.pi, JAM_ANGLES, endpoint=False).tolist()
+        turn = np.linspace(0.0, 2.0 * np.pi, JAM.angles, endpoint=False).tolist()
         gap, pairs = min((tightest(Reducer(drive), angle) for angle in turn), key=lambda found: found[0])
         depths.append(-gap)
         for pair, share in pairs.items():

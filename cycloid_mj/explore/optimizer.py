@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -31,21 +31,29 @@ STUDY = "optimize"
 HISTORY, BEST = "history.csv", "best.toml"
 PARQUET = "history.parquet"
 
-EVALUATIONS, STARTS = 600, 3
-TOLERANCE_SAMPLES = 2000
-"""Samples of the tolerance study of the best design."""
 
-WEIGHTS = (0.0, 1.0, 0.5, 0.25, 0.75, 0.1, 0.9)
-"""Weights of the first objective in the searches for a front; the ends come first, as they scale the others."""
+@dataclass(frozen=True)
+class OptimizerSettings:
+    """Defaults of an optimization, and the searches for a front (augmented Chebyshev, Steuer and Choo 1983)."""
 
-SUM_WEIGHT = 0.01
-"""Weight of the sum in the augmented Chebyshev scalarization, which excludes weakly optimal points."""
+    evaluations: int = 600
+    starts: int = 3
+    """Evaluations, and independent starts."""
+    tolerance_samples: int = 2000
+    """Samples of the tolerance study of the best design."""
+    weights: tuple[float, ...] = (0.0, 1.0, 0.5, 0.25, 0.75, 0.1, 0.9)
+    """Weights of the first objective in the searches for a front; the ends come first, as they scale the others."""
+    sum_weight: float = 0.01
+    """Weight of the sum in the augmented Chebyshev scalarization, which excludes weakly optimal points."""
+    front_sigma: float = 0.15
+    """First standard deviation of the searches between the ends, relative to the ranges; they start at the best so
+    far."""
+    min_point_cpu: float = 0.01
+    """CPU time of a point [s] below which sending it to another process takes longer than evaluating it."""
 
-FRONT_SIGMA = 0.15
-"""First standard deviation of the searches between the ends, relative to the ranges; they start at the best so far."""
 
-MIN_POINT_CPU = 0.01
-"""CPU time of a point [s] below which sending it to another process takes longer than evaluating it."""
+OPTIMIZER = OptimizerSettings()
+
 
 PROCESSES = Engine()
 """All cores of this machine."""
@@ -58,8 +66,8 @@ def optimize(
     maximize: str | Sequence[str] = (),
     limits: str | Sequence[str] = (),
     *,
-    evaluations: int = EVALUATIONS,
-    starts: int = STARTS,
+    evaluations: int = OPTIMIZER.evaluations,
+    starts: int = OPTIMIZER.starts,
     seed: int = 0,
     strict: bool = False,
     follow: str | Sequence[str] = (),
@@ -151,7 +159,7 @@ def check_best(optimum: Optimum, solver: Solver = "planar", progress: Progress =
     best = optimum.design()
     try:
         ranges = (
-            tolerance(best, TOLERANCE_SAMPLES, optimum.seed, progress=progress)
+            tolerance(best, OPTIMIZER.tolerance_samples, optimum.seed, progress=progress)
             if tolerance_zones(Reducer(best))
             else None
         )
@@ -179,12 +187,12 @@ def _search(task: Problem, work: "_Work", evaluations: int, starts: int, seed: i
     if len(task.objectives) == 1:
         search_minimum(task, work.rows_of, lambda row: task.costs(row)[0], evaluations, starts, [seed])
         return
-    each = max(1, evaluations // len(WEIGHTS))
-    for number, weight in enumerate(WEIGHTS):
+    each = max(1, evaluations // len(OPTIMIZER.weights))
+    for number, weight in enumerate(OPTIMIZER.weights):
         figure = _weighted(task, work.in_order, weight)
         feasible = [row for row in work.in_order if row.values[FEASIBLE]] if number > 1 else []
         first = _point(task, min(feasible, key=figure)) if feasible else None
-        sigma = FRONT_SIGMA if first else CMA.initial_sigma
+        sigma = OPTIMIZER.front_sigma if first else CMA.initial_sigma
         search_minimum(task, work.rows_of, figure, each, starts if number < 2 else 1, [seed, number], first, sigma)
 
 
@@ -202,7 +210,7 @@ def _weighted(task: Problem, rows: Sequence[PointResult], weight: float) -> Call
     def figure(row: PointResult) -> float:
         shares = [(cost - low[i]) / reach[i] for i, cost in enumerate(task.costs(row))]
         weighted = [weight * shares[0], (1.0 - weight) * shares[1]]
-        return (max(weighted) if 0.0 < weight < 1.0 else sum(weighted)) + SUM_WEIGHT * sum(shares)
+        return (max(weighted) if 0.0 < weight < 1.0 else sum(weighted)) + OPTIMIZER.sum_weight * sum(shares)
 
     return figure
 
@@ -236,7 +244,7 @@ class _Work:
             if len(self._rows.by_index) <= self._total:  # the last generation may go beyond
                 self._progress(len(self._rows.by_index), self._total)
         rows = [self._rows.by_index[index] for index in range(first, self._count)]
-        self._slow = max(row.cpu for row in rows) > MIN_POINT_CPU
+        self._slow = max(row.cpu for row in rows) > OPTIMIZER.min_point_cpu
         return rows
 
     def _is_known(self, index: int, point: Point) -> bool:

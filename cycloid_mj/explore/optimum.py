@@ -26,9 +26,6 @@ from cycloid_mj.statics.sheet import Sheet
 AT_END = 0.01
 """Distance to an end of a range, or to a limit, relative to the range or the bound, within which a point lies at it."""
 
-UNMOVED = 1e-9
-"""Relative range of an objective up to which it counts as constant: rounding errors are below."""
-
 
 @dataclass(frozen=True, eq=False)
 class BestChecks:
@@ -237,7 +234,8 @@ class Optimum(Tabular):
         unmoved = []
         for key in (objective.key for objective in self.task.objectives):
             values = [value for row in known if math.isfinite(value := float(row.values[key]))]
-            if len(values) > 1 and max(values) - min(values) <= UNMOVED * max(map(abs, values)):
+            # rounding errors are below
+            if len(values) > 1 and max(values) - min(values) <= 1e-9 * max(map(abs, values)):
                 unmoved.append(
                     f"the objective {key} does not depend on {', '.join(self.task.keys)}: it is {values[0]:.6g} at all "
                     f"{len(values)} points, so the best point is arbitrary. Vary other keys or choose another objective"

@@ -16,7 +16,6 @@ from cycloid_mj.explore.row import PointResult, error_line
 from cycloid_mj.figures import COMPUTED, compute, figure
 from cycloid_mj.reducer import Reducer
 
-MAX_OBJECTIVES = 2
 MAX_COMBINATIONS = 2000
 """Combinations of whole numbers and words at most, which are tried one by one."""
 
@@ -161,7 +160,7 @@ def define_problem(
     ranges = tuple(variable for variable in variables if isinstance(variable, SearchRange))
     choices = tuple(variable for variable in variables if isinstance(variable, Choice))
     objectives = (*(Objective(key) for key in minimize), *(Objective(key, -1.0) for key in maximize))
-    if not 1 <= len(objectives) <= MAX_OBJECTIVES:
+    if not 1 <= len(objectives) <= 2:
         raise UsageError(
             f"{len(objectives)} objectives given: name one figure, or two for a Pareto front, with --minimize or "
             "--maximize; `cycloid-mj figures` lists the figures"

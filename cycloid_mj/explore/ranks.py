@@ -10,9 +10,6 @@ from cycloid_mj.base.result import Table
 from cycloid_mj.explore.sweeps import Sweep
 from cycloid_mj.figures import figure
 
-MIN_POINTS = 3
-"""Points of a rank correlation at least."""
-
 HEADLINES = (
     "backlash_arcmin",
     "stiffness_nm_per_arcmin",
@@ -28,12 +25,6 @@ HEADLINES = (
     "failed_errors",
 )
 """Quantities that are shown first, in this order; the others follow in the order of the measure."""
-
-MAX_SHOWN = 6
-"""Quantities that are shown by default."""
-
-MIN_RELATIVE_CHANGE = 1e-6
-"""Relative range below which a quantity counts as constant, and has no panel."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +68,7 @@ def select_quantities(sweep: Sweep, wanted: tuple[str, ...] = ()) -> tuple[str, 
     varying = [name for name in available if _varies(_finite(numbers[name]))] or available
     order = {name: number for number, name in enumerate(HEADLINES)}
     ranked = sorted(varying, key=lambda name: order.get(name.rpartition(".")[2], len(order)))
-    return tuple(ranked[:MAX_SHOWN])
+    return tuple(ranked[:6])
 
 
 def _catalogue_key(name: str) -> str:
@@ -118,18 +109,16 @@ def _finite(values: Array) -> Array:
 
 
 def _varies(values: Array) -> bool:
-    return values.size > 0 and bool(np.ptp(values) > MIN_RELATIVE_CHANGE * np.abs(values).max())
-
-
-def _mean_ranks(values: Array) -> Array:
-    """Compute the rank of each value [1]; equal values share their mean rank."""
-    _, index, count = np.unique(values, return_inverse=True, return_counts=True)
-    return np.asarray((np.cumsum(count) - 0.5 * (count - 1))[index])
+    """Return whether a quantity varies by more than rounding, and so has a panel."""
+    return values.size > 0 and bool(np.ptp(values) > 1e-6 * np.abs(values).max())
 
 
 def _rho(first: Array, second: Array) -> float:
+    """Compute Spearman's rank correlation of the points that have both values; NaN for fewer than 3."""
+    from scipy.stats import rankdata
+
     valid = np.isfinite(first) & np.isfinite(second)
-    x, y = _mean_ranks(first[valid]), _mean_ranks(second[valid])
-    if valid.sum() < MIN_POINTS or np.ptp(x) == 0.0 or np.ptp(y) == 0.0:
+    x, y = rankdata(first[valid]), rankdata(second[valid])
+    if valid.sum() < 3 or np.ptp(x) == 0.0 or np.ptp(y) == 0.0:
         return float("nan")
     return float(np.corrcoef(x, y)[0, 1])

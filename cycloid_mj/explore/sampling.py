@@ -17,8 +17,6 @@ from cycloid_mj.statics.samples import Samples, identical_samples
 BLOCK_SAMPLES = 512
 """Samples drawn from one stream of random numbers per tolerance; changing this changes all draws."""
 
-MAX_BATCH = 256
-"""Largest number of samples of a batch: small enough that no worker waits long for the last one."""
 
 FIRST_BATCH = 200
 """Samples that are balanced before all others, to see whether they jam."""
@@ -115,7 +113,8 @@ def list_batches(samples: int) -> list[Batch]:
     first = begin
     while first < samples:
         number, offset = divmod(first, BLOCK_SAMPLES)
-        count = min(MAX_BATCH, BLOCK_SAMPLES - offset, samples - first)
+        # so that no worker waits long for the last one
+        count = min(256, BLOCK_SAMPLES - offset, samples - first)
         pieces.append(Batch(number, count, offset))
         first += count
     return pieces

@@ -53,8 +53,6 @@ CMA = CmaSettings()
 REQUIREMENT = "optimize", "optimize", "try points with `cycloid-mj sweep`"
 """Command that needs the package ``cma``, its extra, and the alternative."""
 
-INFEASIBLE_SCORE = 1e20
-"""Score of infeasible points, times one plus their violation; no figure is as large."""
 
 Point = tuple[Value, ...]
 Evaluate = Callable[[Sequence[Point]], list[PointResult]]
@@ -130,7 +128,8 @@ def rank_score(row: PointResult, cost: Cost) -> float:
     """Compute the score of a row: its cost where it is feasible, else a larger number by its violation."""
     if row.values[FEASIBLE]:
         return cost(row)
-    return INFEASIBLE_SCORE * (1.0 + float(row.values[VIOLATION]))
+    # no figure is as large
+    return 1e20 * (1.0 + float(row.values[VIOLATION]))
 
 
 def search_minimum(

@@ -31,8 +31,6 @@ TABLE, PARQUET = "sweep.csv", "sweep.parquet"
 SECONDS_BETWEEN_TABLES = 10.0
 """Shortest time between two writings of the table while the sweep runs [s]."""
 
-TABLE_INTERVAL_RATIO = 20.0
-"""Time between two writings of the table relative to that of a writing, which take 5 % of the time at most."""
 
 PROCESSES = Engine()
 """All cores of this machine."""
@@ -225,7 +223,8 @@ def sweep_in_folder(task: Task, points: Points, into: Path, engine: Engine, prog
             journal.add(index, replace(row, assumptions=()) if stated else row)
             if (start := monotonic()) > due:
                 write_csv(Sweep(task, points, journal.rows).frame, into / TABLE)
-                due = monotonic() + max(SECONDS_BETWEEN_TABLES, TABLE_INTERVAL_RATIO * (monotonic() - start))
+                # writing takes 5 % of the time at most
+                due = monotonic() + max(SECONDS_BETWEEN_TABLES, 20.0 * (monotonic() - start))
 
         try:
             _evaluate_missing(task, points, journal.rows, record, engine, progress)

@@ -19,7 +19,7 @@ from cycloid_mj.design import Design, Named, resolve
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.explore.budget import SOBOL, Share, budget_blocks, budget_samples, shares, usable_rows
 from cycloid_mj.explore.constraints import FigureLimit, parse_limit, require_consistent
-from cycloid_mj.explore.jam import MAX_JAM_SHARE, PRELOADS, explain_jams, find_jams, jams_too_often, preloaded_pairs
+from cycloid_mj.explore.jam import JAM, PRELOADS, explain_jams, find_jams, jams_too_often, preloaded_pairs
 from cycloid_mj.explore.sampling import (
     Batch,
     apply_departures,
@@ -47,8 +47,6 @@ THREADS = Engine(kind="threads")
 CONSTANT_RTOL = 1e-9
 """Relative range of a figure up to which it counts as constant: rounding errors are below."""
 
-WIDE_INTERVAL = 0.2
-"""Width of the widest 95 % interval of a budget above which the study recommends more samples."""
 
 MAX_WORST = 5
 """Number of worst samples that are kept as designs."""
@@ -195,7 +193,7 @@ class Tolerances(Tabular):
     def jam_words(self) -> str:
         """Number of jammed samples, the cause and the remedy, in a sentence."""
         return (
-            f"{int(self.jams.sum())} of the first {self.samples} samples jam ({MAX_JAM_SHARE:.0%} or more end a "
+            f"{int(self.jams.sum())} of the first {self.samples} samples jam ({JAM.max_share:.0%} or more end a "
             f"study): {self.jammed_by}; increase the clearances (table [clearance]) or reduce the tolerances (table "
             "[tolerance])"
         )
@@ -223,7 +221,7 @@ class Tolerances(Tabular):
         if self.no_budget:
             return [f"no error budget: {self.no_budget}"]
         widest = max((share.ci95[1] - share.ci95[0] for share in self.budget), default=0.0)
-        if widest > WIDE_INTERVAL and self.samples < SOBOL.max_samples:
+        if widest > 0.2 and self.samples < SOBOL.max_samples:
             return [
                 f"the error budget is uncertain (95 % intervals up to {widest:.2f} wide): draw more samples, "
                 f"--samples {SOBOL.max_samples}"

@@ -15,24 +15,29 @@ from cycloid_mj.dynamics.run import Solver, model_for, simulate
 from cycloid_mj.parts import turning_inertia
 from cycloid_mj.reducer import Reducer
 
-GROWTHS, GROWS_FOR = (0.025, 0.1), 0.04
-"""Shares of the rated output torque to which the torque grows, and the time this takes at least [s]. The second share
-applies where the crank stays at rest under the first, or hardly turns."""
 
-TURNED = math.radians(0.1)
-"""Rotation of a free crank [rad] from which it turns; within the clearances it moves by less."""
+@dataclass(frozen=True)
+class BreakAwaySettings:
+    """Settings of a free crank under a growing output torque (`break_away`)."""
 
-LEAST_TRAVEL = 0.25
-"""Rotation over that of a crank without friction, below which the crank only creeps, or stays at rest."""
+    growths: tuple[float, float] = (0.025, 0.1)
+    """Shares of the rated output torque to which the torque grows. The second applies where the crank stays at rest
+    under the first, or hardly turns."""
+    min_time: float = 0.04
+    """Shortest time of growth [s]."""
+    turned: float = math.radians(0.1)
+    """Rotation of a free crank [rad] from which it turns; within the clearances it moves by less."""
+    min_travel: float = 0.25
+    """Rotation over that of a crank without friction, below which the crank only creeps, or stays at rest."""
+    min_rotation: float = 30.0 * turned
+    """Rotation of a crank without friction [rad] while the torque grows, at least."""
+    crossing: float = 0.25
+    """Share of the time in which the torque moves the output across all of its play."""
+    min_samples: int = 40
+    """Smallest number of samples of a turning crank."""
 
-LEAST_WAY = 30.0 * TURNED
-"""Rotation of a crank without friction [rad] while the torque grows, at least."""
 
-CROSSED = 0.25
-"""Share of the time in which the torque moves the output across all of its play."""
-
-FEWEST = 40
-"""Smallest number of samples of a turning crank."""
+START = BreakAwaySettings()
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,7 +158,7 @@ def break_away(reducer: Reducer, solver: Solver = "planar") -> BreakAway:
 
 def _from_rest(reducer: Reducer, solver: Solver) -> FromRest:
     """Increase the torque from one start, to a larger share where the crank stays at rest."""
-    for growth in GROWTHS:
+    for growth in START.growths:
         start = _under(reducer, growth * reducer.design.rated_torque, solver)
         if start.torque + start.error < start.largest:
             break
@@ -165,7 +170,7 @@ def _under(reducer: Reducer, largest: float, solver: Solver) -> FromRest:
     forward = -braking(reducer)
     compiled = model_for(solver, reducer.at_rated_load, held="")
     light = largest / (6.0 * reducer.design.reduction * compiled.crank_inertia)
-    grows_for = max(GROWS_FOR, math.sqrt(LEAST_WAY / light), _crossing(reducer, largest))
+    grows_for = max(START.min_time, math.sqrt(START.min_rotation / light), _crossing(reducer, largest))
     course = DriveCycle(
         angle=0.0,
         speed=0.0,
@@ -173,8 +178,8 @@ def _under(reducer: Reducer, largest: float, solver: Solver) -> FromRest:
         load=lambda time: forward * largest * time / grows_for,
     )
     run = simulate(reducer.at_rated_load.but(drive={"ramp": 0.0, "hold": grows_for}).design, compiled, course)
-    moving = run.select(np.abs(run["crank_angle"]) > TURNED)
-    if abs(run["crank_angle"][-1]) < LEAST_TRAVEL * light * grows_for**2 or len(moving) < FEWEST:
+    moving = run.select(np.abs(run["crank_angle"]) > START.turned)
+    if abs(run["crank_angle"][-1]) < START.min_travel * light * grows_for**2 or len(moving) < START.min_samples:
         return FromRest(math.nan, math.nan, largest, run)
     growth, count = largest / grows_for, len(moving)
     parts = [slice(None), slice(0, count // 4), slice(count // 2, None)]
@@ -183,8 +188,8 @@ def _under(reducer: Reducer, largest: float, solver: Solver) -> FromRest:
 
 
 def _crossing(reducer: Reducer, largest: float) -> float:
-    """Compute the rise time [s] of a torque [N m] that crosses the output's play in the share `CROSSED` of it."""
-    return math.sqrt(6.0 * reducer.play * turning_inertia(reducer) / (largest * CROSSED**3))
+    """Compute the rise time [s] of a torque [N m] that crosses the output's play in a share of it."""
+    return math.sqrt(6.0 * reducer.play * turning_inertia(reducer) / (largest * START.crossing**3))
 
 
 def _start(moving: Run) -> float:

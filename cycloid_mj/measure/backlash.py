@@ -29,35 +29,41 @@ from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.sampled import Known, add_errors, error_of_mean, extreme_quantities
 from cycloid_mj.reducer import Reducer, limits
 
-DEFAULT_ANGLES, QUICK_ANGLES = 8, 2
-PRESS = 0.0025
-"""The smaller torque relative to the rated one; the larger is twice as large."""
 
-LEVELS = (20.0, 2.0, 1.0, -20.0, -2.0, -1.0)
-"""Sequence of torques in units of the smaller one; the large ones seat the parts."""
+@dataclass(frozen=True)
+class PressSettings:
+    """Settings of the press of the output against its stops (`press_to_stops`), and of its check."""
 
-SETTLING = 4.0
-"""Time at each torque, relative to the time in which it moves output and disc across their clearance."""
+    angles: int = 8
+    quick_angles: int = 2
+    """Crank angles by default, and of a quick measurement."""
+    share: float = 0.0025
+    """The smaller torque relative to the rated one; the larger is twice as large."""
+    levels: tuple[float, ...] = (20.0, 2.0, 1.0, -20.0, -2.0, -1.0)
+    """Sequence of torques in units of the smaller one; the large ones seat the parts."""
+    settling: float = 4.0
+    """Time at each torque, relative to the time in which it moves output and disc across their clearance."""
+    all_clearances: float = 4.0
+    """Factor on that time where all clearances are open: the parts take longer to come to rest."""
+    read_share: float = 0.25
+    """Last part of that time, over which the angle is averaged."""
+    no_clearance: float = 1e-10
+    """Clearance of the other pairs [m] where one is measured alone."""
+    samples: int = 200
+    """Samples at each torque."""
+    longer: float = 1.5
+    finer: float = 1.5
+    """Factors of the check on the time at each torque, and on the number of time steps."""
+    planar_ratio: float = 0.5
+    """Planar time step relative to the bench's, as a divisor: massless pins do not chatter, and only rest is evaluated.
 
-ALL_CLEARANCES_TIME = 4.0
-"""Factor on that time where all clearances are open: the parts take longer to come to rest."""
+    With 35 us instead of 17.5 us the mean of `pin` changes by 8e-6; that of 54 sleeved pins with 20 um of clearance by
+    0.5 %, towards the linear programme.
+    """
 
-READ_SHARE = 0.25
-"""Last part of that time, over which the angle is averaged."""
 
-NO_CLEARANCE = 1e-10
-"""Clearance of the other pairs [m] where one is measured alone."""
+PRESS = PressSettings()
 
-SAMPLES = 200
-LONGER, FINER = 1.5, 1.5
-"""Factors of the check on the time at each torque, and on the number of time steps."""
-
-PLANAR_STEP_RATIO = 0.5
-"""Planar time step relative to the bench's, as a divisor: massless pins do not chatter, and only rest is evaluated.
-
-With 35 us instead of 17.5 us the mean of `pin` changes by 8e-6; that of 54 sleeved pins with 20 um of clearance by
-0.5 %, towards the linear programme.
-"""
 
 NAMES = {
     "pin_gear": "teeth on pins",
@@ -104,9 +110,9 @@ def backlash(
     design
         A design, or the name of a preset or a file; its load, speed, friction and weight do not matter.
     angles
-        Number of crank angles, spread over the turn and over the mesh period; by default `DEFAULT_ANGLES`.
+        Number of crank angles, spread over the turn and over the mesh period; by default `PRESS.angles`.
     quick
-        Whether the default is `QUICK_ANGLES`.
+        Whether the default is `PRESS.quick_angles`.
     progress
         Called after each run with the numbers of finished and of all runs.
     solver
@@ -121,7 +127,7 @@ def backlash(
     """
     design = resolve(design)
     reducer = Reducer(design)
-    angles = (QUICK_ANGLES if quick else DEFAULT_ANGLES) if angles is None else angles
+    angles = (PRESS.quick_angles if quick else PRESS.angles) if angles is None else angles
     if angles < 1:
         raise UsageError(f"the number of crank angles is {angles}; it must be 1 or more")
     reducer = reducer.at_rated_load
@@ -131,9 +137,9 @@ def backlash(
     }
     if solver == "planar":
         cases = {name: massless(case) for name, case in cases.items()}
-    longer = {name: ALL_CLEARANCES_TIME if name == _ALL else 1.0 for name in cases}
-    finer = PLANAR_STEP_RATIO if solver == "planar" and not design.settings.timestep else 1.0
-    jobs = [(case, cranks[0], LONGER * longer[name], FINER * finer) for name, case in cases.items()]
+    longer = {name: PRESS.all_clearances if name == _ALL else 1.0 for name in cases}
+    finer = PRESS.planar_ratio if solver == "planar" and not design.settings.timestep else 1.0
+    jobs = [(case, cranks[0], PRESS.longer * longer[name], PRESS.finer * finer) for name, case in cases.items()]
     jobs += [(case, crank, longer[name], finer) for name, case in cases.items() for crank in cranks]
     runs = each_in_threads(lambda job: press_to_stops(*job, solver), jobs, progress)
     checked = dict(zip(cases, runs, strict=False))
@@ -155,7 +161,7 @@ def backlash(
 def with_single_clearance(reducer: Reducer, kind: str) -> Reducer:
     """Return the design with the clearance of one kind of pairs only, without errors, friction and weight."""
     design = reducer.design
-    others = {other: NO_CLEARANCE for other in design.pair_kinds if other != kind}
+    others = {other: PRESS.no_clearance for other in design.pair_kinds if other != kind}
     clearance = design.clearance.model_copy(update=others)
     output = design.output.model_copy(update={"hole_radius": design.output.pin_radius + design.gear.eccentricity})
     exact = {"clearance": clearance, "errors": Errors(), "modification": Modification(), "output": output}
@@ -169,17 +175,21 @@ def press_to_stops(
 
     `longer` multiplies the time at each torque, `finer` divides the time step.
     """
-    torque = PRESS * reducer.design.rated_torque
-    dwell = longer * SETTLING * rotation_time(reducer, limits.widest_play(reducer, crank), torque)
-    levels = torque * np.array(LEVELS)
+    torque = PRESS.share * reducer.design.rated_torque
+    dwell = longer * PRESS.settling * rotation_time(reducer, limits.widest_play(reducer, crank), torque)
+    levels = torque * np.array(PRESS.levels)
 
     def signal(time: Array) -> Array:
-        return levels[np.minimum(time / dwell, len(LEVELS) - 0.5).astype(int)]
+        return levels[np.minimum(time / dwell, len(PRESS.levels) - 0.5).astype(int)]
 
-    largest, duration, samples = max(LEVELS) * torque, len(LEVELS) * dwell, len(LEVELS) * SAMPLES
+    largest, duration, samples = (
+        max(PRESS.levels) * torque,
+        len(PRESS.levels) * dwell,
+        len(PRESS.levels) * PRESS.samples,
+    )
     run = bench.run_to_the_end(reducer, crank, signal, largest, duration, samples, finer, solver)
     turn, phase = output_error(run, reducer), run.time / dwell
-    ends = [float(turn[(phase > n + 1 - READ_SHARE) & (phase < n + 1)].mean()) for n in range(len(LEVELS))]
+    ends = [float(turn[(phase > n + 1 - PRESS.read_share) & (phase < n + 1)].mean()) for n in range(len(PRESS.levels))]
     return StopPair(crank, low=2.0 * ends[5] - ends[4], high=2.0 * ends[2] - ends[1], run=run)
 
 
@@ -260,17 +270,18 @@ def _curves(reducer: Reducer, by_kind: dict[str, list[StopPair]], closed: dict[s
 
 def _assumptions(reducer: Reducer, runs: list[Run], solver: Solver) -> tuple[str, ...]:
     """List the assumptions of the runs."""
-    torque = PRESS * reducer.design.rated_torque
+    torque = PRESS.share * reducer.design.rated_torque
     return (
         f"the crank is locked; the output is pressed against its stops by {torque:.2g} and {2.0 * torque:.2g} N m, and "
         "the line through both angles is extrapolated to zero torque",
         "without friction and weight; `measure lost-motion` includes them",
         "contacts have their stiffness under the rated load, whose effect the extrapolation removes: "
         f"{reducer.contacts.working_forces_text(reducer.design.pair_kinds)}",
-        f"a clearance alone: the others are {1e6 * NO_CLEARANCE:g} um, without manufacturing errors and modification",
-        f"time step {bench.steps_text(runs)}; numerical error: change with {LONGER:g} times the time at each torque "
-        f"and a {FINER:g} times shorter time step at the first crank angle, and the error of the turn's mean and "
-        "extremes by its angles (by the closed form, and by the scatter of the remainder)",
+        f"a clearance alone: the others are {1e6 * PRESS.no_clearance:g} um, without manufacturing errors and "
+        "modification",
+        f"time step {bench.steps_text(runs)}; numerical error: change with {PRESS.longer:g} times the time at each "
+        f"torque and a {PRESS.finer:g} times shorter time step at the first crank angle, and the error of the turn's "
+        "mean and extremes by its angles (by the closed form, and by the scatter of the remainder)",
         *(assumptions(reducer, "all runs") if solver == "planar" else ()),
     )
 

@@ -8,7 +8,7 @@ be stable where friction holds the pin. A run that fails is repeated with half t
 
 import math
 from collections.abc import Iterable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,46 +29,46 @@ from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer, once
 
-LONGEST_STEP = 10e-6
-"""Longest time step [s]: bodies as heavy as the disc follow a slow torque as with any shorter one."""
 
-LONGEST_PLANAR_STEP = 0.5 * planar_steps.SETTINGS.max_step
-"""Longest time step of the planar solver without a turning crank [s]: with longer ones a free pin without friction
-chatters.
+@dataclass(frozen=True)
+class BenchSettings:
+    """Settings of the time step and the contacts of runs with a locked crank and a slow torque."""
 
-Clearance of a free pin on the disc alone, pressed for 1 to 3 times the usual time: at 17.5 us equal within 0.003 %, at
-23 us within 1 %, at 35 us within 14 %.
-"""
+    max_step: float = 10e-6
+    """Longest time step [s]: bodies as heavy as the disc follow a slow torque as with any shorter one."""
+    max_planar_step: float = 0.5 * planar_steps.SETTINGS.max_step
+    """Longest time step of the planar solver without a turning crank [s]: with longer ones a free pin without friction
+    chatters.
 
-STEPS_OF_SWING = 16.0
-"""Time steps in an oscillation of the output on all contacts where no pins move; used if that step is longer.
+    Clearance of a free pin on the disc alone, pressed for 1 to 3 times the usual time: at 17.5 us equal within 0.003 %,
+    at 23 us within 1 %, at 35 us within 14 %.
+    """
+    steps_per_swing: float = 16.0
+    """Time steps in an oscillation of the output on all contacts where no pins move; used if that step is longer.
 
-With a longer step friction is fully developed from a lower speed on (`prepare_bench`), so the loops of soft drives
-come nearer to those of statics. Plastic drives with 60 to 250 um at the rated torque and oscillations of 1.9 to 3.1 ms
-differ from statics with friction and weight by 1 to 5 % of lost motion at 17.5 us and by 0.1 to 5 % at this step, and
-by 3 to 14 % and 3 to 11 % of stiffness; without friction both steps differ by less than 0.2 %.
-"""
+    With a longer step friction is fully developed from a lower speed on (`prepare_bench`), so the loops of soft drives
+    come nearer to those of statics. Plastic drives with 60 to 250 um at the rated torque and oscillations of 1.9 to 3.1
+    ms differ from statics with friction and weight by 1 to 5 % of lost motion at 17.5 us and by 0.1 to 5 % at this
+    step, and by 3 to 14 % and 3 to 11 % of stiffness; without friction both steps differ by less than 0.2 %.
+    """
+    pin_step: float = 0.5
+    """Time step relative to the stability limit 2 sqrt(m/k) of a pressed pin that rolls in its clearance."""
+    held_pin_step: float = 1.5
+    """The same where friction holds the pin: it does up to about twice that limit (36 and 21 free pins)."""
+    max_halvings: int = 3
+    """Number of times that the time step of a failed run is halved."""
+    contact_step: float = 2.0
+    """Time step for which contacts are designed, over that of the run. The added mass of a run is the smallest that is
+    stable, and light pins with a long step would oscillate on it. Four times as much stops this, and does not affect a
+    slow motion."""
+    friction_step: float = 3.0
+    """Further factor on that step for contacts with friction: their added mass, which does not affect a slow motion, is
+    larger by its square, and their creep speed may be lower by as much."""
+    damping_ratio: float = 1.0
+    """Damping of contacts as a share of critical: parts that cross their play settle soon; at rest it has no effect."""
 
-STEP_SHARE = 0.5
-"""Time step relative to the stability limit 2 sqrt(m/k) of a pressed pin that rolls in its clearance."""
 
-HELD_SHARE = 1.5
-"""The same where friction holds the pin: it does up to about twice that limit (36 and 21 free pins)."""
-
-MOST_HALVINGS = 3
-"""Number of times that the time step of a failed run is halved."""
-
-STEADIER = 2.0
-"""Time step for which contacts are designed, over that of the run. The added mass of a run is the smallest that is
-stable, and light pins with a long step would oscillate on it. Four times as much stops this, and does not affect a slow
-motion."""
-
-HEAVIER = 3.0
-"""Further factor on that step for contacts with friction: their added mass, which does not affect a slow motion, is
-larger by its square, and their creep speed may be lower by as much."""
-
-DAMPING_RATIO = 1.0
-"""Damping of contacts as a share of critical: parts that cross their play settle soon; at rest it has no effect."""
+BENCH = BenchSettings()
 
 
 def crank_angles(reducer: Reducer, count: int) -> Array:
@@ -90,21 +90,21 @@ def step(reducer: Reducer, torque: float, solver: Solver = "planar") -> float:
     if design.settings.timestep:
         return design.settings.timestep
     if solver == "planar":
-        return LONGEST_PLANAR_STEP if design.ring.has_pin_bodies else _longest_without_pins(reducer)
+        return BENCH.max_planar_step if design.ring.has_pin_bodies else _longest_without_pins(reducer)
     ring, kind = design.ring, "pin_sleeve" if design.ring.has_sleeves else "pin_socket"
     if not ring.has_pin_bodies or torque == 0.0:
-        return LONGEST_STEP
+        return BENCH.max_step
     sticks = min(design.friction_of("pin_gear"), design.friction_of(kind)) > 0.0
     bore = ring.sleeve_bore_radius if ring.has_sleeves else 0.0
     mass = math.pi * (ring.pin_radius**2 - bore**2) * design.gear.face_width * design.material_of("pin").density
     force = float(ideal_loads.ideal_load_sharing(tooth_profile(design), abs(torque), 0.0).forces.max())
     bowl = force / (design.pin_play + force / reducer.contacts[kind].stiffness)
-    return min(LONGEST_STEP, (HELD_SHARE if sticks else STEP_SHARE) * 2.0 * math.sqrt(mass / bowl))
+    return min(BENCH.max_step, (BENCH.held_pin_step if sticks else BENCH.pin_step) * 2.0 * math.sqrt(mass / bowl))
 
 
 def _longest_without_pins(reducer: Reducer) -> float:
     """Compute the planar solver's step [s] where no pins move."""
-    return max(LONGEST_PLANAR_STEP, swing_period(reducer) / STEPS_OF_SWING)
+    return max(BENCH.max_planar_step, swing_period(reducer) / BENCH.steps_per_swing)
 
 
 def prepare_bench(
@@ -117,9 +117,11 @@ def prepare_bench(
     """
     design = reducer.design
     timestep = step(reducer, torque, solver) / finer
-    slowest = _rubbing(reducer) / (IMPRATIO * HEAVIER**2 * reducer.contacts[design.tooth_pair].stiffness * timestep)
+    slowest = _rubbing(reducer) / (
+        IMPRATIO * BENCH.friction_step**2 * reducer.contacts[design.tooth_pair].stiffness * timestep
+    )
     creep = min(design.contact.creep_speed or math.inf, slowest or reducer.contacts.creep_speed)
-    contact = {"damping_ratio": DAMPING_RATIO, "creep_speed": creep}
+    contact = {"damping_ratio": BENCH.damping_ratio, "creep_speed": creep}
     return Reducer(
         design.model_copy(
             update={
@@ -137,7 +139,7 @@ def locked_run(reducer: Reducer, crank: float, torque: Signal, solver: Solver = 
     if solver == "planar":
         planar = _planar(reducer.but(drive={"ramp": 0.0, "hold": 1.0}, settings={"log_rate": 1.0 / timestep}), timestep)
         return simulate(reducer.design, planar, locked_crank(planar, crank, torque))
-    made_for = timestep * STEADIER * (HEAVIER if _rubbing(reducer) else 1.0)
+    made_for = timestep * BENCH.contact_step * (BENCH.friction_step if _rubbing(reducer) else 1.0)
     drive = Drive(rotor_inertia=reducer.design.drive.rotor_inertia)
     same = {"drive": drive, "load": Load(), "settings": Settings(timestep=made_for)}
     compiled = _reducer(Reducer(reducer.design.model_copy(update=same)), timestep)
@@ -184,7 +186,7 @@ def run_to_the_end(
         The run failed at the shortest time step, too.
     """
     shortest, problem = 0.0, None
-    for halvings in range(MOST_HALVINGS + 1):
+    for halvings in range(BENCH.max_halvings + 1):
         prepared = prepare_bench(reducer, largest, duration, samples, finer * 2.0**halvings, solver)
         shortest = prepared.design.settings.timestep
         try:
@@ -193,7 +195,7 @@ def run_to_the_end(
             problem = error
     raise RunError(
         f"with the crank locked at {math.degrees(crank):.1f} deg and up to {largest:.4g} N m on the output: {problem} "
-        f"(the step was halved {MOST_HALVINGS} times, to {1e6 * shortest:.3g} us)"
+        f"(the step was halved {BENCH.max_halvings} times, to {1e6 * shortest:.3g} us)"
     ) from problem
 
 

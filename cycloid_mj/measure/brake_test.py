@@ -23,12 +23,6 @@ DECAY = 2e-3
 """Time [s] in which the motor's slope damps the oscillation to 1/e: with the paper's motor, 5 % of its speed consume
 all of its torque, as with induction motors (2 to 10 %)."""
 
-RISE = 2e-3
-"""Rise time of the torque [s]."""
-
-SETTLED = 15e-3
-"""Time after which a run is evaluated [s]: the oscillation is then below 0.2 % of the torque."""
-
 
 def run_brake_test(reducer: Reducer, torque: float, periods: int, solver: Solver = "planar") -> Run:
     """Run with a torque on the crank [N m] against the brake; return the samples of some mesh periods.
@@ -41,9 +35,10 @@ def run_brake_test(reducer: Reducer, torque: float, periods: int, solver: Solver
     compiled = model_for(solver, reducer, held="output")
     slope = 2.0 * compiled.crank_inertia / DECAY if torque else 0.0
     compiled = with_slope(compiled, slope)
-    drive = rising(math.copysign(torque, torque * speed), RISE)
+    drive = rising(math.copysign(torque, torque * speed), 2e-3)
     course = braked_output(compiled, reducer, lambda time: drive(time) + slope * speed)
-    settled = max(SETTLED, _drift(reducer, torque, slope) / slowness(reducer))
+    # the oscillation is below 0.2 % of the torque then
+    settled = max(15e-3, _drift(reducer, torque, slope) / slowness(reducer))
     return run_steady(reducer, settled, periods, solver, compiled, course)
 
 

@@ -9,16 +9,11 @@ from cycloid_mj.parts import gear_solid, mass_properties
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.friction import ideal_losses
 
-CRANK_ANGLES = 360
 AS_BUILT = (
     "compliance of the cam and clearances let the disc move sideways, so that contacts with larger sliding speeds "
     "carry more than ideally"
 )
 """Why a design differs from ideal sharing: with a stiff cam alone the difference is below half a point."""
-NO_CLEARANCE = 1e-9
-"""Clearance [m] that counts as none."""
-HOLDING, STIFFEST = 3e11, 1e12
-"""Stiffness of a rigid cam relative to the mass of the disc [1/s2], and the design file's limit [N/m]."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +31,7 @@ def ideal_efficiency(reducer: Reducer, load: float) -> Closed:
     """
     design = reducer.design
     carried = load + design.drag.output
-    crank = np.linspace(0.0, 2.0 * np.pi, CRANK_ANGLES, endpoint=False)
+    crank = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)
     lost = sum(ideal_losses(reducer.but(load={"torque": carried}), crank, design.mesh_friction))
     supplied = carried / of_output(reducer, 1.0 / (1.0 + lost))
     return Closed(load / (supplied + design.drag.crank * design.reduction), "ideal sharing, Coulomb")
@@ -51,9 +46,10 @@ def ideal_limit(reducer: Reducer) -> Reducer:
     gear = mass_properties(gear_solid(reducer)).mass
     return reducer.but(
         ring={} if design.ring.kind == "nonpin" else {"pins": "fixed"},
-        clearance=dict.fromkeys((design.tooth_pair, "cam", "output"), NO_CLEARANCE),
+        clearance=dict.fromkeys((design.tooth_pair, "cam", "output"), 1e-9),
         friction={design.tooth_pair: design.mesh_friction},
-        stiffness={"cam": min(HOLDING * gear, STIFFEST)},
+        # per mass of the disc [1/s2], and the limit of the design file
+        stiffness={"cam": min(3e11 * gear, 1e12)},
         contact={"stiffness_law": "uniform"},
         settings={"timestep": 0.0},
     )

@@ -18,8 +18,7 @@ from cycloid_mj.measure.back_driving import BreakAway, break_away
 from cycloid_mj.measure.brake_test import run_brake_test
 from cycloid_mj.measure.closed_form import ideal_limit
 from cycloid_mj.measure.conditions import halve_time_step
-from cycloid_mj.measure.spread import PERIODS as SPREAD_PERIODS
-from cycloid_mj.measure.spread import Input, InputEffect, inputs, pair_rates, slow_ends
+from cycloid_mj.measure.spread import INPUTS, Input, InputEffect, inputs, pair_rates, slow_ends
 from cycloid_mj.measure.steady import SETTLING_TIME, first_half, run_steady, whole_periods
 from cycloid_mj.reducer import Reducer
 
@@ -149,7 +148,7 @@ def run_map(
     assumed = inputs(reducer)
     varied: dict[Hashable, Reducer] = {end: Reducer(end) for one in assumed for end in one.ends}
     varied |= {value: sensitivity.with_common_friction(reducer, value) for value in sensitivity.COMMON}
-    tasks |= {key: partial(forward, massless(one), rated, speed, SPREAD_PERIODS, solver) for key, one in varied.items()}
+    tasks |= {key: partial(forward, massless(one), rated, speed, INPUTS.periods, solver) for key, one in varied.items()}
     points = all_in_threads(tasks, progress)
     slow = slow_ends(assumed)
     named = {_run_name(key, points[key], assumed): points[key].reducer for key in tasks if key not in slow}
@@ -188,7 +187,7 @@ def backward(reducer: Reducer, torque: float, periods: int, solver: Solver) -> P
             run = run_brake_test(reducer, torque, whole_periods(reducer, periods, torque), solver)
         return _point(torque, reducer.design.drive.speed, run, reducer)
     speed, driving = reducer.design.drive.speed, torque * reducer.design.reduction
-    point = forward(reducer, -driving, speed, SPREAD_PERIODS, solver)
+    point = forward(reducer, -driving, speed, INPUTS.periods, solver)
     if point.powers.efficiency > 0.0:
         point = forward(reducer, -driving / point.powers.efficiency, speed, periods, solver)
     return replace(point, torque=torque)

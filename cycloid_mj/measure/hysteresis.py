@@ -26,23 +26,29 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.structure import wind_up
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE, STRAIGHT
 
-POWER = 5
-TO_ZERO = (0.005, 0.015)
-"""Part of the unloading branch that is extrapolated to zero, relative to the rated torque."""
 
-WINDOW = 0.2
-"""Half width of the range of a reading, relative to its torque."""
+@dataclass(frozen=True)
+class HysteresisSettings:
+    """Settings of the torque loop at a locked crank, and of its readings."""
 
-ARRIVAL = 0.003
-"""Torque at which a reducer without friction has crossed its clearance, relative to the rated one: a tenth of 3 %."""
+    power: int = 5
+    """Power of the sine."""
+    unloading: tuple[float, float] = (0.005, 0.015)
+    """Part of the unloading branch that is extrapolated to zero, relative to the rated torque."""
+    window: float = 0.2
+    """Half width of the range of a reading, relative to its torque."""
+    arrival: float = 0.003
+    """Torque at which a reducer without friction has crossed its clearance, relative to the rated one: a tenth of 3
+    %."""
+    slowness: float = 40.0
+    """Least period of the loop in periods of the lowest vibration of output and gear on the reducer's stiffness."""
+    samples: int = 2000
+    """Samples of a period."""
+    lead: float = 0.25
+    """Periods before the loop."""
 
-SLOWNESS = 40.0
-"""Least period of the loop in periods of the lowest vibration of output and gear on the reducer's stiffness."""
 
-SAMPLES = 2000
-"""Samples of a period."""
-
-LEAD = 0.25
+LOOP = HysteresisSettings()
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +85,7 @@ class HysteresisLoop:
 
         `side` is +1 or -1; `values` (n,) instead of the turn.
         """
-        line = self._line((1.0 - WINDOW) * share, (1.0 + WINDOW) * share, loading, side, values)
+        line = self._line((1.0 - LOOP.window) * share, (1.0 + LOOP.window) * share, loading, side, values)
         return float(np.polyval(line, side * share * self.rated))
 
     def middle(self, share: float, side: int, values: Array | None = None) -> float:
@@ -94,7 +100,7 @@ class HysteresisLoop:
     @property
     def backlash(self) -> float:
         """Turn between the unloading branches, extrapolated to zero torque [rad]."""
-        low, high = (float(np.polyval(self._line(*TO_ZERO, False, side), 0.0)) for side in (-1, 1))
+        low, high = (float(np.polyval(self._line(*LOOP.unloading, False, side), 0.0)) for side in (-1, 1))
         return high - low
 
     @property
@@ -110,7 +116,7 @@ class HysteresisLoop:
     @property
     def dissipated(self) -> float:
         """Work of friction and contacts over the period by the log [J]; stored energy is released at its end."""
-        within = self.run.select(self.run.time >= LEAD / (1.0 + LEAD) * self.run.time[-1])
+        within = self.run.select(self.run.time >= LOOP.lead / (1.0 + LOOP.lead) * self.run.time[-1])
         names = [name for name in within.columns if name.endswith((FRICTION_POWER, NORMAL_POWER))]
         return float(np.trapezoid(within.block(names).sum(axis=1), within.time))
 
@@ -135,23 +141,23 @@ class HysteresisLoop:
     def _line(self, low: float, high: float, loading: bool, side: int, values: Array | None = None) -> Array:
         quarter = {(False, 1): 0, (True, -1): 1, (False, -1): 2, (True, 1): 3}[loading, side]
         share = side * self.torque / self.rated
-        near = (np.floor((self.phase - LEAD) * 4.0) == quarter) & (low <= share) & (share <= high)
+        near = (np.floor((self.phase - LOOP.lead) * 4.0) == quarter) & (low <= share) & (share <= high)
         chosen = self.turn if values is None else values
         return np.asarray(np.polyfit(self.torque[near], chosen[near], 1))
 
 
 def signal(rated: float, period: float) -> Signal:
     """Return the torque of the loop [N m]."""
-    return lambda time: rated * np.sin(2.0 * np.pi * time / period) ** POWER
+    return lambda time: rated * np.sin(2.0 * np.pi * time / period) ** LOOP.power
 
 
 def loop(
     reducer: Reducer, crank: float, rated: float, period: float, finer: float = 1.0, solver: Solver = "planar"
 ) -> HysteresisLoop:
     """Run the loop at a crank angle [rad]; `period` [s]; `finer` divides the step, see `bench.run_to_the_end`."""
-    duration, samples = (1.0 + LEAD) * period, round((1.0 + LEAD) * SAMPLES)
+    duration, samples = (1.0 + LOOP.lead) * period, round((1.0 + LOOP.lead) * LOOP.samples)
     run = bench.run_to_the_end(reducer, crank, signal(rated, period), rated, duration, samples, finer, solver)
-    whole = run.select(run.time >= LEAD * period)
+    whole = run.select(run.time >= LOOP.lead * period)
     return HysteresisLoop(
         crank=crank,
         rated=rated,
@@ -168,9 +174,9 @@ def slow_period(reducer: Reducer, rated: float) -> float:
     """Compute the period [s] of a loop in which inertia does not matter.
 
     The torque's T (omega t)^5 carries output and gear, inertia J [kg m2], over their play b [rad] in
-    (omega t)^7 = 42 J b omega^2/T; it has then the share (omega t)^5 of T, which shall be `ARRIVAL`. And the period is
-    at least `SLOWNESS` periods of J on the stiffness of the reducer.
+    (omega t)^7 = 42 J b omega^2/T; it has then the share (omega t)^5 of T, which shall be `LOOP.arrival`. And the
+    period is at least `LOOP.slowness` periods of J on the stiffness of the reducer.
     """
     inertia = turning_inertia(reducer)
-    crossing = math.sqrt(ARRIVAL ** (7.0 / POWER) * rated / (42.0 * inertia * max(reducer.play, 1e-9)))
-    return 2.0 * math.pi * max(1.0 / crossing, SLOWNESS * math.sqrt(inertia / closed_stiffness(reducer)))
+    crossing = math.sqrt(LOOP.arrival ** (7.0 / LOOP.power) * rated / (42.0 * inertia * max(reducer.play, 1e-9)))
+    return 2.0 * math.pi * max(1.0 / crossing, LOOP.slowness * math.sqrt(inertia / closed_stiffness(reducer)))

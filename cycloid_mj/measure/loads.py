@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -30,20 +30,26 @@ from cycloid_mj.reducer.contact import HERTZ_REACH, STRIBECK
 from cycloid_mj.statics.ideal import ideal_peak
 from cycloid_mj.statics.sheet import disc_shares, reaction_quantities
 
-CHECKED = 2
-"""Mesh periods of the runs with half the time step, and of those for the capacity."""
 
-MAX_ITERATIONS, CAPACITY_RTOL = 4, 0.01
-"""Iterations of the capacity at most, and its relative tolerance."""
+@dataclass(frozen=True)
+class LoadSettings:
+    """Settings of the loads, and of the fixed-point iteration for the capacity."""
 
-DEEPEST = 1e-3
-"""Largest penetration of a contact that a design may allow [m]."""
+    periods: int = 2
+    """Mesh periods of the runs with half the time step, and of those for the capacity."""
+    max_iterations: int = 4
+    capacity_rtol: float = 0.01
+    """Iterations of the capacity at most, and its relative tolerance."""
+    max_penetration: float = 1e-3
+    """Largest penetration of a contact that a design may allow [m]."""
+    per_period: int = 24
+    """Crank angles of ideal load sharing in a mesh period."""
+    shown: int = 4
+    """Number of contacts of a kind whose forces are drawn."""
 
-PER_MESH_PERIOD = 24
-"""Crank angles of ideal load sharing in a mesh period."""
 
-SHOWN = 4
-"""Number of contacts of a kind whose forces are drawn."""
+LOADS = LoadSettings()
+
 
 FIRST_YIELD = "capacity: torque at which a contact first yields, below its surface"
 SHAKEDOWN = "shakedown limit: largest torque with elastic repeated rolling"
@@ -99,7 +105,10 @@ def loads(
     if not torque > 0.0:
         raise UsageError(f"the torque is {torque:g} N m; it must be more than 0")
     loaded = steady_design(reducer).but(load={"torque": torque})
-    work = [(loaded, CHECKED if quick else reducer.mesh_periods), (halve_time_step(loaded, solver), CHECKED)]
+    work = [
+        (loaded, LOADS.periods if quick else reducer.mesh_periods),
+        (halve_time_step(loaded, solver), LOADS.periods),
+    ]
     whole = len(work) + 1
     run, finer = each_in_threads(
         lambda one: run_steady(one[0], SETTLING_TIME, one[1], solver), work, lambda done, _: progress(done, whole)
@@ -155,7 +164,7 @@ def _peak_excess(reducer: Reducer, one: ContactPressures) -> float:
 
     It is 0 where the samples cover the turn.
     """
-    turn = np.linspace(0.0, 2.0 * math.pi, PER_MESH_PERIOD * reducer.design.ring.teeth + 1)
+    turn = np.linspace(0.0, 2.0 * math.pi, LOADS.per_period * reducer.design.ring.teeth + 1)
     return max(0.0, ideal_peak(reducer, one.kind, turn) / ideal_peak(reducer, one.kind, one.angle) - 1.0)
 
 
@@ -179,16 +188,16 @@ def _capacity(
     `allowed` is the pressure relative to the yield strength, `unsure` the relative error of the forces of these runs.
     """
     allowed_depth = penetration_limit(reducer)
-    for _ in range(MAX_ITERATIONS):
+    for _ in range(LOADS.max_iterations):
         # penetration grows with the force: its limit is to detect failed runs, so it grows as well
-        deeper = min(allowed_depth * max(1.0, torque / reducer.design.load.torque), DEEPEST)
+        deeper = min(allowed_depth * max(1.0, torque / reducer.design.load.torque), LOADS.max_penetration)
         guess = reducer.but(load={"torque": torque}, contact={"max_penetration": deeper})
-        run = run_steady(guess, SETTLING_TIME, CHECKED, solver)
+        run = run_steady(guess, SETTLING_TIME, LOADS.periods, solver)
         factor = _limits(contact_pressures(run, reducer), reducer, allowed).get(weakest)
         if factor is None:
             return _no_capacity(key, name)
         before, torque = torque, torque * factor
-        if abs(torque - before) < CAPACITY_RTOL * torque:
+        if abs(torque - before) < LOADS.capacity_rtol * torque:
             break
     rated = reducer.design.rated_torque
     return Quantity(
@@ -198,7 +207,7 @@ def _capacity(
         "N m",
         error=abs(torque - before) + unsure * torque,
         note=f"limited by {weakest}, whose largest pressure reaches {allowed:.3g} x the yield strength at "
-        f"{torque / rated:.2f} of the rated {rated:.4g} N m; over {CHECKED} mesh periods",
+        f"{torque / rated:.2f} of the rated {rated:.4g} N m; over {LOADS.periods} mesh periods",
     )
 
 
@@ -293,8 +302,8 @@ def _contacts(one: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
     peaks = one.force.max(axis=0)
     loaded = np.flatnonzero(peaks > CARRYING_SHARE * one.peak_force)
     most = int(np.argmax(peaks))
-    spread = loaded[np.linspace(0, len(loaded) - 1, min(SHOWN, len(loaded))).astype(int)]
-    places = sorted({*spread[spread != most][: SHOWN - 1].tolist(), most})
+    spread = loaded[np.linspace(0, len(loaded) - 1, min(LOADS.shown, len(loaded))).astype(int)]
+    places = sorted({*spread[spread != most][: LOADS.shown - 1].tolist(), most})
     panel = f"{one.kind}: force on {len(places)} of the {len(loaded)} that carry, of {len(peaks)}"
     degrees = np.degrees(one.angle)
     if one.kind == reducer.design.tooth_pair:
@@ -365,8 +374,8 @@ def _assumptions(reducer: Reducer) -> tuple[str, ...]:
         "each side (conformal, as pins in close sockets)",
         bearing,
         f"a contact counts as loaded from {CARRYING_SHARE:.0%} of the largest force of its kind; numerical error: "
-        f"change with half the time step over the first {CHECKED} mesh periods, for means plus half the change "
+        f"change with half the time step over the first {LOADS.periods} mesh periods, for means plus half the change "
         "between the halves of the samples, for peaks plus their excess over a full turn by ideal sharing; for the "
-        f"capacity also the change in its last iteration, and the excess of all samples above its {CHECKED} mesh "
+        f"capacity also the change in its last iteration, and the excess of all samples above its {LOADS.periods} mesh "
         "periods",
     )

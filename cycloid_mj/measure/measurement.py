@@ -12,9 +12,6 @@ from cycloid_mj.base.result import Curve, Quantity, Table, quantity_frame
 from cycloid_mj.design import Design, material_limits
 from cycloid_mj.figures import of_measure, values_json
 
-FIRST = 3
-"""Quantities in the line of a measurement."""
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Measurement(Presented):
@@ -69,7 +66,7 @@ class Measurement(Presented):
     @property
     def line(self) -> str:
         """Measure, design, condition, and the first quantities."""
-        first = ", ".join(_short(key, quantity) for key, quantity in islice(self.quantities.items(), FIRST))
+        first = ", ".join(_short(key, quantity) for key, quantity in islice(self.quantities.items(), 3))
         return f"{self.measure} of {self.design.name}{f', {self.condition}' if self.condition else ''}; {first}"
 
     def as_json(self) -> dict[str, Any]:

@@ -23,12 +23,6 @@ from cycloid_mj.reducer.limits import CAM_SIDES, stops_at
 COARSE_SIDES = 180
 """Sides of the polygon around the cam's clearance over a full turn, where many angles are solved: 1.6e-4 too large."""
 
-PER_MESH_PERIOD = 6
-"""Crank angles in a mesh period over a full turn."""
-
-MIN_TURN_ANGLES = 180
-"""Crank angles over a full turn at least, which matters for few teeth."""
-
 
 def has_linear_gaps(reducer: Reducer) -> bool:
     """Return whether `stops_at` includes all gaps; it neglects the shape of modified flanks."""
@@ -98,4 +92,5 @@ def backlash_over_turn(reducer: Reducer) -> tuple[Array, Array]:
 
 def turn_angles(reducer: Reducer) -> Array:
     """Compute crank angles [rad] that resolve the mesh over a full turn, including both ends."""
-    return np.linspace(0.0, 2.0 * np.pi, max(PER_MESH_PERIOD * reducer.design.ring.teeth, MIN_TURN_ANGLES) + 1)
+    # at least 180 in all, which matters for few teeth
+    return np.linspace(0.0, 2.0 * np.pi, max(6 * reducer.design.ring.teeth, 180) + 1)

@@ -14,9 +14,6 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.statistics import student_half_width
 
-TWO_SIDED = 0.683
-"""Confidence level of an error: that of one standard deviation."""
-
 
 @dataclass(frozen=True, eq=False)
 class Known:
@@ -40,7 +37,8 @@ def error_of_mean(values: npt.ArrayLike, known: Known | None = None) -> float | 
     if rest.size == 1:
         return None if known is None else abs(explained(np.mean))
     spread = float(rest.std(ddof=1)) / np.sqrt(rest.size)
-    return abs(explained(np.mean)) + student_half_width(rest.size - 1, TWO_SIDED) * spread
+    # the coverage of one standard deviation
+    return abs(explained(np.mean)) + student_half_width(rest.size - 1, 0.683) * spread
 
 
 def error_of_extreme(values: npt.ArrayLike, largest: bool, known: Known | None = None) -> float | None:

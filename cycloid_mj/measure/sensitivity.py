@@ -13,8 +13,6 @@ from cycloid_mj.measure.published import Published
 from cycloid_mj.measure.steady import steady_design
 from cycloid_mj.reducer import Reducer
 
-SLIDING = (0.0, 0.1)
-"""Coefficients of a sliding pair, varied one pair at a time."""
 ROLLING = (0.0, 0.003)
 """Coefficients of a rolling bearing: none, and the largest of caged needles (JTEKT)."""
 COMMON = (0.0, 0.02, 0.05, 0.1)
@@ -146,7 +144,7 @@ def _of_ring(reducer: Reducer, quick: bool) -> list[FrictionVariant]:
         rows += [
             FrictionVariant(pins, pair, value, reducer.but(friction={pair: value}).design)
             for pair in pairs
-            for value in SLIDING
+            for value in (0.0, 0.1)
         ]
     return rows + [FrictionVariant(pins, EVERY, value, with_common_friction(reducer, value).design) for value in COMMON]
 

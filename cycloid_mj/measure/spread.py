@@ -11,23 +11,33 @@ from cycloid_mj.base.result import Table
 from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
 
-CLEARANCE_FACTORS = (0.5, 2.0)
-"""Factors on a clearance: measured against drawn."""
-MAX_CLEARANCE = 1e-3
-"""Largest clearance that a design may have [m]."""
-CAM_CLEARANCE_FACTORS = (0.1, 2.0)
-"""Factors on the cam's clearance, down to a nearly preloaded bearing."""
-CAM_STIFFNESS_FACTORS = (0.5, 4.0)
-"""Factors on the cam's stiffness: a row of few rollers, and about that of a plain journal without play."""
-TOOTH_FRICTION = (0.02, 0.1)
-"""Friction of lubricated hardened steel on steel, from a full film to boundary lubrication (assumed)."""
-BEARING_FRICTION = (0.001, 0.003)
-"""Friction of rolling bearings: cylindrical rollers 0.0008 to 0.0012, needles with a cage 0.0020 to 0.0030 (JTEKT)."""
-CREEP, DAMPING = (0.001, 0.02), (0.1, 0.5)
-"""Parameters that regularise the contacts: creep speed [m/s] and damping ratio."""
 
-PERIODS = 4
-"""Mesh periods of a run with a varied input at least."""
+@dataclass(frozen=True)
+class InputRanges:
+    """Plausible ranges of the assumed inputs of a rate."""
+
+    clearance: tuple[float, float] = (0.5, 2.0)
+    """Factors on a clearance: measured against drawn."""
+    max_clearance: float = 1e-3
+    """Largest clearance that a design may have [m]."""
+    cam_clearance: tuple[float, float] = (0.1, 2.0)
+    """Factors on the cam's clearance, down to a nearly preloaded bearing."""
+    cam_stiffness: tuple[float, float] = (0.5, 4.0)
+    """Factors on the cam's stiffness: a row of few rollers, and about that of a plain journal without play."""
+    tooth_friction: tuple[float, float] = (0.02, 0.1)
+    """Friction of lubricated hardened steel on steel, from a full film to boundary lubrication (assumed)."""
+    bearing_friction: tuple[float, float] = (0.001, 0.003)
+    """Friction of rolling bearings: cylindrical rollers 0.0008 to 0.0012, needles with a cage 0.0020 to 0.0030
+    (JTEKT)."""
+    creep: tuple[float, float] = (0.001, 0.02)
+    """Creep speed that regularises friction [m/s]."""
+    damping: tuple[float, float] = (0.1, 0.5)
+    """Damping ratio of the contacts."""
+    periods: int = 4
+    """Mesh periods of a run with a varied input at least."""
+
+
+INPUTS = InputRanges()
 
 
 @dataclass(frozen=True)
@@ -92,21 +102,21 @@ def inputs(reducer: Reducer) -> list[Input]:
     seats = [kind for kind in design.pair_kinds if kind not in ("cam", "output")]
     stiffness = reducer.contacts["cam"].stiffness
     return [
-        _play(reducer, "mesh play", seats, CLEARANCE_FACTORS),
-        _play(reducer, "cam play", ["cam"], CAM_CLEARANCE_FACTORS),
+        _play(reducer, "mesh play", seats, INPUTS.clearance),
+        _play(reducer, "cam play", ["cam"], INPUTS.cam_clearance),
         _input(
             reducer,
             "cam stiffness",
             "N/m",
             "stiffness",
             ["cam"],
-            [share * stiffness for share in CAM_STIFFNESS_FACTORS],
+            [share * stiffness for share in INPUTS.cam_stiffness],
         ),
-        _input(reducer, "friction of the teeth", "1", "friction", seats, TOOTH_FRICTION),
-        _bearing(reducer, "cam", design.gear.bearing == "rolling", BEARING_FRICTION),
-        _bearing(reducer, "output", design.output.has_needles, (BEARING_FRICTION[0], plain_roller(reducer))),
-        _input(reducer, "creep speed", "mm/s", "contact", ["creep_speed"], CREEP, 1e3),
-        _input(reducer, "contact damping", "of critical", "contact", ["damping_ratio"], DAMPING),
+        _input(reducer, "friction of the teeth", "1", "friction", seats, INPUTS.tooth_friction),
+        _bearing(reducer, "cam", design.gear.bearing == "rolling", INPUTS.bearing_friction),
+        _bearing(reducer, "output", design.output.has_needles, (INPUTS.bearing_friction[0], plain_roller(reducer))),
+        _input(reducer, "creep speed", "mm/s", "contact", ["creep_speed"], INPUTS.creep, 1e3),
+        _input(reducer, "contact damping", "of critical", "contact", ["damping_ratio"], INPUTS.damping),
     ]
 
 
@@ -190,7 +200,7 @@ def _input(
 def _play(reducer: Reducer, name: str, kinds: Sequence[str], factors: Sequence[float]) -> Input:
     """Return the input of the clearances of pairs in series, which add up."""
     low, high = (
-        {kind: min(factor * getattr(reducer.design.clearance, kind), MAX_CLEARANCE) for kind in kinds}
+        {kind: min(factor * getattr(reducer.design.clearance, kind), INPUTS.max_clearance) for kind in kinds}
         for factor in factors
     )
     least, most = (sum(1e6 * play for play in end.values()) for end in (low, high))
@@ -213,5 +223,7 @@ def _between(
 
 def _bearing(reducer: Reducer, kind: str, rolls: bool, rolling: tuple[float, float]) -> Input:
     """Return the input of the friction of cam or output pins, rolling or sliding."""
-    name, key, ends = ("'s rollers", f"{kind}_rolling", rolling) if rolls else (", sliding", kind, TOOTH_FRICTION)
+    name, key, ends = (
+        ("'s rollers", f"{kind}_rolling", rolling) if rolls else (", sliding", kind, INPUTS.tooth_friction)
+    )
     return _input(reducer, f"friction of the {kind}{name}", "1", "friction", [key], ends)

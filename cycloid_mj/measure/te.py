@@ -26,8 +26,6 @@ from cycloid_mj.statics.structure import structure_text
 
 CHECKED = 3
 """Mesh periods that are run again with half the time step."""
-SOLVED = 8
-"""Crank angles of statics in a mesh period."""
 SLOW = 0.25
 """Slow crank speed relative to the design's."""
 
@@ -113,7 +111,8 @@ def _traces(
 def _statics(reducer: Reducer, case: TraceCondition, turns: int) -> ErrorCurves:
     """Compute the errors of a case by statics."""
     design = reducer.design
-    points = SOLVED * design.ring.teeth * turns + 1
+    # eight in a mesh period
+    points = 8 * design.ring.teeth * turns + 1
     crank = np.linspace(0.0, turns * reducer.mesh_turn, points)
     turning = reducer.but(drive={"speed": case.speed})
     errors = (

@@ -13,10 +13,6 @@ from cycloid_mj.measure.orders import causes
 from cycloid_mj.measure.trace import ErrorCurves, Trace, TraceCondition
 from cycloid_mj.reducer import Reducer
 
-HIGHEST = 3
-"""Mesh orders up to which orders are listed."""
-MAX_STRONGEST = 12
-"""Number of the strongest orders that are listed for a case."""
 STATICS = "statics"
 _CRANK, _ERROR = "crank angle [deg]", "error [arcsec]"
 _ORDER, _AMPLITUDE = "order [cycles in a crank turn]", "amplitude [arcsec]"
@@ -167,7 +163,7 @@ def _strongest(reducer: Reducer, trace: Trace) -> list[dict[str, Any]]:
     for place, base in _bases(reducer).items():
         seen = _spectrum(reducer, trace, place, base)
         mine = [cause for cause in causes(reducer) if cause.place == place]
-        for k in np.argsort(seen.amplitude)[::-1][:MAX_STRONGEST]:
+        for k in np.argsort(seen.amplitude)[::-1][:12]:
             order = float(seen.order[k])
             cause = next((one.key for one in mine if one.has(order)), "between")
             rows.append(
@@ -181,7 +177,7 @@ def _bases(reducer: Reducer) -> dict[str, float]:
 
 
 def _spectrum(reducer: Reducer, errors: ErrorCurves, place: str, base: float) -> Orders:
-    return periodic_orders(errors.crank, getattr(errors, place), base, HIGHEST * reducer.design.ring.teeth)
+    return periodic_orders(errors.crank, getattr(errors, place), base, 3 * reducer.design.ring.teeth)
 
 
 def _step_error(traces: Found, finer: Finer, case: TraceCondition, shaft: str, level: str) -> float | None:

@@ -82,7 +82,7 @@ def torque(
     tested |= {
         row: (massless(Reducer(row.design)), whole_periods(Reducer(row.design), sensitivity.PERIODS)) for row in rows
     }
-    periods = whole_periods(steady, spread.PERIODS)
+    periods = whole_periods(steady, spread.INPUTS.periods)
     tested |= {end: (massless(Reducer(end)), periods) for one in assumed for end in one.ends}
     tasks = {key: partial(_untold_test, one, count, solver) for key, (one, count) in tested.items()}
     last = 1 + len(published)

@@ -20,8 +20,6 @@ SETTLING, RISE = 0.020, 0.008
 """Time before the window, and rise time of the load [s]."""
 SAMPLES = 48
 """Samples of a mesh period."""
-PRESSED = 0.016
-"""Time for which the flanks are pressed together before the window [s]."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +92,7 @@ def preload_cycle(reducer: Reducer, compiled: Model, start: float = 0.0) -> Driv
     press = max(design.rated_torque - design.load.torque, 0.0)
 
     def load(time: Array) -> Array:
-        return load_torque(reducer, time) + way * press * np.sin(np.pi * np.clip(time / PRESSED, 0.0, 1.0)) ** 2
+        return load_torque(reducer, time) + way * press * np.sin(np.pi * np.clip(time / 0.016, 0.0, 1.0)) ** 2
 
     return DriveCycle(start, design.drive.speed, lambda time: start + servo_target(compiled, law, time), load)
 

@@ -24,12 +24,6 @@ from cycloid_mj.measure.reaction import masses, of_discs, reaction, shaft_accele
 from cycloid_mj.measure.trace import RISE, SETTLING, preload_cycle
 from cycloid_mj.reducer import Reducer
 
-OVERSAMPLING = 10
-"""Samples taken for each stored sample, limited by the time step."""
-
-END_SAMPLES = 12
-"""Samples after the window for the filter and the differences."""
-
 ACCELERATIONS = ("gear_centre", "output", "momentum")
 """Signals that are differences of velocities: means between samples."""
 
@@ -104,12 +98,14 @@ def run_vibration(
     reducer: Reducer, compiled: Model, load: str, torque: float, speed: float, turns: int
 ) -> VibrationRun:
     """Run a design at a crank speed [rad/s] under a torque [N m], over some crank turns after it has settled."""
-    every = max(1, min(OVERSAMPLING, int(1.0 / (LOG_RATE * compiled.timestep) + 1e-6)))
+    # at most ten samples are taken for each stored one
+    every = max(1, min(10, int(1.0 / (LOG_RATE * compiled.timestep) + 1e-6)))
     settling = SETTLING * slowness(reducer)
     reducer = reducer.steady(
         settling,
         turns,
-        samples=END_SAMPLES * every,
+        # for the filter and the differences
+        samples=12 * every,
         drive={"speed": speed},
         load={"torque": torque, "rise": RISE},
         settings={"log_rate": every * LOG_RATE},

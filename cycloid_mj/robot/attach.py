@@ -6,16 +6,7 @@ import mujoco
 import numpy as np
 
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.robot.mjcf import (
-    NEGLIGIBLE_MASS,
-    ROTOR_SIZE,
-    STICKING_IMPEDANCE,
-    STICKING_TIME,
-    reducer_name,
-    rotor_name,
-    slip_inertias,
-    slip_name,
-)
+from cycloid_mj.robot.mjcf import MJCF, reducer_name, rotor_name, slip_inertias, slip_name
 from cycloid_mj.robot.reducer import ReducedJoint
 
 
@@ -52,7 +43,7 @@ def attach_reducer(spec: Any, joint: str, reduced: ReducedJoint) -> None:
     before = [(list(key.qpos), list(key.qvel)) for key in spec.keys]
     if reduced.level == "rigid":
         hinge.armature, hinge.frictionloss = reduced.reflected_inertia, reduced.no_load_torque_at_output
-        hinge.solref_friction, hinge.solimp_friction = [STICKING_TIME, 1.0], STICKING_IMPEDANCE
+        hinge.solref_friction, hinge.solimp_friction = [MJCF.sticking_time, 1.0], MJCF.sticking_impedance
         hinge.damping = constant_polynomial(0.0)
         _add_tuple(spec, reduced, joint, [])
         return
@@ -86,7 +77,7 @@ def _add_rotor(joint: Any, model: Any, reduced: ReducedJoint) -> None:
     carried = model.body(int(hinge.bodyid[0]))
     body = joint.parent.parent.add_body(name=name, pos=carried.pos, quat=carried.quat)
     body.explicitinertial = True
-    body.mass, body.inertia = NEGLIGIBLE_MASS, [1e-12] * 3
+    body.mass, body.inertia = MJCF.mass, [1e-12] * 3
     rotor_joint = body.add_joint(
         name=name,
         type=mujoco.mjtJoint.mjJNT_HINGE,
@@ -94,18 +85,18 @@ def _add_rotor(joint: Any, model: Any, reduced: ReducedJoint) -> None:
         axis=hinge.axis,
         armature=reduced.rotor_inertia,
         frictionloss=reduced.no_load_torque,
-        solref_friction=[STICKING_TIME, 1.0],
-        solimp_friction=STICKING_IMPEDANCE,
+        solref_friction=[MJCF.sticking_time, 1.0],
+        solimp_friction=MJCF.sticking_impedance,
         limited=mujoco.mjtLimited.mjLIMITED_FALSE,
     )
     rotor_joint.damping = rotor_joint.stiffness = constant_polynomial(0.0)
     body.add_geom(
         name=name,
         type=mujoco.mjtGeom.mjGEOM_CYLINDER,
-        size=[*ROTOR_SIZE, 0.0],
+        size=[*MJCF.rotor_size, 0.0],
         contype=0,
         conaffinity=0,
-        mass=NEGLIGIBLE_MASS,
+        mass=MJCF.mass,
         rgba=[0.93, 0.65, 0.49, 1.0],
     )
 
@@ -132,15 +123,15 @@ def _add_slip(spec: Any, joint: Any, model: Any, reduced: ReducedJoint, number: 
     carried = model.body(int(model.joint(joint.name).bodyid[0]))
     body = joint.parent.parent.add_body(name=name, pos=carried.pos, quat=carried.quat)
     body.explicitinertial = True
-    body.mass, body.inertia = NEGLIGIBLE_MASS, [1e-12] * 3
+    body.mass, body.inertia = MJCF.mass, [1e-12] * 3
     slipping = body.add_joint(
         name=name,
         type=mujoco.mjtJoint.mjJNT_HINGE,
         axis=model.joint(joint.name).axis,
         armature=armature,
         frictionloss=slip.limit,
-        solref_friction=[STICKING_TIME, 1.0],
-        solimp_friction=STICKING_IMPEDANCE,
+        solref_friction=[MJCF.sticking_time, 1.0],
+        solimp_friction=MJCF.sticking_impedance,
         limited=mujoco.mjtLimited.mjLIMITED_FALSE,
     )
     slipping.damping = slipping.stiffness = constant_polynomial(0.0)

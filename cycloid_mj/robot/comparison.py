@@ -13,7 +13,7 @@ from cycloid_mj.base.result import Curve, Quantity, Table
 from cycloid_mj.base.units import ARCMINUTE, ARCSECONDS, RPM
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.robot.friction import joint_powers
-from cycloid_mj.robot.identification import SMALL_SHARE, Play, solve_play
+from cycloid_mj.robot.identification import GRID, Play, solve_play
 from cycloid_mj.robot.reducer import ReducedJoint
 from cycloid_mj.robot.ripple import Ripple
 from cycloid_mj.robot.stability import measure_vibration
@@ -32,35 +32,37 @@ BOUNDS = {
 }
 """Allowed relative difference of the joint from the full model, by key."""
 
-MAX_EFFICIENCY_DIFFERENCE = 0.3
-"""Allowed difference of an efficiency [percentage points]."""
 
-LOAD_SHARES = (0.1, 0.25, 0.5, 0.75, 1.0)
-"""Loads at which efficiencies are compared, as shares of the rated torque."""
+@dataclass(frozen=True)
+class ComparisonSettings:
+    """Conditions of the comparison with the full model, and allowed differences."""
 
-ANGLES_FACTOR = 5
-"""Number of crank angles of the full model, over that of `statics`; they differ from those of the identification."""
+    max_efficiency: float = 0.3
+    """Allowed difference of an efficiency [percentage points]."""
+    loads: tuple[float, ...] = (0.1, 0.25, 0.5, 0.75, 1.0)
+    """Loads at which efficiencies are compared, as shares of the rated torque."""
+    angles_factor: int = 5
+    """Number of crank angles of the full model, over that of `statics`; they differ from those of the
+    identification."""
+    loop_points: int = 160
+    """Number of torques of the loop, zero not among them: there the output rests anywhere in its play."""
+    slow_step: float = 5e-3
+    """Time step [s] of slow motions, with the integrator `discrete`, which damps vibrations."""
+    phase_step: float = 0.02
+    """Phase of a vibration in a time step [rad]: its frequency is then right within 1e-4."""
+    min_harmonic: float = 0.1
+    """Smallest harmonic that is compared, relative to the largest."""
+    steps_per_cycle: int = 20
+    """Time steps in a cycle of the highest harmonic that is compared."""
+    max_frequency: float = 0.2
+    """Highest frequency of a harmonic over that of the resonance: the gain 1/(1 - x^2) is then 4 % above 1."""
 
-LOOP_POINTS = 160
-"""Number of torques of the loop, zero not among them: there the output rests anywhere in its play."""
 
-QUASI_STATIC_STEP = 5e-3
-"""Time step [s] of slow motions, with the integrator `discrete`, which damps vibrations."""
+COMPARISON = ComparisonSettings()
 
-PHASE_STEP = 0.02
-"""Phase of a vibration in a time step [rad]: its frequency is then right within 1e-4."""
-
-MIN_HARMONIC = 0.1
-"""Smallest harmonic that is compared, relative to the largest."""
 
 DIRECTIONS = {"forward": 1, "reverse": -1}
 """Directions of the crank."""
-
-STEPS_PER_CYCLE = 20
-"""Time steps in a cycle of the highest harmonic that is compared."""
-
-MAX_FREQUENCY_RATIO = 0.2
-"""Highest frequency of a harmonic over that of the resonance: the gain 1/(1 - x^2) is then 4 % above 1."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,17 +134,17 @@ class ModelComparison:
 def compare_with_full_model(reducer: Reducer, reduced: ReducedJoint) -> ModelComparison:
     """Run the joint in MuJoCo at the levels `backlash` and `full`, and compare it with the full model."""
     reducer = reducer.but(load={"torque": reducer.design.rated_torque}).working_at(reducer.design.rated_torque)
-    play = solve_play(reducer, ANGLES_FACTOR * POSES)
+    play = solve_play(reducer, COMPARISON.angles_factor * POSES)
     slow, slow_curves = _loop(reduced.at("backlash"), play)
     # at steps of a large part of a crank turn, the transmission error would be noise
     smooth = replace(reduced.at("full"), ripple=Ripple((), (0.0,), *[((),)] * 6))
     lossy, lossy_curves = _efficiencies(reducer, smooth)
     both = [_transmission(reducer, reduced.at("full"), name, sign) for name, sign in DIRECTIONS.items()]
     rows = (*slow, *_resonance(reduced.at("backlash"), play), *lossy, *(row for rows, _ in both for row in rows))
-    bounds = {row.key: MAX_EFFICIENCY_DIFFERENCE if row.unit == "%" else _bound(row) for row in rows}
+    bounds = {row.key: COMPARISON.max_efficiency if row.unit == "%" else _bound(row) for row in rows}
     resonance = math.sqrt(reduced.stiffness(reduced.rated_torque) / (2.0 * reduced.reflected_inertia))
     curves = (*slow_curves, *lossy_curves, *(curve for _, curves in both for curve in curves))
-    return ModelComparison(rows, bounds, curves, MAX_FREQUENCY_RATIO * resonance / _strongest(reduced.ripple))
+    return ModelComparison(rows, bounds, curves, COMPARISON.max_frequency * resonance / _strongest(reduced.ripple))
 
 
 def _bound(row: Quantity) -> float:
@@ -160,15 +162,15 @@ def _strongest(ripple: Ripple) -> float:
 
 def _loop(reduced: ReducedJoint, play: Play) -> tuple[list[Quantity], list[Curve]]:
     """Compute the rest of the output under torques of a loop, with the crank locked."""
-    scene = trial_scene(reduced, 1e-3 * reduced.reflected_inertia, QUASI_STATIC_STEP)
+    scene = trial_scene(reduced, 1e-3 * reduced.reflected_inertia, COMPARISON.slow_step)
     scene.hold()
     rated = play.rated
 
     def turn(share: float) -> float:
         return scene.rest(share * rated)
 
-    small = {share: turn(share) for share in (SMALL_SHARE, 2.0 * SMALL_SHARE, -SMALL_SHARE, -2.0 * SMALL_SHARE)}
-    width = 2.0 * small[SMALL_SHARE] - small[2.0 * SMALL_SHARE] - 2.0 * small[-SMALL_SHARE] + small[-2.0 * SMALL_SHARE]
+    small = {share: turn(share) for share in (GRID.small, 2.0 * GRID.small, -GRID.small, -2.0 * GRID.small)}
+    width = 2.0 * small[GRID.small] - small[2.0 * GRID.small] - 2.0 * small[-GRID.small] + small[-2.0 * GRID.small]
     joint = {share: 0.5 * (turn(share) - turn(-share)) for share in (LOST_MOTION_SHARE, 1.0)}
     full = {share: 0.5 * play.backlash + play.wind_up[share] for share in joint}
     rows = [
@@ -190,7 +192,7 @@ def _loop(reduced: ReducedJoint, play: Play) -> tuple[list[Quantity], list[Curve
             play.wind_up[1.0] / ARCMINUTE,
         ),
     ]
-    ramp = np.linspace(-1.0, 1.0, LOOP_POINTS)
+    ramp = np.linspace(-1.0, 1.0, COMPARISON.loop_points)
     joint_turn = np.array([turn(share) for share in ramp])
     shares = np.array([0.0, *sorted(play.wind_up)])
     half = np.array([0.0, *(play.wind_up[share] for share in shares[1:].tolist())])
@@ -208,7 +210,9 @@ def _resonance(reduced: ReducedJoint, play: Play) -> Iterator[Quantity]:
     """Compute the resonance of a heavy load about the rated torque: sqrt(k/J) with the full model's slope."""
     inertia = 10.0 * reduced.reflected_inertia
     expected = math.sqrt(play.stiffness / (inertia + reduced.output_inertia))
-    _, _, off = measure_vibration(trial_scene(reduced, inertia, PHASE_STEP / expected, "implicitfast"), inertia)
+    _, _, off = measure_vibration(
+        trial_scene(reduced, inertia, COMPARISON.phase_step / expected, "implicitfast"), inertia
+    )
     still = math.sqrt(reduced.stiffness(play.rated) / (inertia + reduced.output_inertia))
     frequency = still * (1.0 + off) / (2.0 * np.pi)
     yield Quantity(
@@ -226,18 +230,19 @@ def _efficiencies(reducer: Reducer, reduced: ReducedJoint) -> tuple[list[Quantit
     rows, curves = [], []
     cases = (("driving", True, "efficiency"), ("driven", False, "efficiency of back-driving"))
     for key, driving, name in cases:
-        joint = [100.0 * _efficiency(reduced, share, driving) for share in LOAD_SHARES]
+        joint = [100.0 * _efficiency(reduced, share, driving) for share in COMPARISON.loads]
         sign = 1.0 if driving else -1.0
         full = [
-            100.0 * _full_model_efficiency(reducer, sign * share * reducer.design.rated_torque) for share in LOAD_SHARES
+            100.0 * _full_model_efficiency(reducer, sign * share * reducer.design.rated_torque)
+            for share in COMPARISON.loads
         ]
-        for share, joint_value, full_value in zip(LOAD_SHARES, joint, full, strict=True):
+        for share, joint_value, full_value in zip(COMPARISON.loads, joint, full, strict=True):
             rows.append(
                 Quantity(
                     f"{key}_{share:g}", f"{name} at {share:.0%} of the rated torque", joint_value, "%", None, full_value
                 )
             )
-        torques = np.array(LOAD_SHARES) * reducer.design.rated_torque
+        torques = np.array(COMPARISON.loads) * reducer.design.rated_torque
         axes = "torque on the output [N m]", "efficiency [%]"
         panel = f"{name}, {reduced.rated_speed / RPM:.0f} rpm"
         curves += [
@@ -260,7 +265,7 @@ def _full_model_efficiency(reducer: Reducer, torque: float) -> float:
 def _efficiency(reduced: ReducedJoint, share: float, driving: bool) -> float:
     """Compute the joint's efficiency by the power of friction in MuJoCo; 0 where the load cannot supply it."""
     speed, torque = reduced.rated_speed, share * reduced.rated_torque
-    scene = trial_scene(reduced, 1e-3 * reduced.reflected_inertia, QUASI_STATIC_STEP)
+    scene = trial_scene(reduced, 1e-3 * reduced.reflected_inertia, COMPARISON.slow_step)
     scene.hold(speed)
     # the load brakes the output, or drives it
     scene.press(reduced.way * (-torque if driving else torque))
@@ -277,13 +282,13 @@ def _transmission(
     errors = solve_error(reducer, 1.0, direction)
     fine, _ = waves(errors)
     turns = round(reduced.ratio)
-    strong = np.flatnonzero(np.abs(fine) >= MIN_HARMONIC * np.abs(fine).max())
-    count = STEPS_PER_CYCLE * int(strong.max())
-    speed = direction * 2.0 * np.pi * turns / (count * QUASI_STATIC_STEP)
-    scene = trial_scene(reduced, 1e-3 * reduced.reflected_inertia, QUASI_STATIC_STEP)
+    strong = np.flatnonzero(np.abs(fine) >= COMPARISON.min_harmonic * np.abs(fine).max())
+    count = COMPARISON.steps_per_cycle * int(strong.max())
+    speed = direction * 2.0 * np.pi * turns / (count * COMPARISON.slow_step)
+    scene = trial_scene(reduced, 1e-3 * reduced.reflected_inertia, COMPARISON.slow_step)
     scene.hold(speed)
     scene.press(-direction * reduced.way * reduced.rated_torque)
-    for _ in range(STEPS_PER_CYCLE):
+    for _ in range(COMPARISON.steps_per_cycle):
         scene.step()
     angle, length = _record(scene, count)
     order = strong / turns

@@ -34,25 +34,30 @@ from cycloid_mj.statics.springs import POSES, springs_of, turn_evenly
 from cycloid_mj.statics.structure import wind_up
 from cycloid_mj.statics.windup import STRAIGHT, windups
 
-SMALL_SHARE = 1e-4
-"""Torque that presses the parts to a stop, over the rated one; it and twice that are extrapolated to zero."""
 
-SPRING_SHARES = (0.03, 0.15, 0.5, 1.0)
-"""Shares of the rated torque at which the springs have the wind-up of the full model; the last slope continues."""
+@dataclass(frozen=True)
+class IdentificationGrid:
+    """Torques, speeds and crank angles at which the full model is solved."""
 
-POLYNOMIAL_SHARES = (0.03, 0.06, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 1.0)
-"""Shares of the rated torque to which the polynomial of the stiffness is fitted."""
+    small: float = 1e-4
+    """Torque that presses the parts to a stop, over the rated one; it and twice that are extrapolated to zero."""
+    springs: tuple[float, ...] = (0.03, 0.15, 0.5, 1.0)
+    """Shares of the rated torque at which the springs have the wind-up of the full model; the last slope continues."""
+    polynomial: tuple[float, ...] = (0.03, 0.06, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 1.0)
+    """Shares of the rated torque to which the polynomial of the stiffness is fitted."""
+    torques: tuple[float, ...] = (0.05, 0.075, 0.1, 0.125, 0.15, 0.2, 0.25, 0.35, 0.5, 0.75, 1.0, 1.5, 2.0)
+    speeds: tuple[float, ...] = (0.25, 0.5, 1.0, 1.5)
+    """Points of the friction map besides no load, as shares of the rated torque and of the design's speed: dense where
+    teeth with play begin to carry one after the other, and losses are not linear."""
+    no_load: tuple[float, ...] = (small, 1e-3, 1e-2, 2e-2)
+    """Shares of the rated torque that represent no load: the first under which friction does not jam the parts is
+    used."""
+    angles_factor: int = 4
+    """Number of crank angles of the means, over that of `statics`; the change between both is the numerical error."""
 
-TORQUE_SHARES = (0.05, 0.075, 0.1, 0.125, 0.15, 0.2, 0.25, 0.35, 0.5, 0.75, 1.0, 1.5, 2.0)
-SPEED_SHARES = (0.25, 0.5, 1.0, 1.5)
-"""Points of the friction map besides no load, as shares of the rated torque and of the design's speed: dense where
-teeth with play begin to carry one after the other, and losses are not linear."""
 
-NO_LOAD_SHARES = (SMALL_SHARE, 1e-3, 1e-2, 2e-2)
-"""Shares of the rated torque that represent no load: the first under which friction does not jam the parts is used."""
+GRID = IdentificationGrid()
 
-ANGLES_FACTOR = 4
-"""Number of crank angles of the means, over that of `statics`; the change between both is the numerical error."""
 
 Progress = Callable[[int, int], None]
 
@@ -85,8 +90,8 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
     if reducer.design.drive.speed == 0.0:
         raise DesignError("drive.speed_rpm is 0, but friction needs a turning crank: set drive.speed_rpm, such as 1640")
     reducer = reducer.but(load={"torque": reducer.design.rated_torque}).working_at(reducer.design.rated_torque)
-    counted = _Counted(progress, 2 + (1 + 2 * len(TORQUE_SHARES)) * len(SPEED_SHARES) + count_turns(reducer))
-    fine, coarse = solve_play(reducer, ANGLES_FACTOR * POSES), solve_play(reducer, POSES)
+    counted = _Counted(progress, 2 + (1 + 2 * len(GRID.torques)) * len(GRID.speeds) + count_turns(reducer))
+    fine, coarse = solve_play(reducer, GRID.angles_factor * POSES), solve_play(reducer, POSES)
     counted.count_one()
     friction = _friction(reducer, counted.count_one)
     rotor, output = crank_and_output_inertia(reducer)
@@ -137,14 +142,14 @@ class Play:
 
     @property
     def springs(self) -> tuple[Spring, ...]:
-        """Springs that start one after the other and have the wind-up at `SPRING_SHARES` (isotonic regression).
+        """Springs that start one after the other and have the wind-up at `GRID.springs` (isotonic regression).
 
         Each adds to those before it. Where the full model softens with the load, one slope replaces two.
         """
         from scipy.optimize import isotonic_regression
 
-        turn = np.array([0.0, *(self.wind_up[share] for share in SPRING_SHARES)])
-        torque = self.rated * np.array([0.0, *SPRING_SHARES])
+        turn = np.array([0.0, *(self.wind_up[share] for share in GRID.springs)])
+        torque = self.rated * np.array([0.0, *GRID.springs])
         widths = np.maximum(np.diff(turn), np.finfo(float).tiny)
         slopes = isotonic_regression(np.diff(torque) / widths, weights=widths).x
         added = np.diff(slopes, prepend=0.0)
@@ -160,11 +165,11 @@ class Play:
     def polynomial(self) -> Array:
         """Factors a, b, c of the torque a x + b x^2 + c x^3 beyond the stop [N m/rad, /rad^2, /rad^3].
 
-        Least squares of the relative error at `POLYNOMIAL_SHARES`, up to the rated torque.
+        Least squares of the relative error at `GRID.polynomial`, up to the rated torque.
         """
         turn, torque = (
-            np.array([self.wind_up[share] for share in POLYNOMIAL_SHARES]),
-            self.rated * np.array(POLYNOMIAL_SHARES),
+            np.array([self.wind_up[share] for share in GRID.polynomial]),
+            self.rated * np.array(GRID.polynomial),
         )
         scaled = turn / turn[-1]
         powers = np.stack([scaled, scaled**2, scaled**3], axis=1) / torque[:, np.newaxis]
@@ -172,9 +177,9 @@ class Play:
         return np.asarray(coefficients / turn[-1] ** np.arange(1, 4))
 
     def polynomial_error(self) -> float:
-        """Largest relative error of the polynomial's torque at `POLYNOMIAL_SHARES`."""
+        """Largest relative error of the polynomial's torque at `GRID.polynomial`."""
         a, b, c = self.polynomial.tolist()
-        pairs = [(self.wind_up[share], share * self.rated) for share in POLYNOMIAL_SHARES]
+        pairs = [(self.wind_up[share], share * self.rated) for share in GRID.polynomial]
         return max(abs((a * x + b * x**2 + c * x**3) / torque - 1.0) for x, torque in pairs)
 
 
@@ -187,10 +192,10 @@ def solve_play(reducer: Reducer, poses: int) -> Play:
     def turn(share: float) -> float:
         return float(loads(still, springs, share * rated).output_turn.mean())
 
-    low, high = (2.0 * turn(side * SMALL_SHARE) - turn(2.0 * side * SMALL_SHARE) for side in (-1.0, 1.0))
+    low, high = (2.0 * turn(side * GRID.small) - turn(2.0 * side * GRID.small) for side in (-1.0, 1.0))
     # preloaded halves leave no play: both lines end in the same angle, except for their curvature
     low, high = (low, high) if low <= high else (0.5 * (low + high),) * 2
-    shares = sorted({*SPRING_SHARES, *POLYNOMIAL_SHARES, *STRAIGHT})
+    shares = sorted({*GRID.springs, *GRID.polynomial, *STRAIGHT})
     wind_up = {share: 0.5 * (turn(share) - high + low - turn(-share)) for share in shares}
     return Play(rated, (low, high) if reducer.member.sense > 0 else (-high, -low), wind_up)
 
@@ -212,27 +217,27 @@ def _friction(reducer: Reducer, on_step: Callable[[], None]) -> FrictionMap:
     """Compute the map of friction; `on_step` is called after each of its points."""
     speed, rated = reducer.design.drive.speed, reducer.design.rated_torque
     maps: dict[float, list[tuple[float, ...]]] = {1.0: [], -1.0: []}
-    for share in SPEED_SHARES:
+    for share in GRID.speeds:
         turning = reducer.but(drive={"speed": share * speed})
         idle = _no_load_torque(turning)
         on_step()
         for sign, rows in maps.items():
-            rows.append((idle, *(_friction_torque(turning, sign * item * rated, on_step) for item in TORQUE_SHARES)))
-    torques = (0.0, *(torque * rated for torque in TORQUE_SHARES))
-    speeds = tuple(share * abs(speed) for share in SPEED_SHARES)
+            rows.append((idle, *(_friction_torque(turning, sign * item * rated, on_step) for item in GRID.torques)))
+    torques = (0.0, *(torque * rated for torque in GRID.torques))
+    speeds = tuple(share * abs(speed) for share in GRID.speeds)
     return FrictionMap(torques, speeds, tuple(maps[1.0]), tuple(maps[-1.0]))
 
 
 def _no_load_torque(reducer: Reducer) -> float:
     """Compute the friction torque on the crank without a load [N m], extrapolated where friction jams small loads."""
     rated = reducer.design.rated_torque
-    for torque in NO_LOAD_SHARES:
+    for torque in GRID.no_load:
         with suppress(RunError):
             low = _friction_torque(reducer, torque * rated)
-            if torque == SMALL_SHARE:
+            if torque == GRID.small:
                 return low
             return max(
-                0.0, _to_zero((torque, low), (TORQUE_SHARES[0], _friction_torque(reducer, TORQUE_SHARES[0] * rated)))
+                0.0, _to_zero((torque, low), (GRID.torques[0], _friction_torque(reducer, GRID.torques[0] * rated)))
             )
     return 0.0
 
@@ -355,7 +360,7 @@ def _angle_error(reducer: Reducer, share: float) -> float:
     torque = share * reducer.design.rated_torque
     return abs(
         powers(reducer, torque).efficiency
-        - powers(reducer, torque, turn_evenly(reducer, ANGLES_FACTOR * POSES)).efficiency
+        - powers(reducer, torque, turn_evenly(reducer, GRID.angles_factor * POSES)).efficiency
     )
 
 

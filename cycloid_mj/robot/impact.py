@@ -16,26 +16,29 @@ from cycloid_mj.base.errors import RunError
 from cycloid_mj.robot.reducer import ReducedJoint
 from cycloid_mj.robot.trial import TrialScene
 
-START_FREQUENCY = 3.0
-"""First frequency of the load [Hz]; it is halved until the output crosses the play before the load is largest."""
 
-MAX_HALVINGS = 12
-"""Largest number of halvings."""
+@dataclass(frozen=True)
+class ImpactSettings:
+    """Settings of the alternating load, and of its reference solution by LSODA (Petzold 1983)."""
 
-REFERENCE_TOL = 1e-8
-"""Tolerance of the reference solution: relative, and absolute over the wind-up under the rated torque."""
+    start_frequency: float = 3.0
+    """First frequency of the load [Hz]; it is halved until the output crosses the play before the load is largest."""
+    max_halvings: int = 12
+    """Largest number of halvings."""
+    tolerance: float = 1e-8
+    """Tolerance of the reference solution: relative, and absolute over the wind-up under the rated torque."""
+    samples_per_cycle: int = 100
+    """Samples of the reference in a cycle of load and vibration: a peak between two is at most 5e-4 higher."""
+    max_steps: int = 1_000_000
+    """Largest number of steps of the reference between two samples."""
+    jump_width: float = 1e-9
+    """Width of a jump of the tabulated torque, over the range of its bends; the error may fall faster than the
+    wind-up."""
+    cycles: float = 0.75
+    """Cycles of the load: from its maximum in one direction through that in the other to zero."""
 
-SAMPLES_PER_CYCLE = 100
-"""Samples of the reference in a cycle of load and vibration: a peak between two is at most 5e-4 higher."""
 
-MAX_STEPS = 1_000_000
-"""Largest number of steps of the reference between two samples."""
-
-JUMP_WIDTH = 1e-9
-"""Width of a jump of the tabulated torque, over the range of its bends; the error may fall faster than the wind-up."""
-
-RUN_CYCLES = 0.75
-"""Cycles of the load: from its maximum in one direction through that in the other to zero."""
+IMPACT = ImpactSettings()
 
 
 @dataclass(frozen=True)
@@ -56,7 +59,7 @@ class ImpactLoad:
     @property
     def duration(self) -> float:
         """Duration [s]."""
-        return RUN_CYCLES / self.frequency
+        return IMPACT.cycles / self.frequency
 
 
 @lru_cache(maxsize=64)
@@ -71,8 +74,8 @@ def solve_impact(reduced: ReducedJoint, inertia: float) -> ImpactLoad:
     RunError
         The load does not carry the output across the play at any of the frequencies.
     """
-    for halving in range(MAX_HALVINGS):
-        frequency = START_FREQUENCY / 2.0**halving
+    for halving in range(IMPACT.max_halvings):
+        frequency = IMPACT.start_frequency / 2.0**halving
         crossed, peak = _swing(reduced, inertia, frequency)
         if crossed <= 0.5 / frequency:
             return ImpactLoad(frequency, peak)
@@ -107,17 +110,19 @@ def _swing(reduced: ReducedJoint, inertia: float, frequency: float) -> tuple[flo
         resisted = damping * speed if torque or not full else 0.0
         return speed, (rated * math.cos(pulse * time) + torque - resisted) / moving
 
-    duration = RUN_CYCLES / frequency
+    duration = IMPACT.cycles / frequency
     vibration = math.sqrt(reduced.stiffness(rated) / moving) / (2.0 * math.pi)
-    times = np.linspace(0.0, duration, math.ceil(SAMPLES_PER_CYCLE * RUN_CYCLES * max(1.0, vibration / frequency)))
+    times = np.linspace(
+        0.0, duration, math.ceil(IMPACT.samples_per_cycle * IMPACT.cycles * max(1.0, vibration / frequency))
+    )
     states = odeint(
         motion,
         [start, 0.0],
         times,
-        rtol=REFERENCE_TOL,
-        atol=REFERENCE_TOL * reduced.wind_up(rated),
-        hmax=1.0 / (SAMPLES_PER_CYCLE * frequency),
-        mxstep=MAX_STEPS,
+        rtol=IMPACT.tolerance,
+        atol=IMPACT.tolerance * reduced.wind_up(rated),
+        hmax=1.0 / (IMPACT.samples_per_cycle * frequency),
+        mxstep=IMPACT.max_steps,
     )
     beyond = np.flatnonzero(states[:, 0] <= reduced.stops[0])
     crossed = float(times[beyond[0]]) if beyond.size else math.inf
@@ -128,7 +133,7 @@ def _tabulated_torque(reduced: ReducedJoint) -> Callable[[float], float]:
     """Return the springs' torque [N m] as a tabulated function of L [rad] at the crank angle 0, for speed."""
     bends = reduced.bends(0.0)
     span = float(np.ptp(bends))
-    inner = (bend + side * JUMP_WIDTH * span for bend in bends for side in (-1, 1))
+    inner = (bend + side * IMPACT.jump_width * span for bend in bends for side in (-1, 1))
     lengths = [bends[0] - span, *inner, bends[-1] + span]
     stops_at = reduced.moving_stops(0.0)
     torques = [reduced.torque(item, stops_at(item) if reduced.level == "full" else reduced.stops) for item in lengths]

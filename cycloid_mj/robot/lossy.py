@@ -7,9 +7,9 @@ like the leading and the trailing shoe of a drum brake. Which of both depends on
 crank, that is, on whether crank or output drives. So one shoe has the losses of driving and of back-driving.
 
 Two details matter. The reference damping of friction is small, because MuJoCo's soft cone turns it into a force that
-lifts a fast sliding shoe off (`FRICTION_LIFT`). With nearly none, friction controls the acceleration of the tilted
+lifts a fast sliding shoe off (`SHOE.lift`). With nearly none, friction controls the acceleration of the tilted
 shoe and not its speed, so that it drifts, and rubs in the wrong direction, for seconds. The shoe has an armature but no
-mass: it carries the springs, deflects by `SHOE_DEFLECTION` of the wind-up, and has neither weight nor impacts.
+mass: it carries the springs, deflects by `SHOE.deflection` of the wind-up, and has neither weight nor impacts.
 """
 
 import math
@@ -27,35 +27,39 @@ from cycloid_mj.robot.mjcf import OUTPUT, joint_xml, reducer_name, rotor_name, s
 from cycloid_mj.robot.reducer import ReducedJoint
 from cycloid_mj.robot.trial import TrialScene
 
-FIT_SHARES = (0.05, 0.125, 0.25, 0.5, 0.75, 1.0)
-"""Shares of the rated torque at which the loss of the full model is fitted."""
 
-COMPARED_SHARES = (0.1, 0.5, 1.0)
-"""Shares of the rated torque at which the lossy joint is compared with the full model."""
+@dataclass(frozen=True)
+class ShoeSettings:
+    """Dimensions, contact and fit of the shoe, and its trial."""
 
-SHOE_DEFLECTION = 0.01
-"""Deflection of the shoe under the rated torque, over the wind-up: with less, the shoe bounces off its plate."""
+    fitted: tuple[float, ...] = (0.05, 0.125, 0.25, 0.5, 0.75, 1.0)
+    """Shares of the rated torque at which the loss of the full model is fitted."""
+    compared: tuple[float, ...] = (0.1, 0.5, 1.0)
+    """Shares of the rated torque at which the lossy joint is compared with the full model."""
+    deflection: float = 0.01
+    """Deflection of the shoe under the rated torque, over the wind-up: with less, the shoe bounces off its plate."""
+    stiffness: float = 1e4
+    """Reference stiffness of the contact [1/s2], stable with a time step of 5 ms."""
+    impedance: float = 0.9999
+    """Impedance of the contact."""
+    lift: float = 5e-3
+    """Lift of the shoe by friction at the rated speed, over its deflection under the rated torque."""
+    max_leading: float = 0.9
+    """Largest share of its force by which friction presses the shoe on: at 1 it would lock."""
+    lever: float = 0.02
+    """Lever of the shoe [m]."""
+    radius: float = 0.005
+    """Radius of the shoe [m]."""
+    half: float = 0.001
+    """Half the thickness of the plates [m]."""
+    height: float = 0.03
+    """Height of the shoe above the crank's middle [m]."""
+    trial_time: float = 0.4
+    trial_step: float = 1e-4
+    """Duration of a trial, whose second half is evaluated, as the shoe rests by then; and its time step [s]."""
 
-CONTACT_STIFFNESS, IMPEDANCE = 1e4, 0.9999
-"""Reference stiffness of the contact [1/s2], stable with a time step of 5 ms, and its impedance."""
 
-FRICTION_LIFT = 5e-3
-"""Lift of the shoe by friction at the rated speed, over its deflection under the rated torque."""
-
-MAX_LEADING = 0.9
-"""Largest share of its force by which friction presses the shoe on: at 1 it would lock."""
-
-LEVER = 0.02
-"""Lever of the shoe [m]."""
-
-RADIUS, HALF = 0.005, 0.001
-"""Radius of the shoe, and half the thickness of the plates [m]."""
-
-HEIGHT = 0.03
-"""Height of the shoe above the crank's middle [m]."""
-
-TRIAL_TIME, TRIAL_STEP = 0.4, 1e-4
-"""Duration of a trial, whose second half is evaluated, as the shoe rests by then; and its time step [s]."""
+SHOE = ShoeSettings()
 
 
 @dataclass(frozen=True)
@@ -90,7 +94,7 @@ def fit_shoe(reduced: ReducedJoint) -> Shoe:
     """
     from scipy.optimize import nnls
 
-    loads = np.array(FIT_SHARES) * reduced.rated_torque
+    loads = np.array(SHOE.fitted) * reduced.rated_torque
     pulls = np.array([_pulls(reduced, load) for load in loads.tolist()])
     driving, driven = (
         np.maximum(
@@ -105,16 +109,16 @@ def fit_shoe(reduced: ReducedJoint) -> Shoe:
     # a compromise between errors of torque and of efficiency: large loads have more weight
     weights, both = 1.0 / np.sqrt(loads), driving + driven
     sums, differences = weights * both, weights * (driving - driven)
-    leading = float(np.clip(differences @ sums / (sums @ sums), -MAX_LEADING, MAX_LEADING))
+    leading = float(np.clip(differences @ sums / (sums @ sums), -SHOE.max_leading, SHOE.max_leading))
     by_spring, _ = nnls(weights[:, np.newaxis] * pulls, weights * 2.0 * driving * driven / both)
     friction = max(float(by_spring.max()), np.finfo(float).tiny)
     shares = by_spring / friction
-    deflection = SHOE_DEFLECTION * reduced.wind_up(reduced.rated_torque)
+    deflection = SHOE.deflection * reduced.wind_up(reduced.rated_torque)
     # a contact deflects by (1 - d) F/(m k d) under a force F, and the springs' lengths by their shares of that
     pressed = float(pulls[-1] @ shares)
-    armature = (1.0 - IMPEDANCE) * pressed / (CONTACT_STIFFNESS * IMPEDANCE * deflection)
+    armature = (1.0 - SHOE.impedance) * pressed / (SHOE.stiffness * SHOE.impedance * deflection)
     # the cone adds the coefficient times damping and speed to the reference acceleration along the axis
-    creep = FRICTION_LIFT * CONTACT_STIFFNESS * deflection / (friction * reduced.rated_speed)
+    creep = SHOE.lift * SHOE.stiffness * deflection / (friction * reduced.rated_speed)
     return Shoe(shares, friction, leading, armature, creep)
 
 
@@ -128,27 +132,28 @@ def lossy_joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:
     if reduced.level == "rigid":
         return text
     shoe, crank, name = fit_shoe(reduced), rotor_name(joint), f"{joint}_shoe"
-    # tan(angle) of the hinge; its turn q moves the shoe by LEVER cos(angle) q along the axis
-    tilt = reduced.way * shoe.leading * LEVER / shoe.friction
-    lever = LEVER / math.hypot(1.0, tilt)
+    # tan(angle) of the hinge; its turn q moves the shoe by its lever cos(angle) q along the axis
+    tilt = reduced.way * shoe.leading * SHOE.lever / shoe.friction
+    lever = SHOE.lever / math.hypot(1.0, tilt)
     plates, pairs = [], []
     for number, side in enumerate((-1, 1)):
         plates.append(
-            f'      <geom name="{name}_plate_{number}" type="box" pos="0 0 {HEIGHT + side * (RADIUS + HALF):g}" '
-            f'size="{RADIUS} {RADIUS} {HALF}" contype="0" conaffinity="0" mass="1e-9"/>\n'
+            f'      <geom name="{name}_plate_{number}" type="box" '
+            f'pos="0 0 {SHOE.height + side * (SHOE.radius + SHOE.half):g}" '
+            f'size="{SHOE.radius} {SHOE.radius} {SHOE.half}" contype="0" conaffinity="0" mass="1e-9"/>\n'
         )
         pairs.append(
             f'    <pair geom1="{name}_plate_{number}" geom2="{name}" condim="4" '
             f'friction="0 0 {_number(shoe.friction)} 0 0" '
-            f'solref="{-CONTACT_STIFFNESS:g} {-2.0 * CONTACT_STIFFNESS**0.5:g}" '
-            f'solreffriction="-1 {-shoe.creep:g}" solimp="{IMPEDANCE} {IMPEDANCE} 0.001 0.5 2"/>\n'
+            f'solref="{-SHOE.stiffness:g} {-2.0 * SHOE.stiffness**0.5:g}" '
+            f'solreffriction="-1 {-shoe.creep:g}" solimp="{SHOE.impedance} {SHOE.impedance} 0.001 0.5 2"/>\n'
         )
     # a centre of mass beside the axis, or MuJoCo takes the mass alone for all that moves
-    body = f"""    <body name="{name}" pos="0 0 {HEIGHT}">
+    body = f"""    <body name="{name}" pos="0 0 {SHOE.height}">
       <inertial pos="0.001 0 0" mass="1e-9" diaginertia="1e-12 1e-12 1e-12"/>
-      <joint name="{name}" type="hinge" pos="{LEVER} 0 0" axis="0 1 {_number(tilt)}" \
+      <joint name="{name}" type="hinge" pos="{SHOE.lever} 0 0" axis="0 1 {_number(tilt)}" \
 armature="{_number(shoe.armature * lever**2)}" limited="false"/>
-      <geom name="{name}" type="sphere" size="{RADIUS}" contype="0" conaffinity="0" mass="1e-9"/>
+      <geom name="{name}" type="sphere" size="{SHOE.radius}" contype="0" conaffinity="0" mass="1e-9"/>
     </body>
 """
     before, after = text.split("    </body>\n  </worldbody>\n")
@@ -187,7 +192,7 @@ def lossy_efficiencies(reduced: ReducedJoint) -> list[StockEfficiency]:
             * reduced.friction.efficiency(share * reduced.rated_torque, reduced.rated_speed, reduced.ratio, driving),
         )
         for driving in (True, False)
-        for share in COMPARED_SHARES
+        for share in SHOE.compared
     ]
 
 
@@ -212,7 +217,7 @@ def lossy_efficiency(reduced: ReducedJoint, share: float, driving: bool) -> floa
 
     It is 0 where friction locks the output.
     """
-    scene = lossy_scene_xml(reduced, reduced.reflected_inertia, TRIAL_STEP)
+    scene = lossy_scene_xml(reduced, reduced.reflected_inertia, SHOE.trial_step)
     files = {"lossy_joint.xml": lossy_joint_xml(reduced).encode()}
     model = mujoco.MjModel.from_xml_string(scene, files)
     # no step of Python: MJCF alone
@@ -221,7 +226,7 @@ def lossy_efficiency(reduced: ReducedJoint, share: float, driving: bool) -> floa
     on.hold(reduced.rated_speed)
     on.press(reduced.way * (-torque if driving else torque))
     taken = []
-    for _ in range(round(TRIAL_TIME / TRIAL_STEP)):
+    for _ in range(round(SHOE.trial_time / SHOE.trial_step)):
         on.step()
         taken.append(-float(on.data.qfrc_constraint[dof]))
     lost = float(np.mean(taken[len(taken) // 2 :]))

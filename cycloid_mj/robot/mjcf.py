@@ -1,6 +1,7 @@
 """The joint as stock MJCF: `joint.xml` to include, `scene.xml` to open in MuJoCo."""
 
 import math
+from dataclasses import dataclass
 
 from cycloid_mj.base.array import significant
 from cycloid_mj.base.units import RPM
@@ -9,25 +10,30 @@ from cycloid_mj.robot.reducer import ReducedJoint
 OUTPUT = "output"
 """Name of the output's joint; its parts are named after it, as by `attach_reducer`."""
 
-NEGLIGIBLE_MASS = 1e-9
-"""Mass of the rotor's body [kg]: its inertia is the joint's armature, its weight belongs to the robot's link."""
 
-ROTOR_SIZE = (0.02, 0.01)
-"""Radius and half length of the drawn rotor [m]."""
+@dataclass(frozen=True)
+class JointSettings:
+    """Parameters of a joint in MJCF that are not of the reducer."""
 
-STICKING_TIME, STICKING_IMPEDANCE = 0.004, (0.9999, 0.9999, 0.001, 0.5, 2.0)
-"""Parameters of friction, `solreffriction` and `solimpfriction`: with MuJoCo's defaults, a sticking crank would creep
-at some rad/s, and a self-locking reducer would lower its load."""
+    mass: float = 1e-9
+    """Mass of the rotor's body [kg]: its inertia is the joint's armature, its weight belongs to the robot's link."""
+    rotor_size: tuple[float, float] = (0.02, 0.01)
+    """Radius and half length of the drawn rotor [m]."""
+    sticking_time: float = 0.004
+    sticking_impedance: tuple[float, ...] = (0.9999, 0.9999, 0.001, 0.5, 2.0)
+    """Parameters of friction, `solreffriction` and `solimpfriction`: with MuJoCo's defaults, a sticking crank would
+    creep at some rad/s, and a self-locking reducer would lower its load."""
+    slip_time: float = 2e-3
+    """Smallest period of a slip element over 2 pi [s]: resolved by time steps of 2 ms. It has half the critical
+    damping."""
+    noslip: int = 5
+    """Iterations of MuJoCo's noslip solver in the scene of a joint with slip elements: without it, sticking friction
+    creeps, and a slow loop is narrower than a fast one."""
+    motor_peak: float = 3.0
+    """Largest torque of the motor in the scene, over the rated input torque."""
 
-SLIP_TIME = 2e-3
-"""Smallest period of a slip element over 2 pi [s]: resolved by time steps of 2 ms. It has half the critical damping."""
 
-NOSLIP = 5
-"""Iterations of MuJoCo's noslip solver in the scene of a joint with slip elements: without it, sticking friction
-creeps, and a slow loop is narrower than a fast one."""
-
-MOTOR_PEAK = 3.0
-"""Largest torque of the motor in the scene, over the rated input torque."""
+MJCF = JointSettings()
 
 
 def rotor_name(joint: str) -> str:
@@ -48,10 +54,10 @@ def slip_name(joint: str, number: int) -> str:
 def slip_inertias(reduced: ReducedJoint) -> list[tuple[float, float]]:
     """Compute armature [kg m2] and damping [N m s/rad] of each slip element.
 
-    The armature is the smallest that is stable at the time step (`SLIP_TIME`), raised so that all creep equally fast:
-    without the noslip solver a friction of f creeps by f over the armature.
+    The armature is the smallest that is stable at the time step (`MJCF.slip_time`), raised so that all creep equally
+    fast: without the noslip solver a friction of f creeps by f over the armature.
     """
-    least = [slip.stiffness * SLIP_TIME**2 for slip in reduced.slips]
+    least = [slip.stiffness * MJCF.slip_time**2 for slip in reduced.slips]
     limit = sum(slip.limit for slip in reduced.slips)
     armatures = [max(item, sum(least) * slip.limit / limit) for item, slip in zip(least, reduced.slips, strict=True)]
     return [(item, math.sqrt(slip.stiffness * item)) for item, slip in zip(armatures, reduced.slips, strict=True)]
@@ -75,7 +81,7 @@ def scene_xml(reduced: ReducedJoint, load_inertia: float, timestep: float, integ
     """
     inertia = _number(load_inertia)
     turned = "against" if reduced.way < 0 else "with"
-    still = f' noslip_iterations="{NOSLIP}"' if reduced.slips and reduced.level != "rigid" else ""
+    still = f' noslip_iterations="{MJCF.noslip}"' if reduced.slips and reduced.level != "rigid" else ""
     return f"""<mujoco model="reducer {reduced.name}">
   <!-- ctrl is the motor's torque on the crank [N m]; the output turns {turned} it. -->
   <option timestep="{_number(timestep)}" integrator="{integrator}" gravity="0 0 0"{still}/>
@@ -115,7 +121,7 @@ def _with_springs(reduced: ReducedJoint, joint: str) -> str:
     for number, (slip, (armature, damping)) in enumerate(zip(reduced.slips, slip_inertias(reduced), strict=True)):
         name = slip_name(joint, number)
         slipping.append(
-            f'    <body name="{name}">\n      <inertial pos="0 0 0" mass="{NEGLIGIBLE_MASS}" '
+            f'    <body name="{name}">\n      <inertial pos="0 0 0" mass="{MJCF.mass}" '
             f'diaginertia="1e-12 1e-12 1e-12"/>\n      <joint name="{name}" axis="0 0 1" '
             f'armature="{_number(armature)}" frictionloss="{_number(slip.limit)}" {_sticking()} '
             'damping="0" limited="false"/>\n    </body>\n'
@@ -126,7 +132,7 @@ def _with_springs(reduced: ReducedJoint, joint: str) -> str:
             f'<joint joint="{rotor}" coef="{_number(reduced.coefficient)}"/><joint joint="{joint}" coef="1"/>'
             f'<joint joint="{name}" coef="-1"/></fixed>\n'
         )
-    radius, length = ROTOR_SIZE
+    radius, length = MJCF.rotor_size
     return f"""  <default>
     <default class="{reducer_name(joint)}">
       <joint armature="{_number(reduced.output_inertia)}"/>
@@ -135,11 +141,11 @@ def _with_springs(reduced: ReducedJoint, joint: str) -> str:
   <worldbody>
     <!-- Under the link that holds the motor, if that moves; the axis is that of the joint. -->
     <body name="{rotor}">
-      <inertial pos="0 0 0" mass="{NEGLIGIBLE_MASS}" diaginertia="1e-12 1e-12 1e-12"/>
+      <inertial pos="0 0 0" mass="{MJCF.mass}" diaginertia="1e-12 1e-12 1e-12"/>
       <joint name="{rotor}" axis="0 0 1" armature="{_number(reduced.rotor_inertia)}" \
 frictionloss="{_number(reduced.no_load_torque)}" {_sticking()} damping="0" limited="false"/>
       <geom name="{rotor}" type="cylinder" size="{radius} {length}" contype="0" conaffinity="0" \
-mass="{NEGLIGIBLE_MASS}" rgba="0.93 0.65 0.49 1"/>
+mass="{MJCF.mass}" rgba="0.93 0.65 0.49 1"/>
     </body>
 {"".join(slipping)}  </worldbody>
   <tendon>
@@ -172,8 +178,8 @@ def _rigid(reduced: ReducedJoint, joint: str) -> str:
 
 
 def _sticking() -> str:
-    solimp = " ".join(f"{value:g}" for value in STICKING_IMPEDANCE)
-    return f'solreffriction="{STICKING_TIME:g} 1" solimpfriction="{solimp}"'
+    solimp = " ".join(f"{value:g}" for value in MJCF.sticking_impedance)
+    return f'solreffriction="{MJCF.sticking_time:g} 1" solimpfriction="{solimp}"'
 
 
 def _comment(text: str) -> str:
@@ -182,7 +188,7 @@ def _comment(text: str) -> str:
 
 
 def _range(reduced: ReducedJoint) -> str:
-    most = _number(MOTOR_PEAK * reduced.rated_torque / reduced.ratio)
+    most = _number(MJCF.motor_peak * reduced.rated_torque / reduced.ratio)
     return f"-{most} {most}"
 
 

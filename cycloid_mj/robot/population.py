@@ -45,9 +45,6 @@ VARIED = ("friction", "stiffness")
 QUANTILES = (5.0, 25.0, 50.0, 75.0, 95.0)
 """Percentiles that are reported."""
 
-RANGE_STREAM = 10_000
-"""Random stream of the ranges; tolerances use lower ones."""
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Population(Tabular):
@@ -239,7 +236,8 @@ def _draw_drive(
     """Draw a drive by its number; return its parameters and drawn values, or None if it cannot be assembled."""
     zones, (block, row) = tolerance_zones(reducer), divmod(number, BLOCK_SAMPLES)
     batch = Batch(block, 1, row)
-    shares = np.random.default_rng([seed, RANGE_STREAM, number]).random(len(ranges)).tolist()
+    # tolerances use lower numbers of streams
+    shares = np.random.default_rng([seed, 10_000, number]).random(len(ranges)).tolist()
     changes: dict[str, dict[str, float]] = {}
     for item, share in zip(ranges, shares, strict=True):
         changes.setdefault(item.table, {}).update(item.between(share))

@@ -19,35 +19,38 @@ from cycloid_mj.robot.impact import run_impact, solve_impact
 from cycloid_mj.robot.reducer import LEVELS, Level, ReducedJoint
 from cycloid_mj.robot.trial import INTEGRATORS, Integrator, TrialScene, trial_scene
 
-TIME_STEPS = (1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3)
-"""Time steps of the study [s]."""
 
-FINER_TIME_STEPS = (5e-5, 2e-5)
-"""Time steps that follow, one after the other, where the shortest of `TIME_STEPS` is not accurate [s]."""
+@dataclass(frozen=True)
+class StabilitySettings:
+    """Time steps of the study, and its criteria."""
 
-MAX_SCENE_STEP = 1e-3
-"""Largest time step of a scene [s]."""
+    steps: tuple[float, ...] = (1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3)
+    """Time steps of the study [s]."""
+    finer_steps: tuple[float, float] = (5e-5, 2e-5)
+    """Time steps that follow, one after the other, where the shortest of `steps` is not accurate [s]."""
+    max_scene_step: float = 1e-3
+    """Largest time step of a scene [s]."""
+    periods: float = 8.0
+    min_steps: int = 60
+    """Length of a run in periods of the joint's vibration, and its smallest number of time steps."""
+    start: float = 0.8
+    """Start of the vibration, over the wind-up under the rated torque: it stays on the last slope of the joint."""
+    max_vibration: float = 1.0
+    """Range of a vibration over the wind-up, 2.5 times that of the start, from which the integrator has added
+    energy."""
+    min_vibration: float = 1e-3
+    """Range of a vibration over the wind-up below which it has decayed."""
+    static_rtol: float = 0.01
+    """Allowed relative error of the static wind-up."""
+    impact_rtol: float = 0.05
+    """Allowed relative error of the peak of an impact."""
+
+
+STUDY = StabilitySettings()
+
 
 INERTIAS = {"bare output": 1e-3, "matched": 1.0, "heavy": 10.0}
 """Inertias on the output, relative to the reducer's own there with its crank free."""
-
-RUN_PERIODS, MIN_RUN_STEPS = 8.0, 60
-"""Length of a run in periods of the joint's vibration, and its smallest number of time steps."""
-
-START_WIND_UP = 0.8
-"""Start of the vibration, over the wind-up under the rated torque: it stays on the last slope of the joint."""
-
-MAX_VIBRATION = 1.0
-"""Range of a vibration over the wind-up, 2.5 times that of the start, from which the integrator has added energy."""
-
-MIN_VIBRATION = 1e-3
-"""Range of a vibration over the wind-up below which it has decayed."""
-
-STATIC_RTOL = 0.01
-"""Allowed relative error of the static wind-up."""
-
-IMPACT_RTOL = 0.05
-"""Allowed relative error of the peak of an impact."""
 
 
 @dataclass(frozen=True)
@@ -88,12 +91,12 @@ class StepTrial:
     @property
     def good(self) -> bool:
         """True if it is stable and its static values are correct."""
-        return self.stable and abs(self.error) <= STATIC_RTOL
+        return self.stable and abs(self.error) <= STUDY.static_rtol
 
     @property
     def accurate(self) -> bool:
         """True if the impact is correct as well; at the level `rigid` there is none."""
-        return self.good and (self.level == "rigid" or abs(self.impact_error) <= IMPACT_RTOL)
+        return self.good and (self.level == "rigid" or abs(self.impact_error) <= STUDY.impact_rtol)
 
     @property
     def summary(self) -> str:
@@ -133,7 +136,7 @@ class StepTrial:
 
 
 def study_time_steps(reduced: ReducedJoint) -> tuple[StepTrial, ...]:
-    """Try all levels, integrators and inertias at `TIME_STEPS`, and at `FINER_TIME_STEPS` where none is accurate."""
+    """Try all levels, integrators and inertias at `STUDY.steps`, and at `STUDY.finer_steps` where none is accurate."""
     return tuple(_try_all(reduced))
 
 
@@ -145,10 +148,10 @@ def choose_time_step(
 ) -> StepTrial:
     """Try the time step [s] of a scene with an inertia on the output [kg m2], or choose one if it is None.
 
-    It is the longest accurate time step up to `MAX_SCENE_STEP`, with the first of the integrators that has it. Where
-    none is accurate, it is the stable one with the smallest error.
+    It is the longest accurate time step up to `STUDY.max_scene_step`, with the first of the integrators that has it.
+    Where none is accurate, it is the stable one with the smallest error.
     """
-    shorter = (*(item for item in reversed(TIME_STEPS) if item <= MAX_SCENE_STEP), *FINER_TIME_STEPS)
+    shorter = (*(item for item in reversed(STUDY.steps) if item <= STUDY.max_scene_step), *STUDY.finer_steps)
     runs = []
     for candidate in shorter if timestep is None else (timestep,):
         for integrator in integrators:
@@ -222,7 +225,7 @@ def recommended_table(trials: tuple[StepTrial, ...]) -> Table:
             best = [longest_accurate(trials, level, integrator, load) for load in INERTIAS]
             cells = (f"{1e3 * item.timestep:g} ms: {item.summary}" if item else "none" for item in best)
             rows.append((f"{level}, {integrator}", *cells))
-    title = f"Longest time step at which the peak of an impact is within {IMPACT_RTOL:.0%}, and its error"
+    title = f"Longest time step at which the peak of an impact is within {STUDY.impact_rtol:.0%}, and its error"
     return Table(title, ("level, integrator", *INERTIAS), tuple(rows))
 
 
@@ -254,13 +257,13 @@ def measure_vibration(scene: TrialScene, inertia: float) -> tuple[bool, float, f
     if reduced.level == "full":
         stop += reduced.ripple.errors(0.0, 1.0)[1]
     scene.hold()
-    scene.data.qpos[scene.place.output_angle] = stop + START_WIND_UP * wound
+    scene.data.qpos[scene.place.output_angle] = stop + STUDY.start * wound
     lengths = scene.lengths(lambda time: torque, steps)
-    if lengths is None or float(np.ptp(lengths[steps // 2 :])) > MAX_VIBRATION * wound:
+    if lengths is None or float(np.ptp(lengths[steps // 2 :])) > STUDY.max_vibration * wound:
         return False, np.nan, np.nan
     rest, frequency = _analyse_vibration(lengths[steps // 2 :] - stop, step)
     error = rest / wound - 1.0
-    if abs(error) > STATIC_RTOL:
+    if abs(error) > STUDY.static_rtol:
         error = _settled_wind_up_error(scene, steps, stop)
     return True, error, frequency / slowest - 1.0
 
@@ -290,12 +293,12 @@ def _try_all(reduced: ReducedJoint) -> Iterator[StepTrial]:
 
 
 def _try_time_steps(reduced: ReducedJoint, integrator: Integrator, load: str, inertia: float) -> Iterator[StepTrial]:
-    """Yield the trials of `TIME_STEPS`, and of `FINER_TIME_STEPS` until one is accurate if the shortest is not."""
-    runs = [try_time_step(reduced, integrator, item, inertia, load) for item in TIME_STEPS]
+    """Yield the trials of `STUDY.steps`, and of `STUDY.finer_steps` until one is accurate if the shortest is not."""
+    runs = [try_time_step(reduced, integrator, item, inertia, load) for item in STUDY.steps]
     yield from runs
     if runs[0].accurate:
         return
-    for finer in FINER_TIME_STEPS:
+    for finer in STUDY.finer_steps:
         run = try_time_step(reduced, integrator, finer, inertia, load)
         yield run
         if run.accurate:
@@ -312,34 +315,34 @@ def _is_stable_with_free_crank(scene: TrialScene, inertia: float) -> bool:
     swinging = moving / (1.0 + moving / (reduced.ratio**2 * reduced.rotor_inertia))
     steps = _steps(np.sqrt(reduced.stiffness(torque) / swinging), float(scene.model.opt.timestep))
     scene.press(torque)
-    scene.data.qpos[scene.place.output_angle] -= (1.0 - START_WIND_UP) * wound
+    scene.data.qpos[scene.place.output_angle] -= (1.0 - STUDY.start) * wound
     scene.data.ctrl[:] = reduced.coefficient * torque
     lengths = scene.lengths(lambda time: torque, steps)
-    return lengths is not None and float(np.ptp(lengths[steps // 2 :])) <= MAX_VIBRATION * wound
+    return lengths is not None and float(np.ptp(lengths[steps // 2 :])) <= STUDY.max_vibration * wound
 
 
 def _steps(frequency: float, step: float) -> int:
     """Return the number of time steps of a run that shows a vibration of this frequency [rad/s]."""
-    return max(MIN_RUN_STEPS, math.ceil(2.0 * np.pi * RUN_PERIODS / frequency / step))
+    return max(STUDY.min_steps, math.ceil(2.0 * np.pi * STUDY.periods / frequency / step))
 
 
 def _rigid(scene: TrialScene, inertia: float) -> tuple[bool, float, float]:
     """Apply the rated input torque to the motor, and compare the speed with that of the total inertia with friction."""
     reduced, step = scene.reduced, float(scene.model.opt.timestep)
     scene.data.ctrl[:] = reduced.rated_torque / reduced.ratio
-    for _ in range(MIN_RUN_STEPS):
+    for _ in range(STUDY.min_steps):
         scene.step()
     total = inertia + reduced.reflected_inertia
     spare = reduced.rated_torque - float(scene.model.dof_frictionloss[scene.place.output_speed])
     speed = reduced.way * float(scene.data.qvel[scene.place.output_speed])
-    error = speed / (spare / total * MIN_RUN_STEPS * step) - 1.0
+    error = speed / (spare / total * STUDY.min_steps * step) - 1.0
     return bool(np.isfinite(error)), error, np.nan
 
 
 def _analyse_vibration(turn: Array, step: float) -> tuple[float, float]:
     """Compute the middle of a vibration and its angular frequency [rad/s], NaN if it is not resolved."""
     middle = 0.5 * (float(turn.max()) + float(turn.min()))
-    if np.ptp(turn) < MIN_VIBRATION * abs(middle):
+    if np.ptp(turn) < STUDY.min_vibration * abs(middle):
         return float(turn[-1]), np.nan
     above = turn > middle
     ups = np.flatnonzero(~above[:-1] & above[1:])

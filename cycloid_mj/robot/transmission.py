@@ -5,6 +5,7 @@ no leakage.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -18,20 +19,25 @@ from cycloid_mj.statics.springs import springs_of
 
 Waves = npt.NDArray[np.complex128]
 
-LOADS = (0.3, 1.0)
-"""Shares of the rated torque, in both directions, in addition to nearly no load."""
 
-UNLOADED = (0.01, 0.03, 0.1)
-"""Shares that represent no load, as in `measure te`: the first under which friction does not jam the parts is used."""
+@dataclass(frozen=True)
+class RippleSettings:
+    """Loads and crank angles of the transmission error, and the harmonics that are kept."""
 
-POSES_PER_MESH_PERIOD = 8
-"""Crank angles in a mesh period; half as many give the numerical error."""
+    loads: tuple[float, float] = (0.3, 1.0)
+    """Shares of the rated torque, in both directions, in addition to nearly no load."""
+    unloaded: tuple[float, ...] = (0.01, 0.03, 0.1)
+    """Shares that represent no load, as in `measure te`: the first under which friction does not jam the parts is
+    used."""
+    poses_per_period: int = 8
+    """Crank angles in a mesh period; half as many give the numerical error."""
+    max_remainder: float = 0.02
+    """Remainder of an error without its kept harmonics, as a share of its rms value."""
+    max_harmonics: int = 32
+    """Largest number of harmonics that are kept."""
 
-MAX_REMAINDER = 0.02
-"""Remainder of an error without its kept harmonics, as a share of its rms value."""
 
-MAX_HARMONICS = 32
-"""Largest number of harmonics that are kept."""
+RIPPLE = RippleSettings()
 
 
 def turns(reducer: Reducer) -> int:
@@ -40,12 +46,12 @@ def turns(reducer: Reducer) -> int:
 
 
 def solve_ripple(reducer: Reducer, on_turn: Callable[[], None]) -> Ripple:
-    """Compute the significant harmonics of the error without a load and at `LOADS`, in both directions.
+    """Compute the significant harmonics of the error without a load and at `RIPPLE.loads`, in both directions.
 
     `on_turn` is called after each turn of the crank that is solved.
     """
-    lightest = next((load for load in UNLOADED if _balances(reducer, load)), UNLOADED[-1])
-    shares = (lightest, *LOADS)
+    lightest = next((load for load in RIPPLE.unloaded if _balances(reducer, load)), RIPPLE.unloaded[-1])
+    shares = (lightest, *RIPPLE.loads)
     spectra = {(load, sign): waves(solve_error(reducer, load, sign, on_turn)) for sign in (1, -1) for load in shares}
     kept = _kept([fine for fine, _ in spectra.values()])
     # with a forward crank, the load pushes a carrier output counter-clockwise, to its upper stop
@@ -60,7 +66,7 @@ def solve_ripple(reducer: Reducer, on_turn: Callable[[], None]) -> Ripple:
 
 def count_turns(reducer: Reducer) -> int:
     """Return the number of crank turns that `solve_ripple` solves."""
-    return 2 * (1 + len(LOADS)) * turns(reducer)
+    return 2 * (1 + len(RIPPLE.loads)) * turns(reducer)
 
 
 def _balances(reducer: Reducer, load: float) -> bool:
@@ -90,7 +96,7 @@ def solve_error(reducer: Reducer, load: float, direction: int, on_turn: Callable
     Returns
     -------
     Array
-        Errors at even crank angles from 0, `POSES_PER_MESH_PERIOD` in each mesh period, shape (n,).
+        Errors at even crank angles from 0, `RIPPLE.poses_per_period` in each mesh period, shape (n,).
     """
     errors = []
     for turn in range(turns(reducer)):
@@ -103,7 +109,7 @@ def _solve_turn(reducer: Reducer, load: float, direction: int, turn: int) -> Arr
     """Compute the error over one turn of the crank, by the number of the turn."""
     design = reducer.design
     turning = reducer.but(drive={"speed": direction * abs(design.drive.speed)})
-    count = reducer.mesh_periods * POSES_PER_MESH_PERIOD
+    count = reducer.mesh_periods * RIPPLE.poses_per_period
     springs = springs_of(turning, 2.0 * np.pi * (np.arange(count) / count + turn))
     return (
         reducer.member.sense * loads(turning, springs, direction * load * design.rated_torque, follow=True).output_turn
@@ -126,16 +132,16 @@ def waves(values: Array) -> tuple[Waves, Waves]:
 
 
 def _kept(each: list[Waves]) -> npt.NDArray[np.int64]:
-    """Return the indices of the fewest strongest harmonics with a remainder below `MAX_REMAINDER` of each error."""
+    """Return the indices of the fewest strongest harmonics whose remainder of each error is below the limit."""
     each_share = [np.abs(item) / max(float(np.linalg.norm(item)), np.finfo(float).tiny) for item in each]
     shares: Array = np.stack(each_share).max(axis=0)
     order = np.argsort(-shares, kind="stable")
-    for count in range(1, MAX_HARMONICS):
+    for count in range(1, RIPPLE.max_harmonics):
         chosen = order[:count]
-        rest = [np.linalg.norm(np.delete(item, chosen)) <= MAX_REMAINDER * np.linalg.norm(item) for item in each]
+        rest = [np.linalg.norm(np.delete(item, chosen)) <= RIPPLE.max_remainder * np.linalg.norm(item) for item in each]
         if all(rest):
             return np.sort(chosen)
-    return np.sort(order[:MAX_HARMONICS])
+    return np.sort(order[: RIPPLE.max_harmonics])
 
 
 def _rows(arrays: list[Array]) -> tuple[tuple[float, ...], ...]:

@@ -15,12 +15,6 @@ Integrator = Literal["implicitfast", "discrete"]
 
 INTEGRATORS: tuple[Integrator, ...] = get_args(Integrator)
 
-FLYWHEEL = 1e9
-"""Inertia that fixes the crank, or its speed, over the crank's own [1]."""
-
-RUNAWAY = 100.0
-"""Distance from the stops, in rated wind-ups and play, at which a joint is unstable; MuJoCo warns much later."""
-
 
 @dataclass(frozen=True)
 class TrialScene:
@@ -49,7 +43,7 @@ class TrialScene:
 
     def hold(self, speed: float = 0.0) -> None:
         """Set the speed of the crank [rad/s] independent of the torque on it, with the output at the same ratio."""
-        self.model.dof_armature[self.place.crank_speed] = FLYWHEEL * self.reduced.rotor_inertia
+        self.model.dof_armature[self.place.crank_speed] = 1e9 * self.reduced.rotor_inertia
         mujoco.mj_setConst(self.model, self.data)
         self.data.qvel[self.place.crank_speed] = speed
         self.data.qvel[self.place.output_speed] = -self.reduced.coefficient * speed
@@ -98,7 +92,8 @@ class TrialScene:
     def lengths(self, torque: Callable[[float], float], steps: int) -> Array | None:
         """Compute L after each time step under a torque on the output as a function of time; None if it runs away."""
         reduced, lengths = self.reduced, np.empty(steps)
-        most = RUNAWAY * (reduced.backlash + reduced.wind_up(reduced.rated_torque))
+        # MuJoCo warns much later
+        most = 100.0 * (reduced.backlash + reduced.wind_up(reduced.rated_torque))
         for i in range(steps):
             self.push(torque(float(self.data.time)))
             self.step()

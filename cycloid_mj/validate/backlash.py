@@ -14,8 +14,6 @@ from cycloid_mj.validate.rig import FREE, KINDS, NONPIN, reducer_of, without_fri
 
 TORQUE = 0.01
 """Torque that presses the disc against its stop [N m]; it deflects the teeth by less than 0.1 % of a clearance."""
-_TRAVEL_STEPS, _SETTLE_STEPS, _HALTS = 2000, 250, 8
-"""Time steps to reach the stop, time steps between two halts, and number of halts."""
 
 
 def rows(quick: bool) -> list[ValidationRow]:
@@ -60,8 +58,8 @@ def turn_to_stop(compiled: ReducerModel, torque: float, joint: str = "gear_angle
     data = mujoco.MjData(compiled.model)
     data.joint(joint).qfrc_applied[0] = torque
     with installed():
-        mujoco.mj_step(compiled.model, data, _TRAVEL_STEPS)
-        for _ in range(_HALTS):
+        mujoco.mj_step(compiled.model, data, 2000)
+        for _ in range(8):
             data.qvel[:] = 0.0
-            mujoco.mj_step(compiled.model, data, _SETTLE_STEPS)
+            mujoco.mj_step(compiled.model, data, 250)
     return float(data.joint(joint).qpos[0])

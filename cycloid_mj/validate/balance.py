@@ -4,6 +4,7 @@ No simulation. The designs have every clearance and manufacturing error, up to t
 """
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -20,8 +21,27 @@ from cycloid_mj.statics.samples import identical_samples, solve_samples
 from cycloid_mj.validate import rig
 from cycloid_mj.validate.displaced import DisplacedSprings, cam_offsets, slip_force
 
-CRANK = 1.9
-"""A crank angle with no symmetry [rad]."""
+
+@dataclass(frozen=True)
+class BalanceConditions:
+    """Conditions of the static balances."""
+
+    crank: float = 1.9
+    """A crank angle with no symmetry [rad]."""
+    near: float = 2e-6
+    """Size of displacements [m] up to which gaps are exact to 1e-5."""
+    slip: float = 1e-7
+    """Displacements of a step [m] in which some surfaces stick and some slip."""
+    max_travel: float = 4e-6
+    """Longest travel of the output [m] in one step of the loop; longer steps are divided."""
+    friction: float = 0.1
+    """Coefficient of friction of all pairs in the cases with friction."""
+    rolling: float = 0.02
+    """Coefficient of friction of the rollers of the cam."""
+
+
+BALANCE = BalanceConditions()
+
 
 ONE, TWO, THREE = "one disc", "two discs", "three discs on pins that bend"
 
@@ -37,11 +57,6 @@ LAYOUTS = {
     THREE: ("gear.discs=3", "structure=springs"),
 }
 
-NEAR = 2e-6
-"""Size of displacements [m] up to which gaps are exact to 1e-5."""
-
-SLIP = 1e-7
-"""Displacements of a step [m] in which some surfaces stick and some slip."""
 
 TURN = tuple(2.0 * np.pi * np.arange(3) / 3)
 """Crank angles of a sample [rad]."""
@@ -49,14 +64,6 @@ TURN = tuple(2.0 * np.pi * np.arange(3) / 3)
 LOOP = np.array([0.0, 0.5, 1.0, 0.2, -0.2, -1.0, 0.5])
 """Torques of a loop as shares of the rated torque: forward, to the other side, and part of the way back."""
 
-MAX_TRAVEL = 4e-6
-"""Longest travel of the output [m] in one step of the loop; longer steps are divided."""
-
-FRICTION = 0.1
-"""Coefficient of friction of all pairs in the cases with friction."""
-
-ROLLING = 0.02
-"""Coefficient of friction of the rollers of the cam."""
 
 SOURCE = "exact curves"
 
@@ -68,7 +75,7 @@ def design_with_errors(layout: str, *changes: str) -> Design:
     return override(PRESETS["pin"], ["ring.pins=fixed", *LAYOUTS[layout], *ERRORS, *still, uniform, *changes])
 
 
-def springs_and_reference(reducer: Reducer, crank: float = CRANK) -> tuple[KernelSprings, DisplacedSprings]:
+def springs_and_reference(reducer: Reducer, crank: float = BALANCE.crank) -> tuple[KernelSprings, DisplacedSprings]:
     """Return the springs of a design at a crank angle [rad], and the reference springs on exact gaps."""
     springs = springs_of(reducer, [crank], friction=False)
     contacts, angle = springs.contacts, float(springs.crank[0])
@@ -90,7 +97,7 @@ def state_rows(layout: str) -> list[ValidationRow]:
     """Compare energy and forces of displaced parts with those on exact gaps."""
     springs, exact = springs_and_reference(Reducer(design_with_errors(layout)))
     number = springs.slope.shape[2]
-    z, load = random_pose(number, NEAR), 100.0 * random_pose(number, 1.0)
+    z, load = random_pose(number, BALANCE.near), 100.0 * random_pose(number, 1.0)
     computed = state(springs, 0, load, z)
     energy, force = exact.energy(z) - load @ z, load + exact.push(z)
     return [
@@ -110,7 +117,7 @@ def balance_rows(layout: str, *changes: str) -> list[ValidationRow]:
     """Compare the forces in equilibrium with the rated load, and each contact force with the one on its exact gap."""
     design = design_with_errors(layout, *changes)
     reducer = Reducer(design)
-    springs = springs_of(reducer, [CRANK], friction=False)
+    springs = springs_of(reducer, [BALANCE.crank], friction=False)
     _, exact = springs_and_reference(reducer)
     contact_loads = loads(reducer, springs, rig.RATED_LOAD)
     z, load = contact_loads.departures[0], springs.load(Reducer(design).share * rig.RATED_LOAD)[0]
@@ -166,11 +173,15 @@ def sample_rows() -> list[ValidationRow]:
 
 def springs_with_friction(layout: str) -> tuple[KernelSprings, DisplacedSprings, Rubbing]:
     """Return springs and reference of a design with friction, and all friction with memory, at a locked crank."""
-    rubs = (f"friction.{kind}={FRICTION}" for kind in rig.MATING)
-    design = design_with_errors(layout, *rubs, f"friction.cam_rolling={ROLLING}")
+    rubs = (f"friction.{kind}={BALANCE.friction}" for kind in rig.MATING)
+    design = design_with_errors(layout, *rubs, f"friction.cam_rolling={BALANCE.rolling}")
     reducer = Reducer(design)
     springs, exact = springs_and_reference(reducer)
-    return springs, exact, rubbing_of(reducer, springs, CRANK, Losses(drag=1.0, travel=1e-4, material=0.1), "crank")
+    return (
+        springs,
+        exact,
+        rubbing_of(reducer, springs, BALANCE.crank, Losses(drag=1.0, travel=1e-4, material=0.1), "crank"),
+    )
 
 
 def step_rows(layout: str) -> list[ValidationRow]:
@@ -180,8 +191,8 @@ def step_rows(layout: str) -> list[ValidationRow]:
     """
     springs, exact, rubbing = springs_with_friction(layout)
     number = springs.slope.shape[2]
-    before, load = random_pose(number, NEAR), 100.0 * random_pose(number, 1.0)
-    z = before + random_pose(number, SLIP)[::-1]
+    before, load = random_pose(number, BALANCE.near), 100.0 * random_pose(number, 1.0)
+    z = before + random_pose(number, BALANCE.slip)[::-1]
     *_, push = _pushes(exact, rubbing, np.array([before, z]))
     ours = state_after(springs, rubbing, before, load, z, False).residual
     return [deviation(f"forces after a step, {layout}", ours, load + push, "N", SOURCE, 0.02)]
@@ -236,7 +247,7 @@ STATICS: tuple[Callable[[], list[ValidationRow]], ...] = (
     *(partial(balance_rows, layout) for layout in LAYOUTS),
     partial(balance_rows, TWO, "output.member=ring"),
     sample_rows,
-    partial(path_rows, ONE, MAX_TRAVEL, 30),
+    partial(path_rows, ONE, BALANCE.max_travel, 30),
     partial(path_rows, TWO),
 )
 """Functions that return the rows, the quick ones first.

@@ -19,9 +19,6 @@ from cycloid_mj.validate.gaps import GearPose, flanks_of, pin_gaps, rotate
 _DIFFERENCE_STEP = 1e-8
 """Step of finite differences [m]."""
 
-_MAX_STEPS, _RESIDUAL_RTOL = 30, 1e-6
-"""Maximum number of Newton steps, and largest residual force relative to the load."""
-
 
 def pose_of(reducer: Reducer, crank: float, z: Array, disc: int = 0) -> GearPose:
     """Return the pose of the teeth of a disc at displacements z [m]; disc d of D is d/D of a turn ahead."""
@@ -198,9 +195,9 @@ class DisplacedSprings:
             [(pushed - self.push(start + shift)) / _DIFFERENCE_STEP for shift in _DIFFERENCE_STEP * np.eye(z.size)],
             axis=1,
         )
-        for _ in range(_MAX_STEPS):
+        for _ in range(30):
             residual = load + self.push(z)
-            if np.abs(residual).max() < _RESIDUAL_RTOL * np.abs(load).max():
+            if np.abs(residual).max() < 1e-6 * np.abs(load).max():
                 return z
             z = z + np.linalg.solve(stiffness, residual)
         raise RunError(f"no equilibrium on exact gaps: the residual force is {np.abs(residual).max():.3g} N")

@@ -30,8 +30,6 @@ from cycloid_mj.validate.stiffness import tooth_stiffness
 
 _SCALE = 1e-6
 """Unit of length of the solver [m]: displacements are of the order of micrometres."""
-_MAX_DESCENT_STEPS = 100
-"""Maximum number of minimisation steps; the equilibrium is solved from there."""
 Method = Literal["trust-exact", "trust-ncg"]
 _METHODS: tuple[Method, ...] = ("trust-exact", "trust-ncg")
 """Minimisers, tried in this order: with an unsupported pin the Hessian is singular, on which the first may stop."""
@@ -190,9 +188,8 @@ def _least_energy(locked: LockedReducer, method: Method) -> Array:
         return _energy(locked, _SCALE * x) / _SCALE
 
     start = np.zeros(locked.load.size)
-    minimum = minimize(
-        energy, start, jac=slope, hess=hessian, method=method, options={"gtol": 1e-2, "maxiter": _MAX_DESCENT_STEPS}
-    )
+    # a rough minimum, from which the equilibrium is solved
+    minimum = minimize(energy, start, jac=slope, hess=hessian, method=method, options={"gtol": 1e-2, "maxiter": 100})
     return _SCALE * np.asarray(minimum.x)
 
 

@@ -20,8 +20,6 @@ from cycloid_mj.reducer import Reducer
 
 Indices = Integers
 
-_SAMPLES_PER_LOBE = 200
-_SAMPLES_PER_ROOT = 400
 _MAX_NEWTON_ATOLS, _NEWTON_ATOL = 8, 1e-10
 """Maximum number of steps, and the step [rad] at which iteration stops: convergence is quadratic."""
 
@@ -219,7 +217,7 @@ def offset_root(gear: CycloidGear, root: int | Indices, B: Array) -> Array:
 def _root_gaps(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks) -> NearestPoints:
     """Find the inner minima of the distance along roots: the lowest of three samples, refined by their parabola."""
     low = gear.best_phase
-    B = np.pi - (np.pi - low) * np.cos(np.linspace(0, np.pi, _SAMPLES_PER_ROOT))
+    B = np.pi - (np.pi - low) * np.cos(np.linspace(0, np.pi, 400))
     sampled_places = pose.to_gear(offset_root(gear, roots[:, np.newaxis], B))
     sampled = flank_distance(flanks, sampled_places.reshape(-1, 2))[0].reshape(roots.size, B.size)
     row, inner = np.nonzero((sampled[:, 1:-1] < sampled[:, :-2]) & (sampled[:, 1:-1] <= sampled[:, 2:]))
@@ -255,7 +253,7 @@ def _ends(flanks: Flanks) -> FlankEnds:
 
 @cache
 def _samples(gear: CycloidGear) -> tuple[cKDTree, Array]:
-    t = np.linspace(0, 2 * np.pi, _SAMPLES_PER_LOBE * gear.lobes, endpoint=False)
+    t = np.linspace(0, 2 * np.pi, 200 * gear.lobes, endpoint=False)
     return cKDTree(profile.trochoid(gear, t)), t
 
 

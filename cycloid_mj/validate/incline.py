@@ -15,8 +15,22 @@ from cycloid_mj.design import PRESETS
 from cycloid_mj.dynamics.law import IMPRATIO, ContactParameters, contact_law, solver_parameters
 from cycloid_mj.reducer import Reducer
 
-MASS, RADIUS, GRAVITY, CREEP_SPEED = 0.25, 0.02, 9.8, 0.02
-TIMESTEP = 2e-6
+
+@dataclass(frozen=True)
+class InclineConditions:
+    """Conditions of a body on an incline."""
+
+    mass: float = 0.25
+    radius: float = 0.02
+    gravity: float = 9.8
+    creep_speed: float = 0.02
+    """Mass [kg], radius [m], gravity [m/s2], and creep speed [m/s]."""
+    timestep: float = 2e-6
+    """Time step [s]."""
+
+
+INCLINE = InclineConditions()
+
 _BODY = """<mujoco>
   <option timestep="{timestep!r}" gravity="{along!r} {down!r} 0" impratio="{impratio!r}"
     tolerance="1e-12" cone="elliptic"/>
@@ -51,8 +65,8 @@ def rows(quick: bool) -> list[ValidationRow]:
     low, high = math.atan(0.5 * law.friction), math.atan(3.0 * law.friction)
     stuck, sliding = descent(law, low, False), descent(law, high, False)
     rolling = descent(law, math.atan(2.0 * law.friction), True)
-    slope = GRAVITY * math.sin(math.atan(2.0 * law.friction))
-    creeping = MASS * GRAVITY * math.sin(low) / law.creep
+    slope = INCLINE.gravity * math.sin(math.atan(2.0 * law.friction))
+    creeping = INCLINE.mass * INCLINE.gravity * math.sin(low) / law.creep
     return [
         relative(
             "creep of a block below the friction angle",
@@ -65,7 +79,7 @@ def rows(quick: bool) -> list[ValidationRow]:
         relative(
             "acceleration of a block above it",
             sliding.acceleration,
-            GRAVITY * (math.sin(high) - law.friction * math.cos(high)),
+            INCLINE.gravity * (math.sin(high) - law.friction * math.cos(high)),
             "m/s2",
             "g (sin - mu cos)",
             1e-6,
@@ -76,7 +90,7 @@ def rows(quick: bool) -> list[ValidationRow]:
         relative(
             "slip of the rolling cylinder",
             1e6 * rolling.slip,
-            1e6 * MASS * slope / 3.0 / law.creep,
+            1e6 * INCLINE.mass * slope / 3.0 / law.creep,
             "um/s",
             "m g sin/(3 creep)",
             2.5e-3,
@@ -85,25 +99,25 @@ def rows(quick: bool) -> list[ValidationRow]:
 
 
 def pair_law() -> ContactParameters:
-    """Compute the contact law of a pin on the disc for a body of `MASS`."""
+    """Compute the contact law of a pin on the disc for a body of `INCLINE.mass`."""
     design = Reducer(PRESETS["pin"]).at_rated_load
     friction = design.design.friction.pin_gear
-    creep = friction * design.contacts["pin_gear"].force / CREEP_SPEED
+    creep = friction * design.contacts["pin_gear"].force / INCLINE.creep_speed
     stiffness = design.contacts.teeth.curvature_law.stiffness
-    return contact_law(stiffness, design.design.contact.damping_ratio, MASS, friction, creep, TIMESTEP)
+    return contact_law(stiffness, design.design.contact.damping_ratio, INCLINE.mass, friction, creep, INCLINE.timestep)
 
 
 def descent(law: ContactParameters, angle: float, turns: bool) -> Descent:
     """Simulate a block, or a cylinder that `turns`, on an incline of `angle` [rad] from rest for 20 ms."""
     model = incline(law, angle, turns)
     data = mujoco.MjData(model)
-    data.joint("y").qpos[0] = -MASS * GRAVITY * math.cos(angle) / law.stiffness
+    data.joint("y").qpos[0] = -INCLINE.mass * INCLINE.gravity * math.cos(angle) / law.stiffness
     mujoco.mj_step(model, data, 5000)
     before = float(data.joint("x").qvel[0])
     mujoco.mj_step(model, data, 5000)
     speed = float(data.joint("x").qvel[0])
     spin = float(data.joint("turn").qvel[0]) if turns else 0.0
-    return Descent((speed - before) / (5000 * TIMESTEP), speed, speed + RADIUS * spin)
+    return Descent((speed - before) / (5000 * INCLINE.timestep), speed, speed + INCLINE.radius * spin)
 
 
 def incline(law: ContactParameters, angle: float, turns: bool) -> Any:
@@ -124,13 +138,13 @@ def incline(law: ContactParameters, angle: float, turns: bool) -> Any:
 def _compile_model(pair: str, angle: float, turns: bool) -> Any:
     """Compile the model of a body on an incline of an angle [rad]."""
     text = _BODY.format(
-        timestep=TIMESTEP,
-        along=GRAVITY * math.sin(angle),
-        down=-GRAVITY * math.cos(angle),
+        timestep=INCLINE.timestep,
+        along=INCLINE.gravity * math.sin(angle),
+        down=-INCLINE.gravity * math.cos(angle),
         impratio=IMPRATIO,
-        radius=RADIUS,
-        mass=MASS,
-        inertia=0.5 * MASS * RADIUS**2,
+        radius=INCLINE.radius,
+        mass=INCLINE.mass,
+        inertia=0.5 * INCLINE.mass * INCLINE.radius**2,
         turn=_TURN if turns else "",
         pair=pair,
     )

@@ -25,7 +25,7 @@ from cycloid_mj.reducer.limits import best_fit, stops
 from cycloid_mj.statics import loads, springs_of
 from cycloid_mj.statics.kernel import gap
 from cycloid_mj.validate import equilibrium, rig
-from cycloid_mj.validate.balance import CRANK, FRICTION, NEAR, random_pose
+from cycloid_mj.validate.balance import BALANCE, random_pose
 from cycloid_mj.validate.displaced import cam_offsets, exact_gaps, in_ring_frame, pose_of
 from cycloid_mj.validate.gaps import rotate
 from cycloid_mj.validate.rig import FIXED, FREE, NONPIN, SLEEVED, reducer_of
@@ -78,18 +78,18 @@ def gap_rows(kind: str) -> list[ValidationRow]:
         kind, *WIDE_CLEARANCES, "modification.rotation_arcsec=0.0"
     )  # corners have no second derivative
     reducer = Reducer(design)
-    springs = springs_of(reducer, CRANK, friction=False).contacts
+    springs = springs_of(reducer, BALANCE.crank, friction=False).contacts
     width = np.array([gap(springs, 0, i, POSE).width for i in range(springs.disc.size)])
-    exact = exact_gaps(reducer, CRANK, POSE)
+    exact = exact_gaps(reducer, BALANCE.crank, POSE)
     return [deviation(f"gaps of displaced parts, {kind}", 1e6 * width, 1e6 * exact, "um", "exact curves", 0.08)]
 
 
 def hole_rows() -> list[ValidationRow]:
     """Compare the gaps of far displaced output pins with exact circles, which show the effect of finite rotations."""
     reducer = Reducer(design_with_errors(FIXED))
-    springs, teeth = springs_of(reducer, CRANK, friction=False).contacts, reducer.design.ring.teeth
+    springs, teeth = springs_of(reducer, BALANCE.crank, friction=False).contacts, reducer.design.ring.teeth
     width = np.array([gap(springs, 0, i, FAR_POSE).width for i in range(teeth, springs.disc.size)])
-    exact, source = exact_gaps(reducer, CRANK, FAR_POSE)[teeth:], "exact circles"
+    exact, source = exact_gaps(reducer, BALANCE.crank, FAR_POSE)[teeth:], "exact circles"
     return [deviation("gaps of far displaced output pins", 1e6 * width, 1e6 * exact, "um", source, 1e-3)]
 
 
@@ -103,7 +103,7 @@ def model_rows(pins: str) -> list[ValidationRow]:
     design = design_with_errors(FIXED, UNIFORM, *tight, *errors, *THREE_DISCS, f"ring.pins={pins}")
     reducer = Reducer(design)
     compiled, moving, larger = build(design), design.ring.has_pin_bodies, deviations(design).pin_radius
-    data, z = mujoco.MjData(compiled.model), random_pose(3 * design.gear.discs + 1, NEAR)
+    data, z = mujoco.MjData(compiled.model), random_pose(3 * design.gear.discs + 1, BALANCE.near)
     for joint, value in _joints(reducer, z).items():
         data.joint(joint).qpos[0] = value
     for pin in mechanism(design).pins:
@@ -115,22 +115,25 @@ def model_rows(pins: str) -> list[ValidationRow]:
     # a pin may touch both edges of its socket: the deeper contact is its distance
     by_pair = dict(sorted(zip(mating, data.contact.dist, strict=True), key=itemgetter(1), reverse=True))
     ours = np.array([by_pair.get(pair.name, 0.0) for pair in compiled.pairs])
-    exact, teeth = exact_gaps(reducer, CRANK, z, PIN_SHIFT if moving else 0.0), design.gear.discs * larger.size
+    exact, teeth = exact_gaps(reducer, BALANCE.crank, z, PIN_SHIFT if moving else 0.0), design.gear.discs * larger.size
     if design.ring.has_massless_pins:
         exact[:teeth] += np.tile(design.clearance.pin_socket - larger, design.gear.discs)
     seat = equilibrium.seats(reducer, np.tile(PIN_SHIFT, (larger.size, 1)))[0]
     seat -= larger if design.ring.has_sockets else 0.0
-    cams = design.clearance.cam - np.linalg.norm(cam_offsets(reducer, CRANK, z), axis=1)
+    cams = design.clearance.cam - np.linalg.norm(cam_offsets(reducer, BALANCE.crank, z), axis=1)
     depths = np.minimum(np.concatenate([exact[:teeth], *([seat] if moving else []), cams, exact[teeth:]]), 0.0)
     return [deviation(f"depths in the model, {pins} pins", 1e6 * ours, 1e6 * depths, "um", "exact curves", 1e-3)]
 
 
 def _joints(reducer: Reducer, z: Array) -> dict[str, float]:
     """Compute the joint positions of crank, discs and output at the unknowns z [m]."""
-    turned = float(kinematics.gear_rotation(reducer.tooth_profile, CRANK)) + z / reducer.design.output.pin_circle_radius
-    read = {names.CRANK_JOINT: CRANK, names.OUTPUT_JOINT: float(turned[-1])}
+    turned = (
+        float(kinematics.gear_rotation(reducer.tooth_profile, BALANCE.crank))
+        + z / reducer.design.output.pin_circle_radius
+    )
+    read = {names.CRANK_JOINT: BALANCE.crank, names.OUTPUT_JOINT: float(turned[-1])}
     for disc, gear in enumerate(reducer.gears):
-        x, y = pose_of(reducer, CRANK, z, disc).centre
+        x, y = pose_of(reducer, BALANCE.crank, z, disc).centre
         read |= dict(zip(names.planar_joints(gear), (x, y, turned[3 * disc + 2]), strict=True))
     return read
 
@@ -161,7 +164,7 @@ def balance_rows(kind: str, turn: Sequence[float]) -> list[ValidationRow]:
 
 def friction_rows(name: str, *changes: str) -> list[ValidationRow]:
     """Compare the power of the cams, with friction, with the power of the load and of all sliding contacts."""
-    frictions = [f"friction.{kind}={FRICTION}" for kind in (*rig.MATING, "cam_rolling", "output_rolling")]
+    frictions = [f"friction.{kind}={BALANCE.friction}" for kind in (*rig.MATING, "cam_rolling", "output_rolling")]
     load = f"load.torque_nm={rig.RATED_LOAD}"
     design = reducer_of(FIXED, *frictions, *rig.without_gravity(), load, "drive.speed_rpm=1.0", *changes)
     reducer = Reducer(design)
@@ -172,9 +175,9 @@ def friction_rows(name: str, *changes: str) -> list[ValidationRow]:
     slow, pressed = speed / gear.lobes, np.linalg.norm(contact_loads.cam, axis=2)
     driven = (
         np.sum(contact_loads.cam * velocity, axis=(1, 2))
-        - FRICTION * design.gear.bore_radius * pressed.sum(axis=1) * slow
+        - BALANCE.friction * design.gear.bore_radius * pressed.sum(axis=1) * slow
     )
-    friction_power = FRICTION * np.sum(
+    friction_power = BALANCE.friction * np.sum(
         np.concatenate([contact_loads.teeth, contact_loads.output], axis=1) * np.abs(springs.slip), axis=1
     )
     return [
@@ -193,8 +196,8 @@ def fit_rows(bound: float, *changes: str) -> list[ValidationRow]:
     """Compare the play of the best fit with the smallest exact gap of parts placed as it says."""
     design = design_with_errors(FIXED, *WIDE_CLEARANCES, *changes)
     reducer = Reducer(design)
-    fit = best_fit(reducer, CRANK)
-    seen, z = in_ring_frame(reducer, CRANK, fit.shift, fit.gear_turn, fit.output_turn)
+    fit = best_fit(reducer, BALANCE.crank)
+    seen, z = in_ring_frame(reducer, BALANCE.crank, fit.shift, fit.gear_turn, fit.output_turn)
     cams = design.clearance.cam - np.linalg.norm(cam_offsets(reducer, seen, z), axis=1)
     least = np.array([min(*cams, *exact_gaps(reducer, seen, z))])
     name = ", ".join(("least gap of the best fit", FIXED, *changes))
@@ -205,8 +208,8 @@ def shifted_pin_rows(bound: float, *changes: str) -> list[ValidationRow]:
     """Compare the exact gaps of free pins to the nearest disc with those to their sockets."""
     design = design_with_errors(FREE, "clearance.pin_gear_um=0.5", "clearance.pin_socket_um=4.0", *changes)
     reducer = Reducer(design)
-    fit, teeth = best_fit(reducer, CRANK), design.ring.teeth
-    seen, z = in_ring_frame(reducer, CRANK, fit.shift, fit.gear_turn, fit.output_turn)
+    fit, teeth = best_fit(reducer, BALANCE.crank), design.ring.teeth
+    seen, z = in_ring_frame(reducer, BALANCE.crank, fit.shift, fit.gear_turn, fit.output_turn)
     moved = np.any(fit.pin_shift, axis=1)
     of_discs = exact_gaps(reducer, seen, z, fit.pin_shift)[: design.gear.discs * teeth].reshape(-1, teeth)
     ahead = of_discs.min(axis=0)[moved]
@@ -226,10 +229,10 @@ def stop_rows(kind: str) -> list[ValidationRow]:
         design = rig.with_changes(Reducer(design), "errors.pin_radius_um=0.0").design
         play = design.clearance.pin_gear + design.clearance.pin_socket
         variant = rig.with_changes(Reducer(design), 'ring.pins="fixed"', f"clearance.pin_gear_um={1e6 * play!r}").design
-    ours = 1e6 * np.array(stops(Reducer(design), CRANK))
+    ours = 1e6 * np.array(stops(Reducer(design), BALANCE.crank))
     stiffness = dict.fromkeys(design.pair_kinds, 1e11)
     loaded = [rig.with_changes(Reducer(variant), f"load.torque_nm={torque}") for torque in (-1.0, 1.0)]
-    solved = 1e6 * np.array([equilibrium.solve(each, stiffness, CRANK).output_turn for each in loaded])
+    solved = 1e6 * np.array([equilibrium.solve(each, stiffness, BALANCE.crank).output_turn for each in loaded])
     return [deviation(f"stops of the output, {kind}", ours, solved, "urad", SEARCH, 0.35)]
 
 

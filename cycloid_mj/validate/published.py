@@ -28,15 +28,13 @@ from cycloid_mj.validate import rig
 from cycloid_mj.validate.backlash import turn_to_stop
 from cycloid_mj.validate.rig import FIXED, reducer_of
 
-ROUNDED_MPA = 0.6
-"""Allowed error [MPa]: the printed stresses are rounded to 1 MPa."""
-
 
 @dataclass(frozen=True)
 class KrolVariant:
-    """A variant of Krol et al. 2019: 16 pins, 15 lobes, 8 output sleeves, input 1.55 N m; lengths [mm].
+    """A variant of Krol et al. 2019: 16 pins, 15 lobes, 8 output sleeves, input `moment` [N m]; lengths [mm].
 
-    `lobe`, `pit` and `sleeve` are the printed stresses [MPa] at the lobe's tip, in its valley and on a sleeve.
+    `lobe`, `pit` and `sleeve` are the printed stresses [MPa] at the lobe's tip, in its valley and on a sleeve, which
+    are `rounded` to within 0.6 MPa.
     """
 
     eccentricity: float
@@ -49,6 +47,9 @@ class KrolVariant:
     lobe: float
     pit: float
     sleeve: float
+    pins: int = 16
+    moment: float = 1.55
+    rounded: float = 0.6
 
 
 KROL = (
@@ -56,14 +57,15 @@ KROL = (
     KrolVariant(1.5, 2.0, 0.65, 8.0, 3.0, 5.0, 20.0, 855.0, 331.0, 552.0),
     KrolVariant(2.9, 3.4, 0.70, 10.0, 5.0, 8.0, 30.0, 419.0, 142.0, 303.0),
 )
-KROL_PINS, KROL_MOMENT = 16, 1.55
 
 
 @dataclass(frozen=True)
 class Wang:
-    """A row of Wang, Luo and Su 2016: 44 pins; pin circle, pin, hole circle and output pin by diameter [mm].
+    """A row of Wang, Luo and Su 2016: pin circle, pin, hole circle and output pin by diameter [mm].
 
-    `printed` efficiency, and half of its last digit as `rounding`.
+    `printed` efficiency, and half of its last digit as `rounding`. The sleeves on the output pins have a wall [mm].
+    `bearings` is the efficiency of the bearings in the product. The simulated case has a rigid cam [N/m] and a `load`
+    [N m]; 0.75 kW correspond to 214 N m.
     """
 
     pin_circle: float
@@ -73,22 +75,17 @@ class Wang:
     output_pin: float
     printed: float
     rounding: float
+    pins: int = 44
+    speed_rpm: float = 1440.0
+    mesh_friction: float = 0.05
+    sleeve_friction: float = 0.02
+    sleeve_wall: float = 3.0
+    bearings: float = 0.99 * 0.995**2
+    load: float = 200.0
+    cam_stiffness: float = 5e11
 
 
 WANG = (Wang(141.0, 8.5, 0.8441, 100.0, 13.2, 0.8947, 0.5e-4), Wang(141.0, 7.7, 0.875, 100.0, 12.2, 0.896, 0.5e-3))
-WANG_PINS, WANG_SPEED_RPM = 44, 1440.0
-MESH_FRICTION, SLEEVE_FRICTION, SLEEVE_WALL = 0.05, 0.02, 3.0
-BEARINGS = 0.99 * 0.995**2
-"""Efficiency of the bearings in Wang's product."""
-WANG_LOAD = 200.0
-"""Load torque [N m] of the simulated case; 0.75 kW correspond to 214 N m."""
-WANG_CAM = 5e11
-"""Stiffness of an ideal cam [N/m]."""
-
-PRINTED_PLAY = 1.24
-"""Measured backlash of the printed drive before run-in [deg]."""
-PRINTED_TORQUES = (0.1, 0.2)
-"""Torques that press its output against a stop [N m]; the rotations are extrapolated to zero torque."""
 
 
 def hertz_rows(quick: bool) -> list[ValidationRow]:
@@ -99,14 +96,15 @@ def hertz_rows(quick: bool) -> list[ValidationRow]:
         for name, ours, printed in zip(
             ("lobe", "valley", "output sleeve"), krol_stresses(case), (case.lobe, case.pit, case.sleeve), strict=True
         ):
-            rows.append(absolute(f"Hertz stress, {name}", ours / 1e6, printed, unit, source, ROUNDED_MPA))
+            rows.append(absolute(f"Hertz stress, {name}", ours / 1e6, printed, unit, source, case.rounded))
     return rows
 
 
 def printed_rows(quick: bool) -> list[ValidationRow]:
     """Compare the backlash of the printed drive: simulated, by the linear programme, and measured."""
     design = rig.with_changes(Reducer(PRESETS["printed"]), *rig.without_friction(), *rig.without_gravity())
-    compiled, (small, large) = build(design.design), PRINTED_TORQUES
+    # torques that press the output against a stop [N m]
+    compiled, (small, large) = build(design.design), (0.1, 0.2)
     near, far = (
         turn_to_stop(compiled, torque, names.OUTPUT_JOINT) - turn_to_stop(compiled, -torque, names.OUTPUT_JOINT)
         for torque in (small, large)
@@ -119,7 +117,7 @@ def printed_rows(quick: bool) -> list[ValidationRow]:
     clearances = "nominal clearances; printed parts have about twice as much"
     return [
         relative(name, math.degrees(simulated), math.degrees(high - low), "deg", "rigid parts: linear programme", 0.5),
-        relative(name, math.degrees(drawn), PRINTED_PLAY, "deg", "JelmerV, bench", None, clearances),
+        relative(name, math.degrees(drawn), 1.24, "deg", "JelmerV, bench", None, clearances),
     ]
 
 
@@ -157,12 +155,12 @@ def two_disc_rows(quick: bool) -> list[ValidationRow]:
 
 def krol_stresses(case: KrolVariant) -> tuple[float, float, float]:
     """Compute the stresses [Pa] at the lobe's tip, in the valley and on a sleeve."""
-    lobes, pins = KROL_PINS - 1, KROL_PINS
+    lobes, pins = case.pins - 1, case.pins
     e, rho, width = 1e-3 * case.eccentricity, 1e-3 * case.pin_radius, 1e-3 * case.width
     gear = CycloidGear(pins, e, e * pins / case.shortening, rho)
     tip, valley = profile.curvature(gear, [np.pi / lobes, 0.0])
-    ring_force = 4.0 * KROL_MOMENT * lobes / (e * lobes * pins)
-    output_force = 2.0 * KROL_MOMENT * lobes * math.cos(2.0 * math.pi / 8) / (math.pi * 1e-3 * case.hole_circle)
+    ring_force = 4.0 * case.moment * lobes / (e * lobes * pins)
+    output_force = 2.0 * case.moment * lobes * math.cos(2.0 * math.pi / 8) / (math.pi * 1e-3 * case.hole_circle)
     sleeve = 1e3 / case.sleeve_radius - 1e3 / case.hole_radius
     modulus = ideal_loads.contact_modulus(200e9, 0.3)
     forces = [ring_force, ring_force, output_force]
@@ -188,7 +186,7 @@ def efficiency_rows(quick: bool) -> list[ValidationRow]:
     formula = 100.0 * mesh_efficiency(case) * output_efficiency(case)
     ideal, ideal_design = wang_run(case, True, quick)
     real, real_design = wang_run(case, False, quick)
-    closed = 100.0 / (1.0 + sum(ideal_losses(Reducer(ideal_design), ideal["crank_angle"], MESH_FRICTION)))
+    closed = 100.0 / (1.0 + sum(ideal_losses(Reducer(ideal_design), ideal["crank_angle"], case.mesh_friction)))
     ours, built = 100.0 * mean_powers(ideal).efficiency, 100.0 * mean_powers(real).efficiency
     logged = friction_by_force(real, Reducer(real_design))
     return [
@@ -226,13 +224,13 @@ def efficiency_rows(quick: bool) -> list[ValidationRow]:
 
 def total_efficiency(case: Wang) -> float:
     """Compute the efficiency by Wang's formula."""
-    return mesh_efficiency(case) * BEARINGS * output_efficiency(case)
+    return mesh_efficiency(case) * case.bearings * output_efficiency(case)
 
 
 def mesh_efficiency(case: Wang) -> float:
     """Compute eta_x = eta_nx/(1 + z (1 - eta_nx)), eta_nx = 1 - 4 mu (Dp - d)/(K1 z Dp pi)."""
-    lobes = WANG_PINS - 1
-    meshing = 1.0 - 4.0 * MESH_FRICTION * (case.pin_circle - case.pin) / (
+    lobes = case.pins - 1
+    meshing = 1.0 - 4.0 * case.mesh_friction * (case.pin_circle - case.pin) / (
         case.shortening * lobes * case.pin_circle * math.pi
     )
     return meshing / (1.0 + lobes * (1.0 - meshing))
@@ -240,8 +238,8 @@ def mesh_efficiency(case: Wang) -> float:
 
 def output_efficiency(case: Wang) -> float:
     """Compute eta_sx = 1 - 4 f K1 d Dp/(pi Dw (d + 2 D2))."""
-    sleeve = case.output_pin / (case.output_pin + 2.0 * SLEEVE_WALL)
-    return 1.0 - 4.0 * SLEEVE_FRICTION * sleeve * case.shortening * case.pin_circle / (math.pi * case.hole_circle)
+    sleeve = case.output_pin / (case.output_pin + 2.0 * case.sleeve_wall)
+    return 1.0 - 4.0 * case.sleeve_friction * sleeve * case.shortening * case.pin_circle / (math.pi * case.hole_circle)
 
 
 def wang_run(case: Wang, ideal: bool, quick: bool) -> tuple[Run, Design]:
@@ -250,27 +248,27 @@ def wang_run(case: Wang, ideal: bool, quick: bool) -> tuple[Run, Design]:
     `ideal`: almost no clearance and a rigid cam. Otherwise the default clearances and stiffness.
     """
     design = wang_design(case, ideal)
-    periods = 8 if quick else WANG_PINS
+    periods = 8 if quick else case.pins
     settled = 0.012
-    hold = settled + periods * 60.0 / (WANG_SPEED_RPM * WANG_PINS)
+    hold = settled + periods * 60.0 / (case.speed_rpm * case.pins)
     design = rig.with_changes(Reducer(design), f"drive.hold_s={hold!r}").design
     compiled = build(design)
     if ideal:
-        rig.stiffen_cam(compiled, WANG_CAM)
+        rig.stiffen_cam(compiled, case.cam_stiffness)
     run = simulate(design, compiled)
     return run.select(run.time >= settled), design
 
 
 def wang_design(case: Wang, ideal: bool) -> Design:
     """Return a design of Wang's proportions with fixed pins; rollers on the output pins act as less friction."""
-    eccentricity = case.shortening * case.pin_circle / 2.0 / WANG_PINS
-    sleeve = case.output_pin / 2.0 + SLEEVE_WALL
-    rolled = SLEEVE_FRICTION * case.output_pin / (2.0 * sleeve)
+    eccentricity = case.shortening * case.pin_circle / 2.0 / case.pins
+    sleeve = case.output_pin / 2.0 + case.sleeve_wall
+    rolled = case.sleeve_friction * case.output_pin / (2.0 * sleeve)
     # the automatic step ignores the stiffness of the cam, which is set in the compiled model only
     close = [*rig.clearances(1e-3), 'contact.stiffness_law="uniform"', "settings.timestep_us=2.0"] if ideal else []
     return reducer_of(
         FIXED,
-        f"ring.teeth={WANG_PINS}",
+        f"ring.teeth={case.pins}",
         f"ring.pin_circle_radius_mm={case.pin_circle / 2.0!r}",
         f"ring.pin_radius_mm={case.pin / 2.0!r}",
         f"gear.eccentricity_mm={eccentricity!r}",
@@ -280,12 +278,12 @@ def wang_design(case: Wang, ideal: bool) -> Design:
         f"output.hole_radius_mm={sleeve + eccentricity!r}",
         "housing.outer_radius_mm=80.0",
         "shaft.counterweight_radius_mm=45.0",
-        f"friction.pin_gear={MESH_FRICTION}",
+        f"friction.pin_gear={case.mesh_friction}",
         f"friction.output_rolling={rolled!r}",
         # The formula has separate factors for the bearings.
         "friction.cam_rolling=0.0",
-        f"drive.speed_rpm={WANG_SPEED_RPM}",
-        f"load.torque_nm={WANG_LOAD}",
+        f"drive.speed_rpm={case.speed_rpm}",
+        f"load.torque_nm={case.load}",
         # Contacts of this force slide with full friction.
         "contact.working_force_n=400.0",
         "settings.log_rate_hz=20000.0",

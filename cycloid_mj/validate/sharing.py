@@ -6,6 +6,7 @@ cam and stiffness by curvature, without friction and gravity.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -32,19 +33,27 @@ IDEAL = [
     "load.torque_nm=0.1",
     "settings.timestep_us=2.0",
 ]
-STIFF_CAM = 2e11
-"""Stiffness of an ideal cam [N/m], 20 000 times that of a tooth; a stiffer one would need a shorter step."""
 
-SMALL_CLEARANCE = 0.2
-"""Clearance [um] at which a nonpin disc on a stiff cam carries load on its roots, too."""
 
-IDEAL_BOUND = 1.0
-"""Allowed error [%]: inertia at this speed causes 0.12 to 0.54 (quick), 0.14 to 0.37 (full, slower)."""
-FORCE_BOUND, TURN_BOUND, CAM_BOUND = 0.23, 0.04, 0.05
-"""Allowed errors [%]: three times the largest ones seen, 0.075, 0.013 and 0.016."""
+@dataclass(frozen=True)
+class SharingBounds:
+    """Conditions of the load sharing, and allowed errors."""
 
-SETTLED = 0.008
-"""Time at which the load is applied and its transient has decayed [s]."""
+    stiff_cam: float = 2e11
+    """Stiffness of an ideal cam [N/m], 20 000 times that of a tooth; a stiffer one would need a shorter step."""
+    small_clearance: float = 0.2
+    """Clearance [um] at which a nonpin disc on a stiff cam carries load on its roots, too."""
+    ideal: float = 1.0
+    """Allowed error [%]: inertia at this speed causes 0.12 to 0.54 (quick), 0.14 to 0.37 (full, slower)."""
+    force: float = 0.23
+    turn: float = 0.04
+    cam: float = 0.05
+    """Allowed errors [%]: three times the largest ones seen, 0.075, 0.013 and 0.016."""
+    settled: float = 0.008
+    """Time at which the load is applied and its transient has decayed [s]."""
+
+
+SHARING = SharingBounds()
 
 
 def ideal_rows(kind: str, quick: bool) -> list[ValidationRow]:
@@ -73,9 +82,9 @@ def _ideal_row(
 ) -> ValidationRow:
     """Compare tooth forces of an ideal reducer with a reference, sample by sample."""
     design = _slow(Reducer(reducer_of(kind, *IDEAL)), 100.0 if quick else 40.0)
-    run = settled_run(design, STIFF_CAM, separate)
+    run = settled_run(design, SHARING.stiff_cam, separate)
     ideal = np.stack([reference(design, crank) for crank in run["crank_angle"]])
-    return deviation(quantity, run.forces(design.design.tooth_pair), ideal, "N", source, IDEAL_BOUND, note)
+    return deviation(quantity, run.forces(design.design.tooth_pair), ideal, "N", source, SHARING.ideal, note)
 
 
 def ideal_forces(reducer: Reducer, crank: float) -> Array:
@@ -102,8 +111,10 @@ def clearance_rows(kind: str, quick: bool) -> list[ValidationRow]:
     free = [*rig.without_friction(), *rig.without_gravity(), f"load.torque_nm={RATED_LOAD}", "settings.timestep_us=2.0"]
     rows = _solved_rows(Reducer(reducer_of(kind, *free)), kind, None, quick)
     if kind == NONPIN:
-        close = reducer_of(kind, *free, *rig.clearances(SMALL_CLEARANCE))
-        rows += _solved_rows(Reducer(close), f"{kind}, {SMALL_CLEARANCE:g} um, stiff cam", STIFF_CAM / 2, quick)
+        close = reducer_of(kind, *free, *rig.clearances(SHARING.small_clearance))
+        rows += _solved_rows(
+            Reducer(close), f"{kind}, {SHARING.small_clearance:g} um, stiff cam", SHARING.stiff_cam / 2, quick
+        )
     return rows
 
 
@@ -126,9 +137,9 @@ def _solved_rows(reducer: Reducer, name: str, cam: float | None, quick: bool) ->
     ideal_turn = np.array([solution.gear_turn for solution in solved])
     source = "static solution by scipy"
     return [
-        deviation(f"forces of the teeth, {name}", ring, ideal_ring, "N", source, FORCE_BOUND),
-        deviation(f"turn of the gear, {name}", 1e6 * turn, 1e6 * ideal_turn, "urad", source, TURN_BOUND),
-        deviation(f"load of the cam, {name}", cam_load, ideal_cam, "N", source, CAM_BOUND),
+        deviation(f"forces of the teeth, {name}", ring, ideal_ring, "N", source, SHARING.force),
+        deviation(f"turn of the gear, {name}", 1e6 * turn, 1e6 * ideal_turn, "urad", source, SHARING.turn),
+        deviation(f"load of the cam, {name}", cam_load, ideal_cam, "N", source, SHARING.cam),
     ]
 
 
@@ -140,12 +151,12 @@ def settled_run(reducer: Reducer, cam: float | None, separate: bool) -> Run:
     if separate:
         rig.separate_patches(compiled)
     run = simulate(reducer.design, compiled)
-    return run.select(run.time > SETTLED)
+    return run.select(run.time > SHARING.settled)
 
 
 def _slow(reducer: Reducer, rpm: float) -> Reducer:
     """Return the design at a crank speed [rpm], running for one mesh period after it has settled."""
-    hold = SETTLED + 60.0 / (rpm * reducer.design.ring.teeth)
+    hold = SHARING.settled + 60.0 / (rpm * reducer.design.ring.teeth)
     changes = [f"drive.speed_rpm={rpm!r}", f"drive.hold_s={hold!r}", "load.rise_s=0.004", "settings.log_rate_hz=2500.0"]
     return rig.with_changes(reducer, *changes)
 

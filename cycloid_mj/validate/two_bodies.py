@@ -5,7 +5,7 @@ disc; the solver parameters come from ``solver_parameters``, as in the model.
 """
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import mujoco
@@ -21,16 +21,26 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Role
 
 RATED = Reducer(PRESETS["pin"]).at_rated_load
-MASS = 0.05
-"""Mass of the moving disc [kg]."""
-FORCE = 400.0
-"""Static force [N]."""
-IMPACT = 0.01
-"""Speed of the impact [m/s]."""
-SHORT_STEP = 1e-6
-"""Time step [s] that resolves the vibration of a contact."""
-STATIC_BOUND = 1e-6
-"""Allowed error of a body at rest [%]: the tolerance of the solver."""
+
+
+@dataclass(frozen=True)
+class ImpactConditions:
+    """Conditions of the contact of two bodies."""
+
+    mass: float = 0.05
+    """Mass of the moving disc [kg]."""
+    force: float = 400.0
+    """Static force [N]."""
+    speed: float = 0.01
+    """Speed of the impact [m/s]."""
+    short_step: float = 1e-6
+    """Time step [s] that resolves the vibration of a contact."""
+    static_bound: float = 1e-6
+    """Allowed error of a body at rest [%]: the tolerance of the solver."""
+
+
+TWO = ImpactConditions()
+
 _XML = """<mujoco>
   <option timestep="{timestep!r}" gravity="0 {gravity!r} 0" tolerance="1e-14" cone="elliptic"/>
   <worldbody>
@@ -47,31 +57,33 @@ def rows(quick: bool) -> list[ValidationRow]:
     """Return the rows of this step."""
     stiffness, ratio = RATED.contacts.teeth.curvature_law.stiffness, RATED.design.contact.damping_ratio
     step = timestep(RATED)
-    law = contact_law(stiffness, ratio, MASS, 0.0, 0.0, step)
-    swinging = replace(law, damping=0.0, added_mass=0.3 * MASS)
+    law = contact_law(stiffness, ratio, TWO.mass, 0.0, 0.0, step)
+    swinging = replace(law, damping=0.0, added_mass=0.3 * TWO.mass)
     depth, force = static_deflection(law, step)
     return [
-        relative("penetration under a static force", 1e6 * depth, 1e6 * FORCE / stiffness, "um", "F/K", STATIC_BOUND),
-        relative("static contact force", force, FORCE, "N", "equilibrium", STATIC_BOUND),
+        relative(
+            "penetration under a static force", 1e6 * depth, 1e6 * TWO.force / stiffness, "um", "F/K", TWO.static_bound
+        ),
+        relative("static contact force", force, TWO.force, "N", "equilibrium", TWO.static_bound),
         relative(
             "frequency with an added mass of 0.3 m",
-            frequency(swinging, SHORT_STEP) / (2 * math.pi),
-            math.sqrt(stiffness / (MASS + swinging.added_mass)) / (2 * math.pi),
+            frequency(swinging, TWO.short_step) / (2 * math.pi),
+            math.sqrt(stiffness / (TWO.mass + swinging.added_mass)) / (2 * math.pi),
             "Hz",
             "sqrt(K/(m + 1/R))",
             0.06,
         ),
         relative(
             "frequency at the default step",
-            frequency(contact_law(stiffness, 0.0, MASS, 0.0, 0.0, step), step) / (2 * math.pi),
-            math.sqrt(stiffness / MASS) / (2 * math.pi),
+            frequency(contact_law(stiffness, 0.0, TWO.mass, 0.0, 0.0, step), step) / (2 * math.pi),
+            math.sqrt(stiffness / TWO.mass) / (2 * math.pi),
             "Hz",
             "sqrt(K/m)",
             0.01,
         ),
         relative(
             f"restitution at {ratio:g} of critical damping",
-            restitution(contact_law(stiffness, ratio, MASS, 0.0, 0.0, 2e-7), 2e-7),
+            restitution(contact_law(stiffness, ratio, TWO.mass, 0.0, 0.0, 2e-7), 2e-7),
             linear_restitution(ratio),
             "",
             "Nagurka and Huang 2004",
@@ -82,8 +94,8 @@ def rows(quick: bool) -> list[ValidationRow]:
 
 
 def static_deflection(law: ContactParameters, timestep: float) -> tuple[float, float]:
-    """Simulate until the disc is at rest under `FORCE`; return its depth [m] and the contact force [N]."""
-    model = two_bodies(law, timestep, FORCE / MASS)
+    """Simulate until the disc is at rest under `TWO.force`; return its depth [m] and the contact force [N]."""
+    model = two_bodies(law, timestep, TWO.force / TWO.mass)
     data = mujoco.MjData(model)
     with installed():
         mujoco.mj_step(model, data, math.ceil(4e-3 / timestep))
@@ -92,10 +104,10 @@ def static_deflection(law: ContactParameters, timestep: float) -> tuple[float, f
 
 def frequency(law: ContactParameters, timestep: float) -> float:
     """Compute the angular frequency [rad/s] about the loaded equilibrium, from the zero crossings of the velocity."""
-    model = two_bodies(law, timestep, FORCE / MASS)
+    model = two_bodies(law, timestep, TWO.force / TWO.mass)
     data = mujoco.MjData(model)
-    data.qpos[0] = 0.5 * FORCE / law.stiffness
-    period = 2.0 * math.pi * math.sqrt((MASS + law.added_mass) / law.stiffness)
+    data.qpos[0] = 0.5 * TWO.force / law.stiffness
+    period = 2.0 * math.pi * math.sqrt((TWO.mass + law.added_mass) / law.stiffness)
     speeds = np.empty(math.ceil(20 * period / timestep))
     with installed():
         for step in range(speeds.size):
@@ -111,11 +123,11 @@ def restitution(law: ContactParameters, timestep: float) -> float:
     model = two_bodies(law, timestep, 0.0)
     data = mujoco.MjData(model)
     start = -1e-9
-    data.qpos[0], data.qvel[0] = start, IMPACT
+    data.qpos[0], data.qvel[0] = start, TWO.speed
     with installed():
         while data.qpos[0] >= start:
             mujoco.mj_step(model, data)
-    return float(-data.qvel[0] / IMPACT)
+    return float(-data.qvel[0] / TWO.speed)
 
 
 def linear_restitution(ratio: float) -> float:
@@ -129,11 +141,11 @@ def linear_restitution(ratio: float) -> float:
 
 def two_bodies(law: ContactParameters, timestep: float, gravity: float) -> Any:
     """Return the model; `gravity` [m/s2] presses the disc into the circle."""
-    parameters = solver_parameters(law, 1.0 / MASS)
+    parameters = solver_parameters(law, 1.0 / TWO.mass)
     text = _XML.format(
         timestep=timestep,
         gravity=gravity,
-        mass=MASS,
+        mass=TWO.mass,
         outer=int(Role.OUTER),
         inner=int(Role.INNER),
         solref=" ".join(map(repr, parameters.solref)),

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 OUT = "runs/reproduce"
 STEM, FIGURES, LOGS = "reproduce", "figures", "logs"
 FORMATS = ("png", "svg")
-FAILURE = 1
 HEADER = ("claim", "condition", "the paper", "ours", "num. error", "verdict")
 COLUMNS = (
     *("key", "figure", "part", "design", "load_nm", "speed_rpm", "claim", "stated", "stated_value", "unit"),
@@ -182,7 +181,7 @@ def _outcome(stages: "Sequence[StageRun]", plan: "Plan", place: Destination, sec
         files=files,
         result=content,
         page=partial(_page, stages, printed, files, plan, f"{command}, {seconds:.0f} s."),
-        code=FAILURE if broken else 0,
+        code=1 if broken else 0,
     )
 
 
@@ -195,7 +194,7 @@ def _page(
 ) -> str:
     """Return the page, with the smaller format of each figure."""
     from hsieh2014.page import reproduction_page
-    from hsieh2014.plan import LOGGED, main_runs
+    from hsieh2014.plan import SAMPLES, main_runs
 
     plates = [plate.name for stage in stages for plate in stage.result.plates]
     smaller = {name: min((files[f"{FIGURES}/{name}.{form}"] for form in FORMATS), key=len) for name in plates}
@@ -203,8 +202,8 @@ def _page(
     about = (
         "Hsieh, Dynamics Analysis of Cycloidal Speed Reducers With Pinwheel and Nonpinwheel Designs (J. Mech. Des., "
         "2014). Captions are in our own words; the paper's plots are not shown, its stated values are.",
-        f"{command} Crank at 1640 rpm, every figure one settled turn at one degree ({sample * LOGGED:.6g} s), from "
-        f"runs at a step of {1e6 * sample / plan.steps:.4g} us. Independent starts and what is varied are run by "
+        f"{command} Crank at 1640 rpm, every figure one settled turn at one degree ({sample * SAMPLES.logged:.6g} s), "
+        f"from runs at a step of {1e6 * sample / plan.steps:.4g} us. Independent starts and what is varied are run by "
         f"{SOLVERS[plan.solver]}, all else by MuJoCo.",
     )
     return reproduction_page(stages, errata, smaller, about)

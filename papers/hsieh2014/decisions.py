@@ -7,9 +7,6 @@ from dataclasses import dataclass
 from cycloid_mj.base.result import load_words
 from hsieh2014.ranking import Ranking
 
-DECISIVE = 1 / 3
-"""A parameter is decisive if less than this share of the designs' difference (log ratio) remains."""
-
 
 @dataclass(frozen=True)
 class Varied:
@@ -39,6 +36,10 @@ def _case(ranking: Ranking) -> tuple[str, str, str, float]:
 
 
 def _decision(base: Ranking, answers: Mapping[str, list[tuple[str, Ranking]]]) -> str:
+    """Describe how each varied parameter changes a ranking.
+
+    A parameter is decisive if less than a third of the designs' difference (log ratio) remains.
+    """
     parts = [f"ratio {base.ratio:.2f}"]
     parts += [
         f"{parameter} " + ", ".join(f"{value}: {ranking.ratio:.2f}" for value, ranking in points)
@@ -47,7 +48,7 @@ def _decision(base: Ranking, answers: Mapping[str, list[tuple[str, Ranking]]]) -
     decisive = [
         parameter
         for parameter, points in answers.items()
-        if min(_difference(ranking) for _, ranking in points) < DECISIVE * _difference(base)
+        if min(_difference(ranking) for _, ranking in points) < 1 / 3 * _difference(base)
     ]
     if base.verdict == "not determined":
         verdict = "not determined, as the order of the designs is not"

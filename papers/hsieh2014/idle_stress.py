@@ -17,7 +17,7 @@ from cycloid_mj.comparison import StartSpread
 from cycloid_mj.design import dump
 from cycloid_mj.reducer import Reducer
 from hsieh2014.peaks import at_peaks
-from hsieh2014.plan import LOGGED, SAMPLING
+from hsieh2014.plan import SAMPLES
 from hsieh2014.stated import stress_references
 
 if TYPE_CHECKING:
@@ -30,8 +30,6 @@ if TYPE_CHECKING:
 ERROR = "one more refinement, or where bulk begins"
 """Source of a stress's numerical error."""
 
-HEAVIEST = 4
-"""Crank angles of each further start whose stress is computed: two with the largest force, two with the largest sum."""
 
 OutputPins = Mapping[str, Any]
 """Changed values of the design's output."""
@@ -155,7 +153,7 @@ def idle_stress(
     from cycloid_mj.stress.loads import part_loads
     from cycloid_mj.stress.study import stress_study
 
-    design, window = design_of(starts[0]), LOGGED * SAMPLING // settings.angles + 1
+    design, window = design_of(starts[0]), SAMPLES.logged * SAMPLES.per_turn // settings.angles + 1
     reducer = Reducer(design)
     softly = at_peaks(soft, window) if soft else None
     study = stress_study(
@@ -195,7 +193,8 @@ def _heavy(
         peaks = at_peaks(run, window)
         for loads, (part, pins) in zip(heavy, parts, strict=True):
             ran = with_output(peaks, pins)
-            loads.append(heaviest(part_loads(ran, Reducer(design_of(ran)), part, turn), HEAVIEST))
+            # two with the largest force, two with the largest sum
+            loads.append(heaviest(part_loads(ran, Reducer(design_of(ran)), part, turn), 4))
     return heavy
 
 

@@ -16,8 +16,6 @@ from cycloid_mj.log import read
 from cycloid_mj.reducer import Reducer
 from hsieh2014.stage import Runs
 
-DIGITS = 12
-
 KEPT = 8
 """Runs in memory; reading one takes some hundredths of a second, all would take some hundred megabytes."""
 
@@ -26,7 +24,7 @@ def log_name(design: Design, stands_on: Mapping[str, str]) -> str:
     """Return the file name of a design's log, with a hash of the design and of the versions in use."""
     load = f"{design.load.torque:g}Nm" if design.load.torque else "no-load"
     stands_for = dump(design) + "".join(f"\n{key}={value}" for key, value in sorted(stands_on.items()))
-    return f"{design.name}-{load}-{hashlib.sha256(stands_for.encode()).hexdigest()[:DIGITS]}.mcap"
+    return f"{design.name}-{load}-{hashlib.sha256(stands_for.encode()).hexdigest()[:12]}.mcap"
 
 
 def fits(run: Run, design: Design, stands_on: Mapping[str, str]) -> bool:

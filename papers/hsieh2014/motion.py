@@ -14,16 +14,10 @@ from hsieh2014 import statements
 from hsieh2014.over_starts import OverStarts, over_starts, ruling
 from hsieh2014.pin_claims import pin_claims
 from hsieh2014.pin_motion import PinMotion, pin_motion
-from hsieh2014.plan import LOGGED, Plan, designs, main_runs, ramp_run
+from hsieh2014.plan import SAMPLES, Plan, designs, main_runs, ramp_run
 from hsieh2014.run_figures import RunFigures, mean_speed, transmission_error
 from hsieh2014.stage import PaperFigure, Progress, Runs, StageResult
 from hsieh2014.verdicts import spread_error, spread_value
-
-SPEED_ERROR = 1e-3
-"""Relative tolerance of the mean gear speed."""
-
-SEEN_ERROR = 0.1
-"""Smallest transmission error that counts [arcsec]."""
 
 NUMBERS: tuple[tuple[str, str, Callable[[Findings], float]], ...] = (
     ("gear_speed_mean_rad_s", "gear speed, mean [rad/s]", lambda each: each.gear_speed.mean_rad_s),
@@ -172,7 +166,7 @@ def _each(
 
 def at_degrees(motion: Series) -> Series:
     """Return a run with one sample per degree, the paper's sampling."""
-    return series(motion.run.select(slice(None, None, LOGGED)), motion.q, settling_time(motion.reducer))
+    return series(motion.run.select(slice(None, None, SAMPLES.logged)), motion.q, settling_time(motion.reducer))
 
 
 def _load(motion: Series) -> str:
@@ -201,13 +195,13 @@ def _pin_moves(each: RunFigures) -> PinMotion:
 
 
 def _ratio(evidence: OverStarts[float], rated: Series) -> Claim:
-    """Judge the mean gear speed of a design against the ratio, over the starts without load."""
+    """Judge whether the mean gear speed of a design is that of the ratio within 1e-3, over the starts without load."""
     design, speeds = rated.design, StartSpread.of(evidence.base)
     exact = abs(design.drive.speed) / design.lobes
     fewer = exact * design.lobes / (design.lobes - 1)
     judged = ruling(
         evidence,
-        lambda speed: abs(speed - exact) <= SPEED_ERROR * exact,
+        lambda speed: abs(speed - exact) <= 1e-3 * exact,
         lambda some: f"{StartSpread.of(some).mean:.5g} rad/s",
         "the number of teeth",
     )
@@ -222,11 +216,11 @@ def _ratio(evidence: OverStarts[float], rated: Series) -> Claim:
 
 
 def _judge_transmission_error(evidence: OverStarts[float], rated: Series) -> Claim:
-    """Judge whether the disc has a transmission error, over the starts without load."""
+    """Judge whether the disc has a transmission error from 0.1 arcsec on, over the starts without load."""
     sizes, under = StartSpread.of(evidence.base), transmission_error(rated)
     judged = ruling(
         evidence,
-        lambda size: size >= SEEN_ERROR,
+        lambda size: size >= 0.1,
         lambda some: f"{StartSpread.of(some).words} arcsec",
         "the clearances: within them an idle gear floats",
     )

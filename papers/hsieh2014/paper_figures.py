@@ -19,14 +19,10 @@ from hsieh2014.stated import SHOWN
 FARTHEST = 0.35
 """Largest drawn displacement of a pin, in radii of the pin."""
 
-MOST_BESIDE = 3
-"""Maximum number of pictures side by side."""
 
 LINES = ("-", (0, (3, 1.5)))
 """Line styles of the two contact laws."""
 HEIGHT: dict[str, Any] = {"linestyle": (0, (6, 3)), "linewidth": 0.9}
-DECADES = 1e-4
-"""Smallest stress of a logarithmic axis, as a share of the largest."""
 
 
 @with_style
@@ -144,7 +140,7 @@ def heights_figure(
         # a whole turn: it begins and ends between the last and the first
         around = np.concatenate([[degrees[-1] - 360.0], degrees, [degrees[0] + 360.0]])
         closed = np.concatenate([stress[-1:], stress, stress[:1]])
-        axes.plot(around, np.where(closed > DECADES * top, closed, np.nan), **looks[label])
+        axes.plot(around, np.where(closed > 1e-4 * top, closed, np.nan), **looks[label])
     for name, height in heights.items():
         axes.axhline(height, color=COLORS[names.index(name)], **HEIGHT)
         looks[f"{name}, the paper"] = {"color": COLORS[names.index(name)], **HEIGHT}
@@ -223,7 +219,7 @@ def torques_figure(
 @with_style
 def picture_figure(pictures: Mapping[str, Any]) -> Figure:
     """Draw rendered pictures, shape (height, width, 3) each, with their names, up to three side by side."""
-    columns = min(len(pictures), MOST_BESIDE)
+    columns = min(len(pictures), 3)
     rows = math.ceil(len(pictures) / columns)
     figure = sheet((WIDTH / columns + 0.25) * rows)
     panels = figure.subplots(rows, columns, squeeze=False).flat

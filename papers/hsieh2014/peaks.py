@@ -1,7 +1,7 @@
 """Impact peaks: largest forces between the samples of a run without load, over time and over the crank angle."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -123,21 +123,29 @@ def largest_of_halves(force: Array) -> tuple[float, float]:
     return middle(int(np.argmax(force[:half]))), middle(half + int(np.argmax(force[half:])))
 
 
-HARMONICS, PROMINENCE = 6, 0.15
-"""Highest crank order kept for counting maxima, and the least prominence of a maximum as a share of the range."""
+@dataclass(frozen=True)
+class CurveSettings:
+    """Bins of a curve over the crank turn, and what counts as one of its maxima."""
+
+    harmonics: int = 6
+    prominence: float = 0.15
+    """Highest crank order kept for counting maxima, and the least prominence of a maximum as a share of the range."""
+
+
+CURVE = CurveSettings()
 
 
 def maxima(force: npt.ArrayLike) -> tuple[float, ...]:
-    """Return the maxima of a curve over the bins of a crank turn [deg], without orders above `HARMONICS`."""
+    """Return the maxima of a curve over the bins of a crank turn [deg], without orders above `CURVE.harmonics`."""
     orders = np.fft.rfft(np.asarray(force, float))
-    orders[HARMONICS + 1 :] = 0.0
+    orders[CURVE.harmonics + 1 :] = 0.0
     smooth = np.fft.irfft(orders, BINS)
     swing = float(np.ptp(smooth))
     if swing == 0.0:
         return ()
     # twice round from the least on, so that no maximum lies at an end
     least = int(np.argmin(smooth))
-    peaks, _ = find_peaks(np.roll(np.tile(smooth, 2), -least)[: BINS + 1], prominence=PROMINENCE * swing)
+    peaks, _ = find_peaks(np.roll(np.tile(smooth, 2), -least)[: BINS + 1], prominence=CURVE.prominence * swing)
     return tuple(sorted(middle((int(index) + least) % BINS) for index in peaks))
 
 

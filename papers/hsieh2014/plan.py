@@ -9,24 +9,26 @@ from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.reducer import Reducer
 
-SAMPLING = 360
-"""Samples of a crank turn in the figures: one for each degree, 0.000101626 s at 1640 rpm (the paper's)."""
 
-LOGGED = 2
-"""Samples logged for each sample in the figures; vibration and stress need more."""
+@dataclass(frozen=True)
+class PaperSampling:
+    """Sampling and starts of the runs."""
 
-STEPS = 17
-"""Time steps per logged sample, 2.989 us each: samples are at full and half degrees. At least one
-design allows no longer step in some run (`dynamics.timestep`).
-"""
+    per_turn: int = 360
+    """Samples of a crank turn in the figures: one for each degree, 0.000101626 s at 1640 rpm (the paper's)."""
+    logged: int = 2
+    """Samples logged for each sample in the figures; vibration and stress need more."""
+    steps: int = 17
+    """Time steps per logged sample, 2.989 us each: samples are at full and half degrees. At least one design allows no
+    longer step in some run (`dynamics.timestep`)."""
+    starts: int = 12
+    """Independent starts of each design without load, three tooth pitches apart: one more than the rank test needs to
+    detect, with a power of 0.9, a difference that nine of ten pairs of starts show (`verdicts.starts_needed`)."""
+    spare: int = 3
+    """Samples after the last turn, so that it is complete."""
 
-STARTS = 12
-"""Independent starts of each design without load, three tooth pitches apart: one more than the rank test needs to
-detect, with a power of 0.9, a difference that nine of ten pairs of starts show (`verdicts.starts_needed`).
-"""
 
-SPARE = 3
-"""Samples after the last turn, so that it is complete."""
+SAMPLES = PaperSampling()
 
 
 @dataclass(frozen=True)
@@ -43,7 +45,7 @@ class Plan:
         Settled crank turns of the main runs, of each run of the sweep, and of the runs with half the step (0: none).
     varied_starts
         Independent starts of each run without load in the sweep, and of those with half the step; the main runs have
-        `STARTS`. With fewer than 6, the rank test detects only starts that do not overlap; with 3, nothing.
+        `SAMPLES.starts`. With fewer than 6, the rank test detects only starts that do not overlap; with 3, nothing.
     ramp
         Whether the ramp of 1 s is simulated for Fig. 5.
     solver
@@ -104,8 +106,18 @@ QUICK_CHORD_ERRORS = (0.0, 50e-6)
 CHORD_ERRORS = (0.0, 2e-6, 10e-6, 20e-6, 50e-6, 100e-6)
 """Chord errors of the flanks' facets, starting with exact flanks [m]."""
 
-QUICK = Plan(quick=True, steps=STEPS, turns=1, varied_turns=1, finer_turns=0, varied_starts=STARTS, ramp=False)
-FULL = Plan(quick=False, steps=2 * STEPS, turns=4, varied_turns=2, finer_turns=2, varied_starts=STARTS, ramp=True)
+QUICK = Plan(
+    quick=True, steps=SAMPLES.steps, turns=1, varied_turns=1, finer_turns=0, varied_starts=SAMPLES.starts, ramp=False
+)
+FULL = Plan(
+    quick=False,
+    steps=2 * SAMPLES.steps,
+    turns=4,
+    varied_turns=2,
+    finer_turns=2,
+    varied_starts=SAMPLES.starts,
+    ramp=True,
+)
 
 
 def designs() -> tuple[Design, Design]:
@@ -131,22 +143,22 @@ def torque_test() -> Condition:
     return Condition(loads()[1], first.drive.speed, first.drive.torque)
 
 
-def at_speed(design: Design, load: float, turns: int, steps: int = STEPS) -> Design:
+def at_speed(design: Design, load: float, turns: int, steps: int = SAMPLES.steps) -> Design:
     """Return a design that starts at full speed and runs for `turns` settled turns, with `steps` per sample.
 
     Both kinds of ring use the settling time of the slower one.
     """
-    sample = 2 * math.pi / abs(design.drive.speed) / (SAMPLING * LOGGED)
+    sample = 2 * math.pi / abs(design.drive.speed) / (SAMPLES.per_turn * SAMPLES.logged)
     sampling = {"timestep": sample / steps, "log_rate": 1.0 / sample}
     design = design.but(drive={"ramp": 0.0}, load={"torque": load}, settings=sampling)
     slower = max(settling_time(Reducer(design.but(ring={"kind": kind}))) for kind in ("pin", "nonpin"))
-    return design.steady(slower, turns, samples=SPARE)
+    return design.steady(slower, turns, samples=SAMPLES.spare)
 
 
 def ramp_run(plan: Plan, design: Design) -> Design:
     """Return a design with the paper's ramp and one settled turn, without load, at the paper's sampling."""
     short = at_speed(design, 0.0, 1, plan.steps)
-    rate = short.settings.log_rate / LOGGED
+    rate = short.settings.log_rate / SAMPLES.logged
     return short.but(drive={"ramp": design.drive.ramp}, settings={"log_rate": rate})
 
 
@@ -157,7 +169,7 @@ def main_runs(plan: Plan) -> list[Design]:
 
 def idle_runs(plan: Plan, design: Design) -> list[Design]:
     """List the independent starts of a design without load; the first equals its main run."""
-    return list(independent_starts(Reducer(at_speed(design, 0.0, plan.turns, plan.steps)), STARTS))
+    return list(independent_starts(Reducer(at_speed(design, 0.0, plan.turns, plan.steps)), SAMPLES.starts))
 
 
 def equal_play_design() -> Design:

@@ -17,8 +17,6 @@ CRANK = np.radians(25.0)
 """Crank angle of the drawings of contact [rad]."""
 POINTS, ORBIT = 7000, 360
 """Points of an outline, and positions of the gear on its orbit."""
-PIN_STEPS = 41
-"""Positions of a pin along one lobe."""
 
 GEAR: dict[str, Any] = {"color": BLUE, "linewidth": 1.2}
 TROCHOID: dict[str, Any] = {"color": ORANGE, "linewidth": 1.0, "linestyle": (0, (4, 2))}
@@ -78,7 +76,7 @@ def gear_figure(gear: CycloidGear) -> Figure:
     figure = sheet(3.3)
     near, bend = figure.subplots(1, 2, width_ratios=[1.25, 1])
     lobe = 2 * np.pi / gear.lobes
-    for turn in np.linspace(-lobe, lobe, 2 * PIN_STEPS - 1):
+    for turn in np.linspace(-lobe, lobe, 2 * 41 - 1):
         near.add_patch(Circle(tuple(1e3 * profile.trochoid(gear, turn)), 1e3 * gear.pin_radius, fill=False, **PIN))
     t = np.linspace(-1.4 * lobe, 1.4 * lobe, 1200)
     near.plot(*_mm(profile.trochoid(gear, t)), **TROCHOID)

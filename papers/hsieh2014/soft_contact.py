@@ -33,11 +33,6 @@ from hsieh2014.peaks import BINS
 TIMESTEP = 0.5e-6
 """Time step [s]."""
 
-SETTLING = 0.5
-"""Crank turns before the evaluation."""
-
-DEGREES = 360
-"""Samples per turn in the paper: one per degree."""
 
 OTHERS = 8
 """Number of fields of `PeakForces` before its curve."""
@@ -154,7 +149,7 @@ def soft_idle(
         ]
     )
     turn = 2.0 * math.pi / abs(design.drive.speed)
-    steps = math.ceil((SETTLING + turns) * turn / TIMESTEP)
+    steps = math.ceil((0.5 + turns) * turn / TIMESTEP)
     turned = _integrate(values, ring.teeth, output.pins, free, facets, steps, TIMESTEP, round(turn / TIMESTEP))
     tooth, seat, cam, output_force, sampled, rms, q_rms, reach = turned[:OTHERS].tolist()
     return PeakForces(tooth, seat, cam, output_force, sampled, rms, q_rms, reach, tuple(turned[OTHERS:].tolist()))

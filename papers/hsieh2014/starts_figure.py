@@ -10,12 +10,8 @@ from cycloid_mj.plots.comparison import COLORS
 from cycloid_mj.plots.style import WIDTH, NotebookFigure, keys, with_style
 from hsieh2014.ranking import Ranked
 
-ROW, HEAD = 1.3, 1.4
-"""Height of a panel, and of the space above and below the panels [in]."""
 TICKS = 6
 """Maximum number of ticks on an axis."""
-BESIDE = 0.15
-"""Distance between the middle of a case and the marks of a design."""
 
 
 @with_style
@@ -29,14 +25,14 @@ def starts_figure(cases: Mapping[str, Mapping[str, Mapping[str, StartSpread]]], 
     quantities
         Panels, from the top.
     """
-    figure = NotebookFigure(figsize=(WIDTH, ROW * len(quantities) + HEAD), layout="constrained")
+    figure = NotebookFigure(figsize=(WIDTH, 1.3 * len(quantities) + 1.4), layout="constrained")
     panels = figure.subplots(len(quantities), 1, sharex=True, squeeze=False)[:, 0]
     names = list(next(iter(next(iter(cases.values())).values())))
     for panel, quantity in zip(panels, quantities, strict=True):
         for place, case in enumerate(cases.values()):
             for number, name in enumerate(names):
                 values = case[quantity.key][name].values
-                x = place + BESIDE * (2 * number - len(names) + 1)
+                x = place + 0.15 * (2 * number - len(names) + 1)
                 look = {"color": COLORS[number], "markersize": 3.0, "alpha": 0.7, "linestyle": ""}
                 panel.plot([x] * len(values), values, marker="o", **look)
         if any(

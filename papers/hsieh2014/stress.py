@@ -15,7 +15,7 @@ from hsieh2014.idle_stress import IdleStress, idle_stress
 from hsieh2014.peaks import largest_force, pairs_on
 from hsieh2014.plan import (
     IMPACT,
-    STARTS,
+    SAMPLES,
     Plan,
     contact_ranges,
     designs,
@@ -35,9 +35,6 @@ if TYPE_CHECKING:
 
 MAP_ANGLE = math.radians(74.0)
 """Crank angle of the maps [rad]: the paper's Fig. 11."""
-
-QUICK_ANGLES = 40
-"""Crank angles of a quick study: 9 deg apart, not a multiple of the mesh period, so that ten phases occur."""
 
 
 def stress(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
@@ -120,7 +117,8 @@ def settings(plan: Plan) -> "StudySettings":
     """Return the settings of a stress study."""
     from cycloid_mj.stress.study import QUICK, StudySettings
 
-    chosen = replace(QUICK, angles=QUICK_ANGLES) if plan.quick else StudySettings()
+    # 9 deg apart, not a multiple of the mesh period, so that ten phases occur
+    chosen = replace(QUICK, angles=40) if plan.quick else StudySettings()
     return replace(chosen, map_angle=MAP_ANGLE)
 
 
@@ -131,7 +129,12 @@ def _stress_table(studies: Mapping[str, IdleStress]) -> Table:
         for name, study in studies.items()
         for part in study.starts
     ]
-    head = ("largest bulk stress [MPa]", f"no load, {STARTS} starts", "the paper, no load, up to about", "rated load")
+    head = (
+        "largest bulk stress [MPa]",
+        f"no load, {SAMPLES.starts} starts",
+        "the paper, no load, up to about",
+        "rated load",
+    )
     return Table("stress by part", head, tuple(rows))
 
 
@@ -143,7 +146,7 @@ def _force_table(starts: Mapping[str, Sequence[Run]], rated: Mapping[str, Run]) 
         for stem in loaded:
             sizes = [forces[stem] for forces in between]
             rows.append((f"{name}, {stem}", f"{min(sizes):.3g} to {max(sizes):.3g}", f"{loaded[stem]:.3g}"))
-    head = ("largest force of one contact pair [N]", f"no load, impact peaks of {STARTS} starts", "rated load")
+    head = ("largest force of one contact pair [N]", f"no load, impact peaks of {SAMPLES.starts} starts", "rated load")
     return Table("forces behind the stress", head, tuple(rows))
 
 
@@ -182,8 +185,8 @@ def _notes(studies: Mapping[str, IdleStress]) -> tuple[str, ...]:
         "the rated load is a result of ours, beside them.",
         "Impacts fall between samples: each pair acts with its largest force of all time steps in the window of a "
         "crank angle, all pairs at once. That is on the safe side, but where forces would relieve each other.",
-        f"A maximum at no load is that of each of {STARTS} independent starts, at its heaviest crank angles; figures "
-        "show the first. Bulk begins as far from the contacts as under the rated load.",
+        f"A maximum at no load is that of each of {SAMPLES.starts} independent starts, at its heaviest crank angles; "
+        "figures show the first. Bulk begins as far from the contacts as under the rated load.",
         "Where a stress was not solved for, over a turn and with something varied, it is that of a line over the "
         f"largest force on its part, through all idle cases that were; rms of what that misses: {', '.join(missed)}.",
         *ASSUMPTIONS,

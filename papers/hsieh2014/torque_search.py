@@ -9,19 +9,17 @@ from cycloid_mj.base.result import Range
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.massless import massless
 from cycloid_mj.measure.sensitivity import friction_for, with_common_friction
-from cycloid_mj.measure.spread import BEARING_FRICTION, TOOTH_FRICTION
+from cycloid_mj.measure.spread import INPUTS
 from cycloid_mj.measure.steady import steady_design, whole_periods
 from cycloid_mj.measure.torque import rated_test
 from cycloid_mj.reducer import Reducer
 
-GRID = (0.0, 0.01, 0.03, 0.06, TOOTH_FRICTION[1])
+GRID = (0.0, 0.01, 0.03, 0.06, INPUTS.tooth_friction[1])
 """Friction coefficients of the teeth for the interpolation [1]."""
 
 SEALS = 0.02
 """Largest drag of the crank's seals [N m]: a lip seal on a shaft of 12 to 15 mm (SKF, Power transmission seals)."""
 
-PERIODS = 4
-"""Smallest number of mesh periods of a run of the search."""
 
 REACHED = 2e-3
 """Tolerance of the rate of a run with the solution [1]."""
@@ -30,17 +28,21 @@ RANGES = (
     Range(
         "friction.pin_gear, pin_socket, tooth",
         0.0,
-        TOOTH_FRICTION[1],
+        INPUTS.tooth_friction[1],
         "1",
         "a model without friction to boundary lubrication",
     ),
     Range(
-        "friction.cam_rolling", 0.0, BEARING_FRICTION[1], "1", "a model without friction to needles with a cage (JTEKT)"
+        "friction.cam_rolling",
+        0.0,
+        INPUTS.bearing_friction[1],
+        "1",
+        "a model without friction to needles with a cage (JTEKT)",
     ),
     Range(
         "friction.output_rolling",
         0.0,
-        BEARING_FRICTION[1],
+        INPUTS.bearing_friction[1],
         "1",
         "a model without friction to needles with a cage (JTEKT)",
     ),
@@ -71,7 +73,12 @@ class Bearings:
 
 AS_DESIGNED = Bearings("with cam and output pins as designed", None, None)
 WITHOUT = Bearings("without friction of cam and output pins", 0.0, 0.0)
-MOST = Bearings("with the most friction of cam, output pins and seals", BEARING_FRICTION[1], BEARING_FRICTION[1], SEALS)
+MOST = Bearings(
+    "with the most friction of cam, output pins and seals",
+    INPUTS.bearing_friction[1],
+    INPUTS.bearing_friction[1],
+    SEALS,
+)
 WITHOUT_CAM = Bearings("without friction of the cam", 0.0, None)
 WITHOUT_OUTPUT = Bearings("without friction of the output pins", None, 0.0)
 SEARCHED = (AS_DESIGNED, WITHOUT, MOST)
@@ -124,7 +131,7 @@ def search(design: Design, targets: Mapping[str, float]) -> TorqueSearch:
 def rates(design: Design, cases: Iterable[Case]) -> dict[Case, float]:
     """Run the torque test of each case; return the output torque as a share of that without losses."""
     steady = massless(steady_design(Reducer(design)).working_at(design.rated_torque))
-    periods = whole_periods(steady, PERIODS)
+    periods = whole_periods(steady, 4)
     wanted = list(dict.fromkeys(cases))
     tested = each_in_threads(lambda case: _rate(steady.design, case, periods), wanted)
     return dict(zip(wanted, tested, strict=True))

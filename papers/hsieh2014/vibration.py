@@ -23,7 +23,7 @@ from hsieh2014.idle import (
 )
 from hsieh2014.plan import (
     LEFT_OPEN,
-    STARTS,
+    SAMPLES,
     Plan,
     designs,
     equal_play_design,
@@ -238,14 +238,14 @@ def _cell(rated: Mapping[str, StartSpread]) -> str:
 
 def _notes(plan: Plan, chaos: Mapping[str, Divergence]) -> Iterator[str]:
     yield (
-        f"No load: rms over {plan.turns} settled turns of each of {STARTS} independent starts, in the sweep over "
-        f"{plan.varied_turns} of each of {plan.varied_starts}. Starts differ by gravity turned through a whole number "
-        "of tooth pitches, as if the crank began elsewhere in its turn."
+        f"No load: rms over {plan.turns} settled turns of each of {SAMPLES.starts} independent starts, in the sweep "
+        f"over {plan.varied_turns} of each of {plan.varied_starts}. Starts differ by gravity turned through a whole "
+        "number of tooth pitches, as if the crank began elsewhere in its turn."
     )
     yield (
         f"An order counts where a rank test (Mann and Whitney, two-sided) finds p < {SIGNIFICANCE:g}, and medians lie "
-        f"more than 5 % apart; else it is not determined. {STARTS} starts of each design find a difference that "
-        f"{100 * SUPERIORITY:g} % of all pairs of starts show with a power of {100 * POWER:g} % (Noether 1987)."
+        f"more than 5 % apart; else it is not determined. {SAMPLES.starts} starts of each design find a difference "
+        f"that {100 * SUPERIORITY:g} % of all pairs of starts show with a power of {100 * POWER:g} % (Noether 1987)."
     )
     for name, pair in chaos.items():
         if math.isfinite(pair.turns):

@@ -37,13 +37,7 @@ from cycloid_mj.bench.model_selection import compare_fits
 from cycloid_mj.bench.overlay import LoopCondition, apply_values, model_branches
 from cycloid_mj.bench.parameters import DEFAULT, Model, parameters
 from cycloid_mj.bench.search import FAILED_RESIDUAL, MODEL_ERROR, FitProblem, Trials
-from cycloid_mj.bench.uncertainty import (
-    CONFIDENCE,
-    UNKNOWN_ERROR,
-    FitUncertainty,
-    autocorrelation_time,
-    estimate_uncertainty,
-)
+from cycloid_mj.bench.uncertainty import INTERVAL, FitUncertainty, autocorrelation_time, estimate_uncertainty
 from cycloid_mj.checks import require_sound
 from cycloid_mj.cli.app import main
 from cycloid_mj.design import Design, load, resolve
@@ -827,7 +821,7 @@ def test_what_no_residual_answers_to_is_unknown() -> None:
     rows, residuals = np.array([[1.0, 0.0]]) * generator.uniform(0.5, 1.0, (50, 1)), generator.standard_normal(50)
     errors = estimate_uncertainty([rows], [residuals], np.array([True, True])).errors
     assert 0.05 < errors[0] < 0.5
-    assert errors[1] == pytest.approx(UNKNOWN_ERROR)
+    assert errors[1] == pytest.approx(INTERVAL.unknown_error)
 
 
 def test_what_is_hardly_seen_has_an_error() -> None:
@@ -849,10 +843,10 @@ def test_an_interval_covers_what_few_points_decide() -> None:
         found = np.linalg.lstsq(slopes, noise, rcond=None)[0]
         sure = estimate_uncertainty([slopes], [noise - slopes @ found], np.array([True, True]))
         away = abs(found[1]) / sure.errors[1]
-        inside += away <= sure.quantiles(CONFIDENCE)[1]
+        inside += away <= sure.quantiles(INTERVAL.confidence)[1]
         narrow += away <= t.ppf(0.975, 179.0)
-    assert inside / 2000 == pytest.approx(CONFIDENCE, abs=0.015)
-    assert narrow / 2000 < CONFIDENCE - 0.02
+    assert inside / 2000 == pytest.approx(INTERVAL.confidence, abs=0.015)
+    assert narrow / 2000 < INTERVAL.confidence - 0.02
 
 
 def test_an_interval_reaches_into_every_valley() -> None:

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -78,7 +79,8 @@ def test_the_largest_convex_radius_is_that_of_a_fine_grid(convex) -> None:
 
 @pytest.mark.slow
 def test_the_same_seed_gives_the_same_points_wherever_they_are_evaluated(monkeypatch) -> None:
-    monkeypatch.setattr(optimizer, "MIN_POINT_CPU", 0.0)  # quick points would not be handed on
+    # quick points would not be handed on
+    monkeypatch.setattr(optimizer, "OPTIMIZER", replace(optimizer.OPTIMIZER, min_point_cpu=0.0))
     few = {**CONVEX, "evaluations": 36, "starts": 2}
     one, two, other = (
         optimize(PIN, SHAPE, **{**few, "engine": Engine(workers)}, seed=seed)
@@ -255,7 +257,7 @@ def test_other_designs(name: str) -> None:
 
 @pytest.mark.slow
 def test_the_best_is_checked_in_statics_dynamics_and_tolerances(monkeypatch) -> None:
-    monkeypatch.setattr(optimizer, "TOLERANCE_SAMPLES", 16)
+    monkeypatch.setattr(optimizer, "OPTIMIZER", replace(optimizer.OPTIMIZER, tolerance_samples=16))
     monkeypatch.setattr("cycloid_mj.explore.tolerances.ANGLES", 12)
     monkeypatch.setattr("cycloid_mj.explore.budget.SOBOL", SobolSettings(min_samples=16, min_drawn=16, max_samples=16))
     design = override(unlike("light"), {"tolerance.cam": "normal 0.5", "tolerance.output": "normal 0.5"})

@@ -10,7 +10,7 @@ from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.cli.app import main
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.measure import backlash, bench, rigid_backlash
-from cycloid_mj.measure.backlash import ALL_CLEARANCES_TIME, press_to_stops, with_single_clearance
+from cycloid_mj.measure.backlash import PRESS, press_to_stops, with_single_clearance
 from cycloid_mj.reducer import Reducer, limits
 
 DESIGNS = {
@@ -101,7 +101,7 @@ def test_backlash_does_not_depend_on_how_long_a_free_pin_is_pressed():
 def test_simulated_backlash_of_all_clearances_is_the_linear_programme(name: str):
     design = bench.without_friction(Reducer(DESIGNS[name]))
     # 0.1 to 0.3 % is the press of the small torques that the line to zero does not take off
-    found = press_to_stops(design, CRANK, longer=ALL_CLEARANCES_TIME)
+    found = press_to_stops(design, CRANK, longer=PRESS.all_clearances)
     assert found.backlash == pytest.approx(width(design.design), rel=0.006)
 
 
@@ -110,7 +110,7 @@ def test_simulated_backlash_of_all_clearances_is_the_linear_programme(name: str)
 def test_a_cam_that_is_too_eccentric_takes_play_and_one_that_is_too_little_gives_it(eccentricity: float, crank: float):
     """The simulation moves the cam itself; the wrong sign would be 25 % off."""
     design = override(DESIGNS["fixed"], [f"errors.eccentricity_um={eccentricity}"])
-    found = press_to_stops(bench.without_friction(Reducer(design)), crank, longer=ALL_CLEARANCES_TIME)
+    found = press_to_stops(bench.without_friction(Reducer(design)), crank, longer=PRESS.all_clearances)
     assert (found.low, found.high) == pytest.approx(limits.stops(Reducer(design), crank), rel=0.005)
     assert (width(design, crank) < width(DESIGNS["fixed"], crank)) == (eccentricity > 0.0)
 

@@ -13,7 +13,7 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.measure.contact_pressure import CARRYING_SHARE, contact_pressures, relative_curvature
-from cycloid_mj.measure.loads import SHOWN, UNDECIDED, UNPRESSED, YIELD_PRESSURE, loads
+from cycloid_mj.measure.loads import LOADS, UNDECIDED, UNPRESSED, YIELD_PRESSURE, loads
 from cycloid_mj.measure.steady import run_steady
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.ideal import ideal_peak
@@ -148,7 +148,7 @@ def test_the_error_of_a_peak_tells_what_two_mesh_periods_leave_out(found) -> Non
 def test_contacts_that_are_drawn_carry_and_the_most_loaded_is_among_them(found) -> None:
     for kind in ("pin_gear", "output"):
         drawn = [one for one in found.curves if one.panel.startswith(f"{kind}: force on") and one.style == "line"]
-        assert 2 <= len(drawn) <= SHOWN
+        assert 2 <= len(drawn) <= LOADS.shown
         assert max(one.y.max() for one in drawn) == found[f"{kind}_peak_force"]
         assert all(one.y.max() > CARRYING_SHARE * found[f"{kind}_peak_force"] for one in drawn)
     ideal = next(one for one in found.curves if one.name == "ideal sharing")

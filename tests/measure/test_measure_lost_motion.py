@@ -109,7 +109,7 @@ def test_lost_motion_is_the_backlash_and_a_little_give():
 def test_a_free_pin_needs_the_step_of_its_bowl():
     ideal, rated = bench.without_friction(Reducer(PRESETS["pin"])), PRESETS["pin"].rated_torque
     assert bench.step(ideal, rated, "mujoco") < 5e-6
-    assert bench.step(bench.without_friction(FIXED), rated, "mujoco") == bench.LONGEST_STEP
+    assert bench.step(bench.without_friction(FIXED), rated, "mujoco") == bench.BENCH.max_step
     given = override(FIXED.design, ["settings.timestep_us=2.0"])
     assert bench.step(Reducer(given), rated) == 2e-6
 

@@ -64,7 +64,7 @@ def test_the_spread_is_far_wider_than_the_numerical_error(measured, moved):
 @pytest.mark.slow
 def test_an_end_is_what_a_run_of_that_design_gives(moved):
     by_hand = override(steady_design(Reducer(NONPIN)).design, ["load.torque_nm=36.68", "friction.cam_rolling=0.003"])
-    found = mean_powers(run_steady(Reducer(by_hand), SETTLING_TIME, spread.PERIODS)).efficiency
+    found = mean_powers(run_steady(Reducer(by_hand), SETTLING_TIME, spread.INPUTS.periods)).efficiency
     assert moved["friction of the cam's rollers"]["value_high"] == pytest.approx(found, abs=1e-9)
 
 
@@ -120,7 +120,7 @@ def test_seals_are_a_part_of_the_build_up():
     design = override(
         steady_design(Reducer(NONPIN)).design, ["load.torque_nm=36.68", "drag.crank_nm=0.02", "drag.output_nm=0.4"]
     )
-    losses = loss_breakdown.loss_shares(mean_powers(run_steady(Reducer(design), SETTLING_TIME, spread.PERIODS)))
+    losses = loss_breakdown.loss_shares(mean_powers(run_steady(Reducer(design), SETTLING_TIME, spread.INPUTS.periods)))
     supplied = 36.68 / 35 / 0.84
     assert losses["seals"] == pytest.approx((0.02 + 0.4 / 35) / supplied, rel=0.02)
     assert math.isclose(sum(losses.values()), 1.0 - 0.84, abs_tol=0.03)
@@ -133,7 +133,8 @@ def test_other_designs_build_up_and_hold_at_half_the_step(name):
     torque = design.rated_torque
     own = steady_design(Reducer(override(design, [f"load.torque_nm={torque!r}"])))
     found, finer = (
-        mean_powers(run_steady(one, SETTLING_TIME, spread.PERIODS)) for one in (own, halve_time_step(own, "planar"))
+        mean_powers(run_steady(one, SETTLING_TIME, spread.INPUTS.periods))
+        for one in (own, halve_time_step(own, "planar"))
     )
     assert found.efficiency == pytest.approx(finer.efficiency, abs=1e-3)
     assert found.efficiency == pytest.approx(ideal_efficiency(Reducer(design), torque).efficiency, abs=0.08)

@@ -29,7 +29,7 @@ def test_held_pins_take_a_longer_step_than_sliding_ones_but_not_any_step():
         bench.step(one, rated, "mujoco") for one in (Reducer(TEETH21), bench.without_friction(Reducer(TEETH21)))
     )
     # the least force that friction holds is none: no limit but the longest
-    assert sliding < held < bench.LONGEST_STEP
+    assert sliding < held < bench.BENCH.max_step
     assert bench.step(Reducer(TEETH21), 4.0 * rated, "mujoco") < held
     heavier = override(TEETH21, ["material.density_kg_m3=15700"])
     # the weight adds its own to what the pins bear
@@ -38,10 +38,10 @@ def test_held_pins_take_a_longer_step_than_sliding_ones_but_not_any_step():
 
 def test_planar_steps_grow_with_the_swing_of_a_soft_drive_unless_pins_move():
     soft = Reducer(unlike("nonpin-n33-d2-ring-60um"))
-    assert bench.step(soft, 1.0) == pytest.approx(swing_period(soft) / bench.STEPS_OF_SWING)
-    assert bench.step(soft, 1.0) > 10.0 * bench.LONGEST_PLANAR_STEP
+    assert bench.step(soft, 1.0) == pytest.approx(swing_period(soft) / bench.BENCH.steps_per_swing)
+    assert bench.step(soft, 1.0) > 10.0 * bench.BENCH.max_planar_step
     moving = Reducer(override(soft.design, ['ring.kind="pin"', 'ring.pins="free"']))
-    assert bench.step(moving, 1.0) == bench.LONGEST_PLANAR_STEP
+    assert bench.step(moving, 1.0) == bench.BENCH.max_planar_step
 
 
 @pytest.mark.slow
@@ -52,10 +52,10 @@ def test_loops_of_soft_drives_are_those_of_statics_with_friction(name):
     crank = float(bench.crank_angles(reducer, 2)[1])
     loop = hysteresis.loop(reducer, crank, design.rated_torque, hysteresis.slow_period(reducer, design.rated_torque))
     course = np.linspace(0.0, 1.25, 1200)
-    torque = design.rated_torque * np.sin(2.0 * np.pi * course) ** hysteresis.POWER
+    torque = design.rated_torque * np.sin(2.0 * np.pi * course) ** hysteresis.LOOP.power
     when, turn = course_along(reducer, torque, crank, Losses())
     phase = np.interp(when, np.arange(len(course)), course)
-    within = phase >= hysteresis.LEAD
+    within = phase >= hysteresis.LOOP.lead
     statics = replace(
         loop,
         phase=phase[within],
@@ -79,7 +79,7 @@ def test_a_run_that_goes_wrong_is_made_again_at_half_the_step_and_names_it():
     run = bench.run_to_the_end(Reducer(TEETH21), CRANK, torque, rated, duration, 100, finer, "mujoco")
     halvings = np.log2(16e-6 / bench.step_of(run))
     assert halvings == pytest.approx(round(halvings), abs=1e-9)
-    assert 1 <= round(halvings) <= bench.MOST_HALVINGS
+    assert 1 <= round(halvings) <= bench.BENCH.max_halvings
     assert run["penetration"].max() < 10e-6
 
 

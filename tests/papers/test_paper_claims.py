@@ -35,8 +35,18 @@ from hsieh2014 import (
 from hsieh2014.hypothesis import soft_cases
 from hsieh2014.idle_stress import ByForce
 from hsieh2014.page import reproduction_page
-from hsieh2014.plan import FULL, IMPACT, QUICK, TIGHT, at_speed, contact_ranges, designs, idle_runs, open_parameters
-from hsieh2014.plan import STARTS as STARTS_OF_PAPER
+from hsieh2014.plan import (
+    FULL,
+    IMPACT,
+    QUICK,
+    SAMPLES,
+    TIGHT,
+    at_speed,
+    contact_ranges,
+    designs,
+    idle_runs,
+    open_parameters,
+)
 from hsieh2014.run import STEPS, run_step
 from hsieh2014.run_figures import run_figures
 from hsieh2014.stage import StageResult, StageRun, silent
@@ -246,7 +256,7 @@ def test_fluctuations_are_judged_at_no_load_over_starts(calm):
     assert speed.ours.value == pytest.approx(0.25, rel=1e-3)
     assert speed.rated is not None
     assert speed.rated.value == pytest.approx(0.25, rel=1e-3)
-    assert len(calm.findings["idle"]["as it is"]["gear_speed"]["pin"]) == STARTS_OF_PAPER
+    assert len(calm.findings["idle"]["as it is"]["gear_speed"]["pin"]) == SAMPLES.starts
 
 
 @pytest.mark.slow
@@ -436,7 +446,7 @@ def test_a_rank_test_orders_designs_and_its_starts_are_enough():
     assert rank_order(StartSpread((1.0, 1.1)), StartSpread((2.0, 2.1))) == 0
     hair = StartSpread(tuple(np.linspace(1.02, 1.03, 12)))
     assert rank_order(hair, StartSpread(tuple(np.linspace(1.0, 1.01, 12)))) == 0
-    assert STARTS_OF_PAPER >= starts_needed() == 11
+    assert SAMPLES.starts >= starts_needed() == 11
     # simulated: normal starts of which one design has more in nine of ten pairs
     draw, apart = np.random.default_rng(5), 1.2816 * math.sqrt(2.0)
     pairs = [(draw.normal(apart, 1.0, starts_needed()), draw.normal(0.0, 1.0, starts_needed())) for _ in range(400)]

@@ -11,7 +11,7 @@ from hsieh2014.page import reproduction_page
 from hsieh2014.plan import (
     FULL,
     QUICK,
-    STARTS,
+    SAMPLES,
     designs,
     finer_idle_runs,
     idle_runs,
@@ -93,8 +93,8 @@ def test_no_run_has_a_socket_that_the_drawings_do_not_have():
 
 
 def test_a_varied_case_has_as_many_starts_as_the_design_itself():
-    assert QUICK.varied_starts == FULL.varied_starts == STARTS
-    assert {len(idle_runs(QUICK, design)) for design in designs()} == {STARTS}
+    assert QUICK.varied_starts == FULL.varied_starts == SAMPLES.starts
+    assert {len(idle_runs(QUICK, design)) for design in designs()} == {SAMPLES.starts}
 
 
 def test_page_and_documentation_tell_every_claim_in_the_same_words():

@@ -109,7 +109,7 @@ def test_starts_turn_gravity_by_whole_tooth_pitches():
 def test_samples_fall_on_whole_degrees(design):
     run = schedule(Reducer(at_speed(design, 0.0, 4)))
     assert run.stride == QUICK.steps
-    sample = plan.LOGGED * run.stride * run.timestep
+    sample = plan.SAMPLES.logged * run.stride * run.timestep
     assert sample == pytest.approx(0.000101626, abs=5e-10)
     assert np.degrees(design.drive.speed * sample) == pytest.approx(1.0, rel=1e-12)
 

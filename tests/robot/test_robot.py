@@ -27,15 +27,14 @@ from cycloid_mj.measure.efficiency_map import backward, forward
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.robot import LEVELS, ReducedJoint, identification, standalone
 from cycloid_mj.robot.bam import bam
-from cycloid_mj.robot.comparison import BOUNDS, MAX_EFFICIENCY_DIFFERENCE, compare_with_full_model
+from cycloid_mj.robot.comparison import BOUNDS, COMPARISON, compare_with_full_model
 from cycloid_mj.robot.impact import run_impact, solve_impact
 from cycloid_mj.robot.lossy import lossy_efficiencies, lossy_joint_xml, lossy_scene_xml
 from cycloid_mj.robot.mjcf import joint_xml, scene_xml
 from cycloid_mj.robot.population import Population, draw_population, parameters
 from cycloid_mj.robot.reducer import Slip
 from cycloid_mj.robot.stability import (
-    IMPACT_RTOL,
-    TIME_STEPS,
+    STUDY,
     choose_time_step,
     longest_accurate,
     measure_vibration,
@@ -99,7 +98,7 @@ def test_joint_matches_the_full_model(told: dict) -> None:
         "resonance_hz": 0.02,
         "te_harmonic": 0.05,
     }
-    assert MAX_EFFICIENCY_DIFFERENCE == 0.3
+    assert COMPARISON.max_efficiency == 0.3
     rows = {row["key"]: row for row in told["comparison"]}
     assert set(BOUNDS) - {"te_harmonic"} < set(rows)
     assert sum(row["unit"] == "%" for row in rows.values()) == 10
@@ -174,7 +173,7 @@ def test_steps_are_recommended_by_an_impact(told: dict) -> None:
     """`discrete` is stable at 5 ms and far off there; what is recommended is right, with its error beside it."""
     reduced = ReducedJoint.from_json(told)
     steps = study_time_steps(reduced)
-    assert {one.timestep for one in steps} >= set(TIME_STEPS)
+    assert {one.timestep for one in steps} >= set(STUDY.steps)
     assert [one["stable"] for one in told["steps"]] == [one.stable for one in steps]
     for one in steps:
         if one.level == "rigid":
@@ -193,7 +192,7 @@ def test_steps_are_recommended_by_an_impact(told: dict) -> None:
             assert step == (found.timestep if found else 0.0)
             if level != "rigid" and found:
                 assert row["impact_error"][load] == found.impact_error
-                assert abs(found.impact_error) <= IMPACT_RTOL
+                assert abs(found.impact_error) <= STUDY.impact_rtol
     assert 5e-4 <= rows["full", "implicitfast"]["by_load"]["matched"] <= 1e-3
     assert rows["full", "discrete"]["by_load"]["matched"] == 0.0
     [far] = [

@@ -198,11 +198,12 @@ def test_published_stresses_pass_and_fail_when_spoiled(monkeypatch):
     assert len(failed(published.hertz_rows(True))) == 9
 
 
-def test_the_efficiency_formula_gives_what_is_printed(monkeypatch):
+def test_the_efficiency_formula_gives_what_is_printed():
     for case in published.WANG:
         assert published.total_efficiency(case) == pytest.approx(case.printed, abs=case.rounding)
-    monkeypatch.setattr(published, "MESH_FRICTION", 0.051)
-    assert published.total_efficiency(published.WANG[0]) != pytest.approx(0.8947, abs=0.5e-4)
+    assert published.total_efficiency(replace(published.WANG[0], mesh_friction=0.051)) != pytest.approx(
+        0.8947, abs=0.5e-4
+    )
 
 
 def test_wangs_formula_is_the_closed_form_without_the_moment_of_friction():
@@ -423,7 +424,7 @@ def test_efficiency(remembered, monkeypatch):
         honest = profile.pitch_distance
         spoiled.setattr(profile, "pitch_distance", lambda gear, B: honest(gear, B) + gear.pin_radius)
         assert len(failed(published.efficiency_rows(True))) == 2
-    monkeypatch.setattr(published, "SLEEVE_WALL", 4.0)
+    monkeypatch.setattr(published, "WANG", [replace(case, sleeve_wall=4.0) for case in published.WANG])
     assert len(failed(published.efficiency_rows(True))) == 2
 
 
