@@ -214,7 +214,8 @@ UPPER_FIGURES = (
         key="momentary_torque_nm",
         name="momentary torque",
         unit="N m",
-        definition="Torque on the output in an emergency stop with a safety factor of 1.",
+        definition="Torque on the output in an emergency stop with a safety factor of 1 of contacts, pins, bearings "
+        "and joints.",
         need=Need.LIFE,
         function="cycloid_mj.life.figures:momentary",
         aliases=("momentary_torque",),

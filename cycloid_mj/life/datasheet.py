@@ -461,7 +461,8 @@ def _notes(reducer: Reducer, life: float, static: Sheet) -> tuple[str, ...]:
         f"Computed by cycloid_mj from the design {reducer.design.name}; nothing was measured on a built drive.",
         f"Rated torque: limited by bearings (ISO 281, 90 %), surfaces (pitting, shakedown), parts (Goodman) and heat "
         f"for {life:g} h, and by the momentary torque; wear is left out. Momentary torque (emergency stop): limited by "
-        "first yield, dents, bent or sheared pins, or a skipped tooth. Both have a safety factor of 1.",
+        "first yield, dents, bent or sheared pins, a skipped tooth, or a joint that slips. Both have a safety factor "
+        "of 1.",
         _materials(reducer),
         f"Lubricant: {LUBRICANT}, to {reducer.design.service.grease_temperature:g} °C.",
         *(f"{sentence[0].upper()}{sentence[1:]}." for sentence in static.assumptions),

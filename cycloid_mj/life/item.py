@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import Any
 
 from cycloid_mj.base.frame import Frame, make_frame
@@ -14,6 +15,18 @@ from cycloid_mj.life.duration import MAX_LIFE, finite_life, format_life, format_
 
 INDICATIVE = ("_wear",)
 """Endings of the keys of items that only warn: the coefficient of wear is known to within a factor of ten."""
+
+
+class ItemKind(StrEnum):
+    """The group of a rated item."""
+
+    BEARING = "bearing"
+    SURFACE = "surface"
+    STRENGTH = "strength"
+    WEAR = "wear"
+    HEAT = "heat"
+    STOP = "stop"
+    JOINT = "joint"
 
 
 @dataclass(frozen=True)
@@ -34,6 +47,8 @@ class RatedItem:
         Formula and its source.
     note
         What is assumed.
+    kind
+        Its group, which the rating sets.
     """
 
     key: str
@@ -45,6 +60,7 @@ class RatedItem:
     life: float | None
     source: str
     note: str = ""
+    kind: ItemKind = ItemKind.STRENGTH
 
     def margin(self, life: float) -> float:
         """Return the safety factor, or the life over a required life [h]; 1 is just enough, infinite for a figure."""
@@ -59,6 +75,7 @@ class RatedItem:
         """
         return {
             "name": self.name,
+            "kind": self.kind,
             "value": self.value,
             "unit": self.unit,
             "limit": self.limit,

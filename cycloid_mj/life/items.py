@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Iterator
+from dataclasses import replace
 
 from cycloid_mj.base.errors import CycloidWarning, DesignError
 from cycloid_mj.design import Named, material_limits, resolve
@@ -10,7 +11,8 @@ from cycloid_mj.life.cam import rate_cam_compliance
 from cycloid_mj.life.duty import Duty, constant_duty
 from cycloid_mj.life.emergency_stop import rate_emergency_stop
 from cycloid_mj.life.heat import rate_heat
-from cycloid_mj.life.item import RatedItem, Rating
+from cycloid_mj.life.item import ItemKind, RatedItem, Rating
+from cycloid_mj.life.joints import rate_joints
 from cycloid_mj.life.loading import POSES, solve_loading
 from cycloid_mj.life.ranges import StressRange
 from cycloid_mj.life.strength import rate_strength
@@ -46,7 +48,7 @@ def rate(
     poses
         Number of crank angles: with a tenth of them margins differ by 0.5 %.
     stops
-        Whether emergency stops are rated, which takes half of the time.
+        Whether emergency stops and joints are rated, which takes half of the time.
     give
         Former name of `compliance`.
 
@@ -81,14 +83,17 @@ def _rated_items(
         raise DesignError("drive.speed_rpm is 0, but a life needs a crank that turns: set another speed, such as 1640")
     loadings = [solve_loading(reducer, point, poses, stops) for point in turning]
     worst = max(loadings, key=lambda loading: abs(loading.point.torque))
-    items = [
-        *rate_bearings(reducer, loadings, duty.peak),
-        *rate_surfaces(reducer, loadings),
-        *rate_strength(reducer, worst, ranges),
-        *rate_wear(reducer, loadings),
-        *rate_heat(reducer, loadings),
-        *(rate_emergency_stop(reducer, duty.peak, worst) if stops else ()),
-    ]
+    by_kind = {
+        ItemKind.BEARING: rate_bearings(reducer, loadings, duty.peak),
+        ItemKind.SURFACE: rate_surfaces(reducer, loadings),
+        ItemKind.STRENGTH: rate_strength(reducer, worst, ranges),
+        ItemKind.WEAR: rate_wear(reducer, loadings),
+        ItemKind.HEAT: rate_heat(reducer, loadings),
+    }
+    if stops:
+        by_kind[ItemKind.STOP] = rate_emergency_stop(reducer, duty.peak, worst)
+        by_kind[ItemKind.JOINT] = rate_joints(reducer, duty.peak, worst)
+    items = [replace(item, kind=kind) for kind, rated in by_kind.items() for item in rated]
     return items, max(loading.work for loading in loadings)
 
 

@@ -25,8 +25,8 @@ TORQUE_RTOL = 5e-4
 BEARINGS = "cam_bearing", "shaft_bearing", "output_bearing", "output_rollers"
 """Beginnings of the keys of bearings."""
 
-STOPS, STATIC, WEAR = "peak_", "_static", "_wear"
-"""Beginning of the keys of emergency stops, and endings of those of static factors and wear."""
+STOPS, STATIC, WEAR = ("peak_", "joint_"), "_static", "_wear"
+"""Beginnings of the keys of emergency stops and joints, and endings of those of static factors and wear."""
 
 
 def rated_torque(
@@ -136,7 +136,7 @@ def _counts(key: str) -> bool:
 
 
 def is_momentary(key: str) -> bool:
-    """Return whether an item, by its key, limits the momentary torque: emergency stops and static factors."""
+    """Return whether an item, by its key, limits the momentary torque: emergency stops, joints and static factors."""
     return key.startswith(STOPS) or key.endswith(STATIC)
 
 

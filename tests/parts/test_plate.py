@@ -196,7 +196,7 @@ def test_output_pins_that_are_bought_fill_their_bores_and_reach_through_the_disc
         lines["output_pin"].size == "diameter 5 x length 45 mm"
     )  # the shortest in stock that is 43 mm long, cut to that
     assert lines["output_pin"].designation == "ISO 8734 - 5 x 45 - A"
-    assert lines["output_pin"].fit == "m6 in H7, cut to 43 mm"
+    assert lines["output_pin"].fit == "m6 in N7, cut to 43 mm"
     assert lines["output_roller"].size == "outside diameter 9 x bore 5 x length 25 mm"
     assert (lines["pin"].size, lines["pin"].material) == ("diameter 7 x length 25 mm", "bearing steel")
     assert lines["shaft_bearing"].size == "outside diameter 24 x bore 12 x length 6 mm"

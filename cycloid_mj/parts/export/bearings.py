@@ -7,8 +7,9 @@ from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.export.casing import axial_play, bearing_width_of, ring_end
 from cycloid_mj.reducer import Reducer
 
-PRESS_FIT, RETAINED_FIT = "m6 in H7", "m6 in H7, glued: its socket is open"
-"""Fits of dowels (m6, ISO 8734), and of those in half-open sockets, whose lips a press fit would push them out of."""
+PRESS_FIT, PIN_FIT, RETAINED_FIT = "m6 in H7", "m6 in N7", "m6 in H7, glued: its socket is open"
+"""Fits of dowels (m6, ISO 8734): that locate covers, that carry load as pressed-in pins, and of those in half-open
+sockets, whose lips a press fit would push them out of."""
 
 NEEDLE_FIT, BALL_FIT = "N6 outside, h5 on the shaft", "H7 outside, j6 on the shaft"
 """Fits of drawn cups and of the shaft under their needles (ISO 3245), and of ball bearings with a turning shaft."""

@@ -15,7 +15,7 @@ from cycloid_mj.parts import parts, sleeve_core_radius
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.export.bearings import (
-    PRESS_FIT,
+    PIN_FIT,
     RETAINED_FIT,
     SHAFT_BEARINGS,
     fit_of,
@@ -133,14 +133,14 @@ def _pins(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLine]:
             size = _round(*diameters, length=pin_pieces(reducer)[1])
             yield BillLine(names.SLEEVE, ring.teeth, size, material, "bought")
             core = sleeve_core_radius(reducer)
-            yield _pin(PRESSED_PIN, ring.teeth, core, gear.stack_width, material, PRESS_FIT)
+            yield _pin(PRESSED_PIN, ring.teeth, core, gear.stack_width, material, PIN_FIT)
         elif ring.has_sockets:
             yield _free_pin(reducer, material)
         else:
             yield _pin(names.PIN, ring.teeth, ring.pin_radius, gear.stack_width, material, RETAINED_FIT)
     if not in_one_piece(reducer) and not is_printed(reducer, names.OUTPUT):
         length = output_pin_length(reducer)
-        yield _pin(OUTPUT_PIN, output.pins, output.root_radius, length, _material(reducer, names.OUTPUT), PRESS_FIT)
+        yield _pin(OUTPUT_PIN, output.pins, output.root_radius, length, _material(reducer, names.OUTPUT), PIN_FIT)
     if gear.discs > 1 and not is_printed(reducer, names.SHAFT):
         (drawn,) = parts(reducer)[names.SHAFT].prisms
         size = _round(("diameter", shaft.radius), length=drawn.height) + _format_bore(reducer, sizes)

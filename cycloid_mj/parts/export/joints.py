@@ -64,6 +64,9 @@ SEAT_PLAY = 0.05e-3
 MOTOR, LOAD = "motor", "load"
 """Mating parts that are not part of the drive."""
 
+USUAL_CLASS, FLANGE_CLASS = "8.8", "12.9"
+"""Property classes of screws (ISO 898-1); those of the output flange, and of the load on it, carry the whole torque."""
+
 Point = tuple[float, float, float]
 
 
@@ -316,7 +319,7 @@ def _flange_screws(reducer: Reducer, sizes: Casing) -> Joint:
         (FLANGE, (centres, counterbore(bolt), under_head, end)),
     )
     bought = (
-        _screws(FLANGE_SCREW, bolt, length, names.OUTPUT, centres, under_head),
+        _screws(FLANGE_SCREW, bolt, length, names.OUTPUT, centres, under_head, FLANGE_CLASS),
         *_inserts(reducer, FLANGE_INSERT, bolt.thread, names.OUTPUT, centres, top, -1.0),
     )
     return Joint("screws of the output flange", JointKind.SCREWED, (names.OUTPUT, FLANGE), holes, bought)
@@ -356,7 +359,15 @@ def _dowels(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
         yield Joint(f"dowels of {below} and {above}", JointKind.DOWELLED, (below, above), holes, (bought,))
 
 
-def _screws(item: str, bolt: stock.Bolt, length: float, body: str, centres: Array, under_head: float) -> BoughtPart:
+def _screws(
+    item: str,
+    bolt: stock.Bolt,
+    length: float,
+    body: str,
+    centres: Array,
+    under_head: float,
+    property_class: str = USUAL_CLASS,
+) -> BoughtPart:
     """Return screws along -z with their heads on a plane [m]."""
     return BoughtPart(
         item,
@@ -364,7 +375,7 @@ def _screws(item: str, bolt: stock.Bolt, length: float, body: str, centres: Arra
         body,
         tuple(_point(centre, under_head) for centre in centres),
         (("thread", bolt.thread), ("length", length)),
-        "steel 8.8",
+        f"steel {property_class}",
         f"{bolt.designation} x {1e3 * length:.5g}",
     )
 

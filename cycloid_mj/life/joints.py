@@ -1,0 +1,484 @@
+"""Joints: the torque at which each connection of a drive slips, shears or yields at an emergency stop.
+
+The records of ``parts.export.joints`` state screws, dowels, keys and fits; ``parts.joint_strength`` has the formulas.
+"""
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from cycloid_mj.base import names
+from cycloid_mj.design import Material, fits, stock
+from cycloid_mj.life.item import RatedItem
+from cycloid_mj.life.loading import Loading
+from cycloid_mj.life.strength import pin_moment
+from cycloid_mj.parts import joint_strength as strength
+from cycloid_mj.parts import sleeve_core_radius
+from cycloid_mj.parts.export.bearings import PIN_FIT
+from cycloid_mj.parts.export.casing import (
+    FLANGE,
+    MOTOR_COVER,
+    OUTPUT_COVER,
+    Casing,
+    casing,
+    core_radius,
+    insert_in,
+    motor_bore,
+)
+from cycloid_mj.parts.export.drive import has_casing
+from cycloid_mj.parts.export.joints import (
+    FLANGE_CLASS,
+    LOAD,
+    MOTOR,
+    USUAL_CLASS,
+    BoughtPart,
+    Joint,
+    JointKind,
+    drive_joints,
+)
+from cycloid_mj.parts.export.printing import in_one_piece, is_printed, material_part
+from cycloid_mj.reducer import Reducer
+
+PLASTIC_PRELOAD = 0.5
+"""Share of the force that threads and faces of a plastic withstand once, which they keep as a preload (assumed)."""
+
+METAL_SHEAR, PLASTIC_SHEAR = 0.6, 1.0 / math.sqrt(3.0)
+"""Shear over tensile strength of metals (VDI 2230, 5.5.5: 0.60 to 0.70), over yield strength of plastics (Mises)."""
+
+THREAD_FRICTION_SPREAD = (0.10, 0.16)
+"""Range of the friction of threads and heads, oiled to plain (VDI 2230, A5, classes A and B)."""
+
+PIN_ROUGHNESS, HOLE_ROUGHNESS = 2e-6, 4e-6
+"""Mean depths Rz of ground pins and reamed holes [m] (ISO 8734 has Ra 0.8 um at most; Rz assumed)."""
+
+WALL_RATIO = 2.0
+"""Outside diameter of the wall around a pressed-in pin over that of the pin (assumed, as in DIN 7190)."""
+
+GLUE_SOURCE = "pi d l tau r, tau 25 N/mm2 at 23 °C (ISO 10123); half of it at about 120 °C"
+
+_ZONES = re.compile(r"([A-Z]+\d+)|([a-z]+\d+)")
+
+
+@dataclass(frozen=True)
+class JointTorques:
+    """Torques [N m] on the carrier of the output pins, the ring and the crank, of which one is the output."""
+
+    carrier: float
+    ring: float
+    crank: float
+
+    @classmethod
+    def at_output(cls, reducer: Reducer, torque: float) -> "JointTorques":
+        """Return the torques at an output torque [N m], without losses: ring over carrier is N over N - 1."""
+        design = reducer.design
+        share = design.ring.teeth / design.lobes
+        carrier = torque / share if design.output.turns_ring else torque
+        return cls(carrier, share * carrier, torque / design.reduction)
+
+    def on(self, parts: Sequence[str]) -> float:
+        """Return the torque between mating parts: motor and shaft carry the crank's, hub and load the carrier's."""
+        if MOTOR in parts or names.SHAFT in parts or any(names.family(part) == names.CAM for part in parts):
+            return self.crank
+        return self.carrier if {names.OUTPUT, FLANGE, LOAD} & {*parts} else self.ring
+
+
+@dataclass(frozen=True)
+class ScrewLimit:
+    """The torque [N m] of a screwed joint at the preload of each screw [N] that one of its parts withstands."""
+
+    mechanism: str
+    what: str
+    preload: float
+    torque: float
+    source: str
+    note: str
+
+
+@dataclass(frozen=True)
+class ScrewedJoint:
+    """A screwed joint: screws, their number and circle radius [m], and the limits of their preload."""
+
+    joint: Joint
+    thread: strength.Thread
+    property_class: str
+    count: int
+    radius: float
+    limits: tuple[ScrewLimit, ...]
+
+    @property
+    def torque(self) -> float:
+        """Torque at which the clamped faces slip [N m]."""
+        return min(limit.torque for limit in self.limits)
+
+    @property
+    def preload(self) -> float:
+        """Preload of each screw [N]."""
+        return min(limit.preload for limit in self.limits)
+
+    @property
+    def tightening_torque(self) -> float:
+        """Tightening torque of that preload [N m]."""
+        return self.tightening_for(self.preload)
+
+    def tightening_for(self, preload: float, friction: float = strength.FRICTION_THREAD) -> float:
+        """Compute the tightening torque [N m] of a preload [N]."""
+        return self.thread.tightening_torque(preload, _mean_head(self.thread), friction)
+
+    @property
+    def designation(self) -> str:
+        """Number, thread and property class."""
+        return f"{self.count} x M{1e3 * self.thread.diameter:g} {self.property_class}"
+
+
+def rate_joints(reducer: Reducer, peak: float, worst: Loading) -> Iterator[RatedItem]:
+    """Rate all joints of a drive at a peak output torque [N m]; forces are in proportion to the worst loading."""
+    torques = JointTorques.at_output(reducer, peak)
+    if has_casing(reducer):
+        yield from _rate_faces(reducer, torques)
+        yield from _rate_crank(reducer, torques)
+    scale = peak / abs(worst.point.torque)
+    yield from _rate_output_pins(reducer, worst, scale)
+    yield from _rate_ring_pins(reducer, worst, scale)
+
+
+def screwed_joints(reducer: Reducer) -> tuple[ScrewedJoint, ...]:
+    """Return the screwed joints of a drive with covers."""
+    sizes = casing(reducer)
+    joints = drive_joints(reducer, sizes)
+    return tuple(_screwed(reducer, sizes, joint) for joint in joints if joint.kind is JointKind.SCREWED)
+
+
+def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
+    """Rate screws and dowels of each face; where a face has both, the stronger transmits the torque."""
+    joints, screwed = drive_joints(reducer, casing(reducer)), screwed_joints(reducer)
+    dowelled = {joint: _dowel_torque(reducer, joint) for joint in joints if joint.kind is JointKind.DOWELLED}
+    by_face = {frozenset(joint.parts): torque for joint, torque in dowelled.items()}
+    for each in screwed:
+        parts = each.joint.parts
+        faces = [frozenset(face) for face in pairwise(parts)]
+        positive = min(by_face.get(face, 0.0) for face in faces)
+        shared = f"; tighten with {each.tightening_torque:.3g} N m"
+        shared += f"; dowels transmit {positive:.3g} N m without friction" if positive else ""
+        for limit in each.limits:
+            yield _item(
+                f"{_slug(each.joint)}_{limit.mechanism}",
+                f"{each.joint.name}, {limit.what}",
+                torques.on(parts),
+                max(limit.torque, positive),
+                limit.source,
+                limit.note + shared,
+            )
+    for joint, torque in dowelled.items():
+        (part,) = joint.bought
+        clamped = max((each.torque for each in screwed if {*joint.parts} <= {*each.joint.parts}), default=0.0)
+        friction = f"; screws transmit {clamped:.3g} N m by friction" if clamped else ""
+        yield _item(
+            _slug(joint),
+            joint.name,
+            torques.on(joint.parts),
+            max(torque, clamped),
+            "n F r, F least of shear, pi d^2/4 x 896 MPa (ASME B18.8.2), and yield of the hole, d s R_e (Roloff/Matek)",
+            f"{len(part.origins)} x {part.designation}{friction}",
+        )
+    if clamp := next((each for each in screwed if {*each.joint.parts} == {MOTOR_COVER, OUTPUT_COVER}), None):
+        ring = [torque for joint, torque in dowelled.items() if names.HOUSING in joint.parts]
+        yield _clamped_ring(reducer, torques.ring, clamp, max(ring, default=0.0))
+
+
+def _clamped_ring(reducer: Reducer, torque: float, clamp: ScrewedJoint, positive: float) -> RatedItem:
+    """Rate a ring that is clamped between covers whose screws stand outside of it."""
+    design = reducer.design
+    radius = 0.5 * (design.ring_root_radius + design.housing.outer_radius)
+    limit = strength.friction_torque(clamp.count, clamp.preload, radius)
+    dowels = f"; dowels transmit {positive:.3g} N m" if positive else ""
+    return _item(
+        "joint_ring",
+        "ring between the covers, slip",
+        torque,
+        max(limit, positive),
+        "T = n F mu r (VDI 2230, R2/2)",
+        f"assumed: the rims of the covers stand back, so that {clamp.designation} clamp the ring with "
+        f"{1e-3 * clamp.preload:.3g} kN each at a mean radius of {1e3 * radius:.3g} mm, friction "
+        f"{strength.FRICTION_INTERFACE:g}{dowels}",
+    )
+
+
+def _screwed(reducer: Reducer, sizes: Casing, joint: Joint) -> ScrewedJoint:
+    """Return the strength of a screwed joint; the classes of screws of motor and load, not in the bill, are assumed."""
+    screw = next((part for part in joint.bought if "thread" in dict(part.dimensions)), None)
+    centres = np.array(screw.origins)[:, :2] if screw else np.atleast_2d(joint.holes[0][1][0])
+    nominal = dict(screw.dimensions)["thread"] if screw else _foreign_thread(sizes, joint)
+    thread = strength.Thread(nominal, stock.pitch(nominal))
+    assumed = FLANGE_CLASS if LOAD in joint.parts else USUAL_CLASS
+    property_class = screw.material.split()[-1] if screw else assumed
+    each = ScrewedJoint(joint, thread, property_class, len(centres), float(np.hypot(*centres.T).mean()), ())
+    limits = (_preload_limit(each), *_face_limits(reducer, each, screw))
+    return replace(each, limits=limits)
+
+
+def _foreign_thread(sizes: Casing, joint: Joint) -> float:
+    return sizes.motor.thread if MOTOR in joint.parts else sizes.flange_bolt.thread
+
+
+def _preload_limit(each: ScrewedJoint) -> ScrewLimit:
+    """Return the limit by the screws, with the spread of its assumed friction."""
+    preload = each.thread.usual_preload(strength.PROOF_STRESS[each.property_class])
+    torque = strength.friction_torque(each.count, preload, each.radius)
+    tightened = each.tightening_for(1.0)
+    smooth, rough = (tightened / each.tightening_for(1.0, friction) for friction in THREAD_FRICTION_SPREAD)
+    slippery, dry = (friction / strength.FRICTION_INTERFACE for friction in strength.FRICTION_SPREAD)
+    return ScrewLimit(
+        "slip",
+        "slip",
+        preload,
+        torque,
+        "T = n F mu r, F = 0.7 R_p A_s (VDI 2230, R2/2, R13)",
+        f"{each.designation} on a circle of {2e3 * each.radius:.4g} mm, {1e-3 * preload:.3g} kN each; assumed: "
+        f"friction {strength.FRICTION_INTERFACE:g} of the faces and {strength.FRICTION_THREAD:g} of threads and heads; "
+        f"{torque * rough * slippery:.3g} to {torque * smooth * dry:.3g} N m at 0.10 to 0.20 and 0.16 to 0.10",
+    )
+
+
+def _face_limits(reducer: Reducer, each: ScrewedJoint, screw: BoughtPart | None) -> Iterator[ScrewLimit]:
+    """Yield the limits by the part under the heads, and by the part with the threads or inserts."""
+    nominal, joint = each.thread.diameter, each.joint
+    top = screw.origins[0][2] if screw else math.inf
+    bottom = top - dict(screw.dimensions)["length"] if screw else -math.inf
+    for part, (_, radius, low, high) in joint.holes:
+        material = reducer.design.material_of(material_part(reducer, part))
+        if math.isclose(radius, 0.5 * stock.bolt_hole(nominal)) and math.isclose(high, top, abs_tol=1e-9):
+            yield _head_limit(each, part, material)
+        elif math.isclose(radius, core_radius(reducer, nominal)):
+            insert = insert_in(reducer, nominal)
+            engaged = min(high, top) - max(low, bottom)
+            yield _thread_limit(each, part, material, insert, engaged)
+
+
+def _head_limit(each: ScrewedJoint, part: str, material: Material) -> ScrewLimit:
+    """Return the limit by the pressure under the heads."""
+    bearing, hole = stock.head_bearing(each.thread.diameter), stock.bolt_hole(each.thread.diameter)
+    allowed = _permanent(material) * material.tensile_strength
+    preload = allowed / strength.head_pressure(1.0, bearing, hole)
+    return ScrewLimit(
+        "heads",
+        "pressure under the heads",
+        preload,
+        strength.friction_torque(each.count, preload, each.radius),
+        "p = F/A <= R_m (VDI 2230, R10/1 and A9), T = n F mu r",
+        f"{part} of {material.name or 'unnamed material'} withstands {1e-6 * allowed:.3g} MPa under a head, "
+        f"{1e-3 * preload:.3g} kN{_creep_note(material)}",
+    )
+
+
+def _thread_limit(
+    each: ScrewedJoint, part: str, material: Material, insert: stock.Insert | None, engaged: float
+) -> ScrewLimit:
+    """Return the limit by stripped threads, or by inserts pulled out of a plastic."""
+    shear = PLASTIC_SHEAR * material.yield_strength if material.is_plastic else METAL_SHEAR * material.tensile_strength
+    if insert:
+        force = strength.pull_out_force(insert.hole, insert.length, shear)
+        what, source = "pull-out of the inserts", "F = pi D l tau around an insert"
+        note = f"inserts {insert.designation} in {part}, solid around them (assumed)"
+    else:
+        force = each.thread.stripping_force(engaged, shear)
+        what, source = "stripping of the threads", "F = pi d m (0.5 + (d - d2)/(P sqrt 3)) tau (VDI 2230, 5.5.5)"
+        note = f"threads in {part}, {1e3 * engaged:.3g} mm engaged"
+    preload = _permanent(material) * force
+    return ScrewLimit(
+        "threads",
+        what,
+        preload,
+        strength.friction_torque(each.count, preload, each.radius),
+        f"{source}, T = n F mu r",
+        f"{note}, of {material.name or 'unnamed material'}, shear strength {1e-6 * shear:.3g} MPa: "
+        f"{1e-3 * preload:.3g} kN{_creep_note(material)}",
+    )
+
+
+def _permanent(material: Material) -> float:
+    """Return the share of a short-time strength that may stay as a preload."""
+    return PLASTIC_PRELOAD if material.is_plastic else 1.0
+
+
+def _creep_note(material: Material) -> str:
+    return ", half of the strength, as plastics creep (assumed)" if material.is_plastic else ""
+
+
+def _mean_head(thread: strength.Thread) -> float:
+    """Return the mean diameter of the bearing face of a head [m]."""
+    return 0.5 * (stock.head_bearing(thread.diameter) + stock.bolt_hole(thread.diameter))
+
+
+def _dowel_torque(reducer: Reducer, joint: Joint) -> float:
+    """Compute the torque that the dowels of a face transmit [N m]."""
+    (part,) = joint.bought
+    sizes = dict(part.dimensions)
+    softest = min(_material(reducer, mate).yield_strength for mate in joint.parts)
+    force = strength.dowel_force(sizes["diameter"], 0.5 * sizes["length"], softest)
+    return force * float(np.hypot(*np.array(part.origins).T[:2]).sum())
+
+
+def _rate_crank(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
+    """Rate the shaft of the motor in the crank, and cams on the shaft of several discs."""
+    sizes, shaft = casing(reducer), 2.0 * reducer.design.shaft.radius
+    joints = drive_joints(reducer, sizes)
+    bore = motor_bore(reducer, sizes)
+    if bore:
+        radius, low, high = bore
+        yield _glued("joint_motor_shaft", "motor shaft in the crank, glued", torques.crank, 2.0 * radius, high - low)
+    keyed = [joint for joint in joints if joint.kind.name == "KEYED"]
+    for joint in keyed:
+        yield _keyed(reducer, joint, torques.crank, shaft)
+    if reducer.design.gear.discs > 1 and not keyed:
+        width = reducer.design.gear.face_width
+        yield _glued("joint_cams", "cams on the shaft, glued", torques.crank, shaft, width)
+
+
+def _glued(key: str, name: str, torque: float, diameter: float, length: float) -> RatedItem:
+    """Rate a glued joint of a shaft [m]."""
+    limit = 0.5 * diameter * strength.glued_force(diameter, length)
+    note = (
+        f"assumed: retaining compound on {2e3 * 0.5 * diameter:.4g} x {1e3 * length:.4g} mm; no key or clamp is drawn"
+    )
+    return _item(key, name, torque, limit, GLUE_SOURCE, note)
+
+
+def _keyed(reducer: Reducer, joint: Joint, torque: float, shaft: float) -> RatedItem:
+    """Rate the side pressure of a parallel key."""
+    (part,) = joint.bought
+    sizes = dict(part.dimensions)
+    key = strength.Key(sizes["width"], sizes["height"], sizes["depth"], sizes["length"])
+    softest = min(_material(reducer, mate).yield_strength for mate in joint.parts)
+    return _item(
+        _slug(joint),
+        joint.name,
+        torque,
+        key.torque(shaft, softest),
+        "p = 2 T/(d (h - t1) l) <= 0.9 R_e (DIN 6892, method C)",
+        f"{part.designation}, {1e3 * key.carrying_length:.3g} mm carry, R_e {1e-6 * softest:.4g} MPa",
+    )
+
+
+def _rate_output_pins(reducer: Reducer, worst: Loading, scale: float) -> Iterator[RatedItem]:
+    """Rate the seats of the output pins in their discs: pressure of the bent pin, and friction against turning."""
+    design, output = reducer.design, reducer.design.output
+    if in_one_piece(reducer):
+        return
+    disc = _material(reducer, names.OUTPUT)
+    force = scale * float(worst.output.sum(axis=1).max())
+    moment = scale * float(pin_moment(reducer, worst.output).max())
+    diameter, depth, limit = 2.0 * output.root_radius, output.disc_thickness, disc.yield_strength
+    if output.support == "cantilever":
+        pressure, support = strength.clamped_pin_pressure(force, moment, diameter, depth), "clamped in its hole"
+    else:
+        pressure, support = 0.5 * force / (diameter * depth), "on two supports, half of the force on each"
+    yield RatedItem(
+        "joint_output_pin_hole",
+        "output pin in its disc, pressure of the hole",
+        1e-6 * pressure,
+        1e-6 * limit,
+        "MPa",
+        limit / pressure if pressure else math.inf,
+        None,
+        "p = F/(d s) + 6 (M + F s/2)/(d s^2) <= R_e (Roloff/Matek 9.19)",
+        f"pin of {1e3 * diameter:.4g} mm, {1e3 * depth:.4g} mm deep in {disc.name or 'the disc'}, {support}; "
+        "forces in proportion to the torque",
+    )
+    if not is_printed(reducer, names.OUTPUT):
+        turning = design.friction_of("output") * force * output.root_radius
+        yield _pressed_pin(
+            reducer,
+            ("joint_output_pin_press", "output pin in its disc, press fit against turning"),
+            turning,
+            (output.root_radius, output.disc_thickness, names.OUTPUT, disc),
+        )
+
+
+def _rate_ring_pins(reducer: Reducer, worst: Loading, scale: float) -> Iterator[RatedItem]:
+    """Rate the seats of ring pins that are pressed in or glued, against the friction that turns them."""
+    design, ring = reducer.design, reducer.design.ring
+    if ring.kind != "pin" or ring.has_sockets or is_printed(reducer, names.PIN):
+        return
+    force, length = scale * worst.teeth, design.gear.stack_width
+    if ring.has_sleeves:
+        core = sleeve_core_radius(reducer)
+        turning = design.friction_of("pin_sleeve") * force * core
+        yield _pressed_pin(
+            reducer,
+            ("joint_ring_pin_press", "ring pin in its seats, press fit against turning"),
+            turning,
+            (core, length, names.PIN, _material(reducer, names.HOUSING)),
+        )
+        return
+    turning = design.friction_of("pin_gear") * force * ring.pin_radius
+    half = 0.5 * strength.glued_force(2.0 * ring.pin_radius, length) * ring.pin_radius
+    yield _item(
+        "joint_ring_pin_glue",
+        "fixed ring pin in its half-open socket, glued against turning",
+        turning,
+        half,
+        f"half of {GLUE_SOURCE}",
+        f"friction {design.friction_of('pin_gear'):g} of the disc turns the pin; assumed: retaining compound on half "
+        f"of its surface, {2e3 * ring.pin_radius:.4g} x {1e3 * length:.4g} mm, as a press fit needs a closed bore",
+    )
+
+
+def _pressed_pin(
+    reducer: Reducer, named: tuple[str, str], turning: float, seat: tuple[float, float, str, Material]
+) -> RatedItem:
+    """Rate a press fit against a torque that turns the pin in its hole [N m].
+
+    `seat` is radius and length [m] of the joint, the part of the pin's material, and the material of the hole.
+    """
+    radius, length, part, hub = seat
+    pin = reducer.design.material_of(part)
+    fit = strength.PressFit(
+        2.0 * radius,
+        length,
+        WALL_RATIO * 2.0 * radius,
+        (hub.youngs_modulus, hub.poisson),
+        (pin.youngs_modulus, pin.poisson),
+    )
+    loose, tight = (-clearance for clearance in reversed(fits.clearances(fit_code(PIN_FIT), 2.0 * radius)))
+    middle, *ends = (
+        strength.effective_interference(value, HOLE_ROUGHNESS, PIN_ROUGHNESS)
+        for value in (0.5 * (loose + tight), loose, tight)
+    )
+    strongest = fit.yield_pressure(hub.yield_strength) * _permanent(hub)
+    at_middle, at_loose, at_tight = (min(fit.pressure(value), strongest) for value in (middle, *ends))
+    key, name = named
+    return _item(
+        key,
+        name,
+        turning,
+        fit.torque(at_middle),
+        "Lame, p = Z/(d K), T = mu p pi d^2 l/2 (DIN 7190-1)",
+        f"{PIN_FIT}, mean interference less smoothing {1e6 * middle:.3g} um: {1e-6 * at_middle:.3g} MPa; "
+        f"{fit.torque(at_loose):.3g} to {fit.torque(at_tight):.3g} N m over the zones; friction "
+        f"{strength.FRICTION_INTERFACE:g} (assumed)",
+    )
+
+
+def fit_code(words: str) -> str:
+    """Return the fit code of a hole and a shaft, such as ``H7/m6``, in words such as ``m6 in H7``."""
+    pairs = _ZONES.findall(words)
+    hole, shaft = (next(pair[side] for pair in pairs if pair[side]) for side in (0, 1))
+    return f"{hole}/{shaft}"
+
+
+def _material(reducer: Reducer, part: str) -> Material:
+    return reducer.design.material_of(material_part(reducer, part))
+
+
+def _slug(joint: Joint) -> str:
+    """Return the beginning of the keys of a joint's items."""
+    return "joint_" + joint.name.replace(" ", "_")
+
+
+def _item(key: str, name: str, torque: float, limit: float, source: str, note: str) -> RatedItem:
+    """Return the item of a torque on a joint against its limit [N m]."""
+    return RatedItem(key, name, torque, limit, "N m", limit / torque if torque else math.inf, None, source, note)

@@ -1,0 +1,80 @@
+"""Joints as items of a rating, and the momentary torque that they limit."""
+
+import pytest
+
+from cycloid_mj.design import fits, resolve, stock
+from cycloid_mj.life import rate
+from cycloid_mj.life.datasheet import momentary_torque
+from cycloid_mj.life.item import ItemKind
+from cycloid_mj.life.joints import JointTorques, fit_code, screwed_joints
+from cycloid_mj.reducer import Reducer
+from tests.designs import cases
+
+KEYS = {"name", "kind", "value", "unit", "limit", "safety", "life_h", "source", "note"}
+
+
+def joints_of(name: str) -> dict[str, dict]:
+    items = rate(name).as_json()["items"]
+    assert all(item.keys() >= KEYS for item in items.values())
+    assert all((key.startswith("joint_")) == (item["kind"] == "joint") for key, item in items.items())
+    return {key: item for key, item in items.items() if item["kind"] == "joint"}
+
+
+@pytest.mark.parametrize("name", cases(("pin", "printed", "twodisc", "nonpin"), "pin", "printed"))
+def test_momentary_torque_is_no_larger_than_that_of_the_weakest_joint(name: str) -> None:
+    design = resolve(name)
+    torque, _ = momentary_torque(Reducer(design))
+    weakest = min(item["safety"] for item in joints_of(name).values())
+    assert torque <= 2.0 * design.rated_torque * weakest * (1.0 + 1e-9)
+
+
+def test_joints_state_units_sources_and_assumptions() -> None:
+    joints = joints_of("pin")
+    words = " ".join(item["name"] for item in joints.values())
+    for what in ("output flange", "covers", "motor", "dowels", "load", "press fit"):
+        assert what in words
+    for item in joints.values():
+        assert item["unit"] in ("N m", "MPa")
+        assert item["source"]
+        assert item["note"]
+        assert item["safety"] == pytest.approx(item["limit"] / item["value"])
+
+
+def test_flange_of_pin_slips_at_the_torque_computed_by_hand() -> None:
+    """Class 8.8 screws: n x 0.7 x 640 MPa x A_s x 0.15 x r, at twice the nominal torque of 36.68 N m."""
+    each = next(each for each in screwed_joints(Reducer(resolve("pin"))) if "output flange" in each.joint.name)
+    area = {4e-3: 8.78e-6, 5e-3: 14.2e-6, 6e-3: 20.1e-6}[each.thread.diameter]
+    proof = {"8.8": 640e6, "10.9": 940e6, "12.9": 1100e6}[each.property_class]
+    by_hand = each.count * 0.7 * proof * area * 0.15 * each.radius
+    (item,) = (item for item in rate("pin").items.values() if item.name == f"{each.joint.name}, slip")
+    assert item.kind is ItemKind.JOINT
+    assert item.limit >= by_hand * (1.0 - 2e-3)
+    assert item.value == pytest.approx(2.0 * 36.68)
+    assert "0.10 to 0.20" in item.note, "the spread by the assumed friction is stated"
+
+
+def test_plastics_limit_the_preload_by_inserts_and_heads() -> None:
+    each = next(each for each in screwed_joints(Reducer(resolve("printed"))) if "output flange" in each.joint.name)
+    by_mechanism = {limit.mechanism: limit.preload for limit in each.limits}
+    assert each.preload == min(by_mechanism.values()) < by_mechanism["slip"]
+    insert = stock.insert_of(each.thread.diameter)
+    strength = resolve("printed").material_of("housing").yield_strength
+    pulled = 0.5 * 3.14159 * insert.hole * insert.length * strength / 3.0**0.5
+    assert by_mechanism["threads"] == pytest.approx(pulled, rel=1e-3)
+    assert each.tightening_torque < 0.5, "N m; 2.7 N m would strip the inserts"
+
+
+def test_torques_of_carrier_ring_and_crank_balance() -> None:
+    fixed, turning = (
+        JointTorques.at_output(Reducer(resolve("pin", {"output.member": member})), 35.0)
+        for member in ("carrier", "ring")
+    )
+    assert (fixed.carrier, fixed.ring, fixed.crank) == pytest.approx((35.0, 36.0, 1.0))
+    assert (turning.carrier, turning.ring, turning.crank) == pytest.approx((35.0 * 35 / 36, 35.0, 35.0 / 36))
+
+
+def test_pressed_pins_keep_an_interference_over_their_whole_zones() -> None:
+    assert fit_code("m6 in N7") == "N7/m6"
+    assert max(fits.clearances("N7/m6", 6e-3)) < 0.0 < max(fits.clearances("H7/m6", 6e-3))
+    seat = joints_of("pin")["joint_output_pin_press"]
+    assert seat["safety"] > 100.0
