@@ -7,43 +7,16 @@ from pathlib import Path
 import mujoco
 import pytest
 from numba import njit, types
-from numba.core.codegen import JITCodeLibrary
 from own_process import RUN, ran
 
 import cycloid_mj
-from cycloid_mj.base import compile_cache, compiling
+from cycloid_mj.base import compile_cache
 from cycloid_mj.base.compiling import announce_compilation, cfunc
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.contact.collider import CYLINDER, TYPES, collision_table, installed
 from cycloid_mj.dynamics.run import simulate
-
-
-def test_machine_code_is_made_of_entries_alone(monkeypatch):
-    made, whole = [], JITCodeLibrary._finalize_specific
-
-    def count(library):
-        made.append(library.name)
-        whole(library)
-
-    monkeypatch.setattr(JITCodeLibrary, "_finalize_specific", count)
-
-    @compiling.njit(inner=True, allocates=False)
-    def twice(x):
-        return x + x
-
-    @compiling.njit(inner=True, allocates=False)
-    def shifted(x):
-        return twice(x) + 1.0
-
-    @compiling.njit(allocates=False)
-    def entry(x):
-        return shifted(x) * twice(x)
-
-    assert entry(1.5) == 12.0
-    assert len(made) == 1
-    assert entry.__name__ in made[0]
 
 
 @pytest.mark.slow

@@ -14,9 +14,9 @@ from typing import Any
 import llvmlite.binding
 from numba import types
 
-from cycloid_mj.base.compiling import cacheable, cfunc, digest
+from cycloid_mj.base.compiling import cacheable, cfunc
 from cycloid_mj.base.errors import ContactError
-from cycloid_mj.dynamics.contact import contact_search, gap, local_gap, mating, memory, ring, selftest, teeth
+from cycloid_mj.dynamics.contact import selftest
 from cycloid_mj.dynamics.contact.layout import Layout, discover
 from cycloid_mj.dynamics.contact.library import CYLINDER, TYPES, answer, callback, collision_table
 from cycloid_mj.dynamics.contact.mating import PRIORITY, inner_in_outer, lobe_on_teeth, pin_on_teeth
@@ -37,9 +37,9 @@ _PIN, _TEETH, _INNER, _OUTER, _LOBE = (int(role) for role in Role)
 
 
 def _places(layout: Layout) -> tuple[int, ...]:
-    """Return the layout offsets for a collider, and a digest of the sources compiled into it."""
+    """Return the layout offsets for a collider."""
     arrays = (layout.geom_size, layout.geom_priority, layout.geom_user, layout.geom_xpos, layout.geom_xmat)
-    return (*arrays, layout.nuser_geom, digest(contact_search, gap, local_gap, mating, memory, ring, teeth))
+    return (*arrays, layout.nuser_geom)
 
 
 def _compile_pins(layout: Layout) -> Any:

@@ -24,8 +24,8 @@ from numba import njit, types
 
 from cycloid_mj.base import compiling
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.compiling import cacheable, cfunc, digest
-from cycloid_mj.dynamics.contact import forces, gap, memory, reference_correction, selftest, step_state, teeth
+from cycloid_mj.base.compiling import cacheable, cfunc
+from cycloid_mj.dynamics.contact import selftest
 from cycloid_mj.dynamics.contact.forces import OF_PAIR, PairIndex, gather, pair_of
 from cycloid_mj.dynamics.contact.layout import discover_steps
 from cycloid_mj.dynamics.contact.library import answer, callback, function_address
@@ -266,7 +266,7 @@ _installation = Shared(_install, _uninstall)
 def _compile_callback() -> Any:
     """Compile or load the sensor callback that takes the steps of a run."""
     layout = discover_steps()
-    at = layout.nuserdata, layout.userdata, digest(forces, gap, impact, memory, reference_correction, step_state, teeth)
+    at = layout.nuserdata, layout.userdata
     offsets = layout_offsets()
     bind_multiplication()
     for stage in _STAGES:

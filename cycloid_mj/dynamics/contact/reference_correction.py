@@ -29,8 +29,7 @@ import llvmlite.binding
 from numba import types
 
 from cycloid_mj.base import compiling
-from cycloid_mj.base.compiling import cacheable, cfunc, digest
-from cycloid_mj.dynamics.contact import memory, step_state, teeth
+from cycloid_mj.base.compiling import cacheable, cfunc
 from cycloid_mj.dynamics.contact.layout import discover, discover_steps
 from cycloid_mj.dynamics.contact.library import function_address
 from cycloid_mj.dynamics.contact.memory import read_address, read_float, read_int, write_float
@@ -94,12 +93,11 @@ def bind_multiplication() -> None:
 @cache
 def between_speeds_and_forces(where: Offsets) -> Any:
     """Compile the answer to ``mjcb_control``, or load it: `correct_references`."""
-    at = where, digest(memory, step_state, teeth)
     bind_multiplication()
 
     @cfunc(types.void(types.intp, types.intp), cache=cacheable())
     def answer(model: int, data: int) -> None:
-        correct_references(at[0], model, data)
+        correct_references(where, model, data)
 
     return answer
 

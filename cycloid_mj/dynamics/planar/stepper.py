@@ -12,19 +12,13 @@ import numpy as np
 
 from cycloid_mj.base import compiling
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.compiling import announce_compilation, cacheable, digest
-from cycloid_mj.dynamics.contact import contact_search, gap, local_gap, memory, ring, teeth
+from cycloid_mj.base.compiling import announce_compilation, cacheable
 from cycloid_mj.dynamics.contact.contact_search import STRIDE
 from cycloid_mj.dynamics.contact.each_step import OF_SOLVER
 from cycloid_mj.dynamics.contact.forces import OF_PAIR
-from cycloid_mj.dynamics.planar import contacts as touching
-from cycloid_mj.dynamics.planar import equations as solving
-from cycloid_mj.dynamics.planar import system as describing
 from cycloid_mj.dynamics.planar.contacts import MAX_TOUCHES, OPEN, Contacts, allocate_contacts, find, njit
 from cycloid_mj.dynamics.planar.equations import Equations, allocate_equations, solve
 from cycloid_mj.dynamics.planar.system import System
-from cycloid_mj.reducer import impact
-from cycloid_mj.statics.kernel import newton
 
 MAX_CONTACT_SEARCHES, UNRELAXED_SEARCHES = 16, 4
 """Contact searches in a step, a fixed-point iteration of the speeds: their largest number, and the number after which
@@ -133,7 +127,6 @@ class Stepper:
 @cache
 def _compile_steps() -> Any:
     """Compile or load the stepping function; lobes and pins have a version of their own."""
-    sources = digest(contact_search, gap, impact, local_gap, memory, ring, teeth, touching, solving, describing, newton)
 
     @compiling.njit(cache=cacheable(), error_model="numpy", nogil=True)
     def advance(
@@ -149,7 +142,6 @@ def _compile_steps() -> Any:
         every: int,
         rows: Array,
     ) -> None:
-        assert sources
         size, half = len(equations.right), 0.5 * step
         midpoint, predicted, q = np.empty_like(motion.v), np.empty_like(motion.v), np.empty_like(motion.q)
         sums, scratch = np.zeros_like(motion.peak), np.zeros((MAX_TOUCHES, STRIDE // 8))
