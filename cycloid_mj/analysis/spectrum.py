@@ -11,7 +11,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.errors import UsageError
@@ -217,28 +216,16 @@ def decimate(values: Array, every: int, means: bool = False) -> Array:
     """
     if every == 1:
         return values
-    taps = low_pass(every, means)
-    columns = values.reshape(len(values), -1)
-    ends = len(taps) // 2
-    ahead = np.pad(columns, ((ends, ends), (0, 0)), mode="reflect", reflect_type="odd")
-    kept = sliding_window_view(ahead, len(taps), axis=0)[::every] @ taps  # the filter is symmetric
-    return np.asarray(kept.reshape(-1, *values.shape[1:]))
+    from scipy.signal import firwin2, upfirdn
 
-
-def low_pass(every: int, means: bool = False) -> Array:
-    """Compute the filter of `decimate`, shape (20 every + 1,): its response by frequency, under a Kaiser window.
-
-    The frequency response is sampled finely and transformed back, as SciPy's ``firwin2`` does; importing
-    ``scipy.signal`` takes longer than the filtering.
-    """
-    ends = 10 * every
-    frequency = np.linspace(0.0, 0.5, 1 + 2 ** math.ceil(math.log2(2 * ends + 1)))
-    beyond = frequency * every - 0.5
-    response = np.where(beyond < 0.0, 1.0, np.where(beyond > 0.0, 0.0, 0.5))
-    if means:
-        response /= np.sinc(np.minimum(frequency, 0.5 / every))
-    pulse = np.fft.irfft(response)
-    return np.concatenate([pulse[-ends:], pulse[: ends + 1]]) * np.kaiser(2 * ends + 1, 6.0)
+    ends, edge = 10 * every, 1.0 / every
+    frequency = np.linspace(0.0, edge, 1 + 2 ** (2 * ends).bit_length())  # the grid of firwin2 and points between
+    gain = 1.0 / np.sinc(0.5 * frequency) if means else np.ones(frequency.size)
+    taps = firwin2(2 * ends + 1, [*frequency, edge, 1.0], [*gain, 0.0, 0.0], window=("kaiser", 6.0))
+    margins = ((ends, ends), *[(0, 0)] * (values.ndim - 1))
+    extended = np.pad(values, margins, mode="reflect", reflect_type="odd")
+    first = 2 * ends // every
+    return np.asarray(upfirdn(taps, extended, down=every, axis=0)[first : first + math.ceil(len(values) / every)])
 
 
 def density(values: Array, rate: float, segment: int) -> tuple[Array, Array]:

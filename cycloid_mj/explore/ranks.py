@@ -115,10 +115,10 @@ def _varies(values: Array) -> bool:
 
 def _rho(first: Array, second: Array) -> float:
     """Compute Spearman's rank correlation of the points that have both values; NaN for fewer than 3."""
-    from scipy.stats import rankdata
+    from scipy.stats import spearmanr
 
     valid = np.isfinite(first) & np.isfinite(second)
-    x, y = rankdata(first[valid]), rankdata(second[valid])
-    if valid.sum() < 3 or np.ptp(x) == 0.0 or np.ptp(y) == 0.0:
+    x, y = first[valid], second[valid]
+    if len(x) < 3 or np.ptp(x) == 0.0 or np.ptp(y) == 0.0:
         return float("nan")
-    return float(np.corrcoef(x, y)[0, 1])
+    return float(spearmanr(x, y).statistic)
