@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy.signal import firwin2
 
 from cycloid_mj.analysis.spectrum import (
     BAND,
@@ -10,7 +9,6 @@ from cycloid_mj.analysis.spectrum import (
     between_samples,
     decimate,
     density,
-    low_pass,
     periodic_orders,
     tapered_orders,
 )
@@ -159,17 +157,6 @@ def test_thinning_makes_good_what_means_between_samples_lose(every):
     means = np.diff(np.sin(omega * times)) / omega
     found = decimate(np.column_stack([means, means]), every, means=True)[10:-10]
     assert np.sqrt(2.0) * found.std(axis=0) == pytest.approx([1.0, 1.0], abs=0.005)
-
-
-@pytest.mark.parametrize("every", [2, 5, 10])
-@pytest.mark.parametrize("means", [False, True])
-def test_the_filter_is_that_of_scipy(every, means):
-    """Which takes the response as straight between the frequencies where it is given."""
-    edges = np.linspace(0.0, 0.5 / every, 1025)
-    gain = 1.0 / np.sinc(edges) if means else np.ones_like(edges)
-    frequencies, gains = [*edges, 0.5 / every, 0.5], [*gain, 0.0, 0.0]
-    theirs = firwin2(20 * every + 1, frequencies, gains, window=("kaiser", 6.0), fs=1.0)
-    np.testing.assert_allclose(low_pass(every, means), theirs, rtol=0.0, atol=1e-9)
 
 
 def test_a_density_adds_up_to_the_mean_square_within_the_band():
