@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.units import with_unit
-from cycloid_mj.figures.figure import Figure, Need
+from cycloid_mj.figures.figure import Compute, Figure, Need
 from cycloid_mj.figures.sampled import BACKLASH, TOUCH
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics.balance import powers
@@ -83,33 +83,22 @@ def back_driving_torque(reducer: Reducer) -> float:
     return torque
 
 
+def _of_balance(key: str, name: str, function: Compute, definition: str) -> Figure:
+    """Return the row of a torque [N m] that is not in the sheet."""
+    return Figure(key=key, name=name, unit="N m", definition=definition, need=Need.STATICS, function=function)
+
+
+# fmt: off
 OF_BALANCE = (
-    Figure(
-        key="starting_torque_nm",
-        name="starting torque on the crank",
-        unit="N m",
-        definition="Torque on the crank that starts it without load, mean over a turn: weight of the discs, and "
-        "drag of seals and lubricant, without shaft bearings.",
-        need=Need.STATICS,
-        function=starting_torque,
-    ),
-    Figure(
-        key="back_driving_torque_free_nm",
-        name="back-driving torque, crank free",
-        unit="N m",
-        definition="Torque on the output that slowly turns a crank without load, mean over a turn; none if the reducer "
-        "is self-locking.",
-        need=Need.STATICS,
-        function=back_driving_torque,
-    ),
-    Figure(
-        key="no_load_torque_nm",
-        name="no-load torque on the crank",
-        unit="N m",
-        definition="Torque on the crank without load at the design's speed, mean over a turn: weight and "
-        "centrifugal force of the discs, and drag of seals and lubricant, without shaft bearings.",
-        need=Need.STATICS,
-        function=no_load_torque,
-    ),
+    _of_balance("starting_torque_nm", "starting torque on the crank", starting_torque,
+                "Torque on the crank that starts it without load, mean over a turn: weight of the discs, and drag of "
+                "seals and lubricant, without shaft bearings."),
+    _of_balance("back_driving_torque_free_nm", "back-driving torque, crank free", back_driving_torque,
+                "Torque on the output that slowly turns a crank without load, mean over a turn; none if the reducer is "
+                "self-locking."),
+    _of_balance("no_load_torque_nm", "no-load torque on the crank", no_load_torque,
+                "Torque on the crank without load at the design's speed, mean over a turn: weight and centrifugal "
+                "force of the discs, and drag of seals and lubricant, without shaft bearings."),
 )
+# fmt: on
 """Figures of static equilibrium that are not in the sheet."""

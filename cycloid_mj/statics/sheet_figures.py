@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Literal
 
 from cycloid_mj.base.result import Quantity
@@ -103,104 +104,68 @@ def _has_disc(number: int) -> Callable[[Reducer], bool]:
     return lambda reducer: reducer.design.gear.discs >= max(number, 2)
 
 
+# fmt: off
 def _motions() -> Iterator[SheetFigure]:
     """Yield backlash, lost motion, stiffness and compliances."""
     yield SheetFigure(
-        "backlash",
-        "arcmin",
-        "backlash of the output, mean",
+        "backlash", "arcmin", "backlash of the output, mean",
         "Turn of the output from stop to stop at a locked crank under a vanishing torque: mean over a turn, without "
-        "friction and weight.",
-    )
+        "friction and weight.")
     for end, word in (("min", "smallest"), ("max", "largest")):
-        words = f"{word.capitalize()} turn of the output from stop to stop over the crank angle, as `backlash_arcmin`."
-        yield SheetFigure(f"backlash_{end}", "arcmin", f"backlash, {word} over the crank angle", words)
+        yield SheetFigure(
+            f"backlash_{end}", "arcmin", f"backlash, {word} over the crank angle",
+            f"{word.capitalize()} turn of the output from stop to stop over the crank angle, as `backlash_arcmin`.")
     yield SheetFigure(
-        "lost_motion_ideal",
-        "arcmin",
-        "lost motion at +-3 % of the load",
-        f"Turn of the output between -3 and 3 % of the load, {_IDEAL}.",
-        "lost_motion_arcmin",
-    )
+        "lost_motion_ideal", "arcmin", "lost motion at +-3 % of the load",
+        f"Turn of the output between -3 and 3 % of the load, {_IDEAL}.", "lost_motion_arcmin")
     turn = "Torque over the turn of the output from 50 to 100 % of the load"
     yield SheetFigure(
-        "stiffness_ideal",
-        "N m/arcmin",
-        "torsional stiffness, 50 to 100 % of the load",
-        f"{turn}, {_IDEAL}.",
-        "stiffness_nm_per_arcmin",
-    )
+        "stiffness_ideal", "N m/arcmin", "torsional stiffness, 50 to 100 % of the load",
+        f"{turn}, {_IDEAL}.", "stiffness_nm_per_arcmin")
     yield SheetFigure(
-        "stiffness_contacts",
-        "N m/arcmin",
-        "torsional stiffness of the contacts only",
-        f"{turn} with rigid parts, {_IDEAL}.",
-        "stiffness_contacts_nm_per_arcmin",
-        _has_springs,
-    )
+        "stiffness_contacts", "N m/arcmin", "torsional stiffness of the contacts only",
+        f"{turn} with rigid parts, {_IDEAL}.", "stiffness_contacts_nm_per_arcmin", _has_springs)
     for part, words in COMPLIANT.items():
         yield SheetFigure(
-            f"compliance_{part}",
-            "arcmin/(N m)",
-            f"compliance of {words}, in series",
+            f"compliance_{part}", "arcmin/(N m)", f"compliance of {words}, in series",
             f"Turn of the output per torque by the compliance of {words} only, {_IDEAL}.",
             f"compliance_{part}_arcmin_per_nm",
-            (lambda _: True) if part in ("output", "cam", "mesh") else _has_springs,
-        )
+            (lambda _: True) if part in ("output", "cam", "mesh") else _has_springs)
 
 
 def _errors() -> Iterator[SheetFigure]:
     """Yield the transmission errors."""
     for shaft in SHAFTS:
         prefix = "" if shaft == "output" else f"{shaft}_"
-        for case in CASES:
-            for direction in DIRECTIONS:
-                end, condition = f"{case}_{direction}", f"{case}, {direction}"
-                about = (
-                    f"of the {shaft}'s angle about the ideal one, {condition}, with friction, over a turn of the crank."
-                )
-                name = f"{shaft}, {condition}"
-                yield SheetFigure(
-                    f"{shaft}_peak_to_peak_{end}_speed",
-                    "arcsec",
-                    f"transmission error, peak to peak, {name}",
-                    f"Range {about}",
-                    f"{prefix}te_{end}_arcsec",
-                )
-                yield SheetFigure(
-                    f"{shaft}_rms_{end}_speed",
-                    "arcsec",
-                    f"transmission error, rms about its mean, {name}",
-                    f"Standard deviation {about}",
-                    f"{prefix}te_rms_{end}_arcsec",
-                )
+        for case, direction in product(CASES, DIRECTIONS):
+            end, condition = f"{case}_{direction}", f"{case}, {direction}"
+            angle = f"the {shaft}'s angle about the ideal one, {condition}, with friction, over a turn of the crank."
+            yield SheetFigure(
+                f"{shaft}_peak_to_peak_{end}_speed", "arcsec",
+                f"transmission error, peak to peak, {shaft}, {condition}", f"Range of {angle}",
+                f"{prefix}te_{end}_arcsec")
+            yield SheetFigure(
+                f"{shaft}_rms_{end}_speed", "arcsec",
+                f"transmission error, rms about its mean, {shaft}, {condition}", f"Standard deviation of {angle}",
+                f"{prefix}te_rms_{end}_arcsec")
         yield SheetFigure(
-            f"{shaft}_reversal",
-            "arcsec",
-            f"mean of the {shaft}, forward minus reverse, unloaded",
-            f"Mean angle of the {shaft} forward minus that in reverse, unloaded, with friction.",
-        )
+            f"{shaft}_reversal", "arcsec", f"mean of the {shaft}, forward minus reverse, unloaded",
+            f"Mean angle of the {shaft} forward minus that in reverse, unloaded, with friction.")
         yield SheetFigure(
-            f"{shaft}_wind_up",
-            "arcsec",
-            f"mean of the {shaft}, loaded minus unloaded, forward",
-            f"Mean angle of the {shaft} under the load minus that under 1 % of it, forward, with friction.",
-        )
+            f"{shaft}_wind_up", "arcsec", f"mean of the {shaft}, loaded minus unloaded, forward",
+            f"Mean angle of the {shaft} under the load minus that under 1 % of it, forward, with friction.")
     yield SheetFigure(
-        INERTIA_SHARE,
-        "1",
-        "inertia torque of the load if it followed that error, over the load",
+        INERTIA_SHARE, "1", "inertia torque of the load if it followed that error, over the load",
         "Inertia of what turns with the output times the second derivative of its loaded transmission error, forward, "
-        "at the design's speed, over the load: rms over a turn; from 0.1 on runs differ from statics.",
-    )
+        "at the design's speed, over the load: rms over a turn; from 0.1 on runs differ from statics.")
 
 
 def _loads() -> Iterator[SheetFigure]:
     """Yield load shares, forces, pressures and capacities."""
     for number in range(1, _MAX_DISCS + 1):
         name = f"share of disc {number} in the torque"
-        words = f"Mean {name} on the output {_LOADED}."
-        yield SheetFigure(f"disc_{number}_share", "1", name, words, exists=_has_disc(number))
+        yield SheetFigure(
+            f"disc_{number}_share", "1", name, f"Mean {name} on the output {_LOADED}.", exists=_has_disc(number))
     for kind, words in CONTACTS.items():
         for end, unit, name, definition in (
             ("peak_force", "N", "largest force", f"Largest normal force, {words}, {_LOADED}."),
@@ -210,67 +175,45 @@ def _loads() -> Iterator[SheetFigure]:
             ("margin", "1", "margin against first yield", f"Pressure of first yield over the largest, {words}."),
         ):
             yield SheetFigure(f"{kind}_{end}", unit, f"{kind}: {name}", definition, exists=_has_contact(kind))
-    for member in ("shaft", "output", "ring"):
-        for end, unit, name in (("net_force", "N", "net force"), ("tilting_moment", "N m", "tilting moment")):
-            yield SheetFigure(
-                f"{member}_{end}",
-                unit,
-                f"{name} of the discs on the {member}, largest",
-                f"Largest {name} of all discs together on the {member} {_LOADED}.",
-                exists=_has_several_discs,
-            )
+    for member, (end, unit) in product(("shaft", "output", "ring"), (("net_force", "N"), ("tilting_moment", "N m"))):
+        name = end.replace("_", " ")
+        yield SheetFigure(
+            f"{member}_{end}", unit, f"{name} of the discs on the {member}, largest",
+            f"Largest {name} of all discs together on the {member} {_LOADED}.", exists=_has_several_discs)
     for key, words in BEARINGS.items():
         yield SheetFigure(
-            f"{key}_force",
-            "N",
-            f"{words}: largest force",
+            f"{key}_force", "N", f"{words}: largest force",
             f"Largest force of the {words} from the discs' forces {_LOADED}.",
-            exists=_has_two_output_discs if key.startswith("output") else _has_several_discs,
-        )
+            exists=_has_two_output_discs if key.startswith("output") else _has_several_discs)
     yield SheetFigure(
-        "capacity",
-        "N m",
-        "capacity: torque at which a contact first yields, below its surface",
-        "Torque on the output at which the first contact yields below its surface.",
-    )
+        "capacity", "N m", "capacity: torque at which a contact first yields, below its surface",
+        "Torque on the output at which the first contact yields below its surface.")
     yield SheetFigure(
-        "capacity_shakedown",
-        "N m",
-        "shakedown limit: largest torque with elastic repeated rolling",
-        "Torque on the output at which the first contact reaches the shakedown limit of rolling.",
-    )
+        "capacity_shakedown", "N m", "shakedown limit: largest torque with elastic repeated rolling",
+        "Torque on the output at which the first contact reaches the shakedown limit of rolling.")
 
 
 def _losses() -> Iterator[SheetFigure]:
     """Yield efficiencies and losses."""
     yield SheetFigure(
-        "efficiency",
-        "%",
-        "efficiency",
+        "efficiency", "%", "efficiency",
         "Power of the output over that of the crank under the load, at the design's speed, without the bearings of "
-        "shaft and output.",
-    )
+        "shaft and output.")
     for kind in ("pin_gear", "tooth", "cam", "output"):
-        words = f"Mean power lost to friction, {CONTACTS[kind]}, {_AT_SPEED}."
-        yield SheetFigure(f"{kind}_friction_power", "W", f"friction of {kind}", words, exists=_has_contact(kind))
+        yield SheetFigure(
+            f"{kind}_friction_power", "W", f"friction of {kind}",
+            f"Mean power lost to friction, {CONTACTS[kind]}, {_AT_SPEED}.", exists=_has_contact(kind))
     for key, name in (
-        ("seals_power", "drag of seals and lubricant"),
-        ("input_power", "input power"),
-        ("output_power", "output power"),
+        ("seals_power", "drag of seals and lubricant"), ("input_power", "input power"), ("output_power", "output power")
     ):
         yield SheetFigure(key, "W", name, f"{name[0].upper()}{name[1:]} {_AT_SPEED}: mean over a turn.")
     yield SheetFigure(
-        "back_driving_torque_rated",
-        "N m",
-        "output torque that drives",
-        "Torque on the output that drives the crank against its share of the load; none if self-locking.",
-    )
+        "back_driving_torque_rated", "N m", "output torque that drives the crank against its share of the load",
+        "Torque on the output that drives the crank against its share of the load; none if self-locking.")
     yield SheetFigure(
-        "back_driving_efficiency",
-        "%",
-        "efficiency of back-driving",
-        "Power of the crank over that of the output when the output drives against the crank's share of the load.",
-    )
+        "back_driving_efficiency", "%", "efficiency of back-driving",
+        "Power of the crank over that of the output when the output drives against the crank's share of the load.")
+# fmt: on
 
 
 def _of_part(part: SheetPart, rows: Iterator[SheetFigure]) -> dict[str, SheetFigure]:
