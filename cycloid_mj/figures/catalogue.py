@@ -40,9 +40,6 @@ CHEAP = frozenset({Need.GEOMETRY, Need.STATICS})
 COMPUTED = frozenset({*CHEAP, Need.LIFE})
 """Needs without finite elements and runs."""
 
-MAX_PROPOSALS = 5
-"""Largest number of keys that an error proposes."""
-
 
 def find_figure(key: str) -> Figure | None:
     """Return the figure of a key or alias; None if there is none."""
@@ -89,8 +86,8 @@ def _proposals(key: str, needs: Collection[Need], reducer: Reducer | None) -> st
         for name, row in _BY_ANY_NAME.items()
         if row.need in needs and (reducer is None or row.exists(reducer)) and name != key and name not in row.deprecated
     ]
-    near = [name for name in there if key and key in name] or get_close_matches(key, there, n=MAX_PROPOSALS, cutoff=0.5)
-    meant = list(dict.fromkeys(_BY_ANY_NAME[name].key for name in near))[:MAX_PROPOSALS]
+    near = [name for name in there if key and key in name] or get_close_matches(key, there, n=5, cutoff=0.5)
+    meant = list(dict.fromkeys(_BY_ANY_NAME[name].key for name in near))[:5]
     proposed = f"did you mean {', '.join(meant)}? " if meant else ""
     return f"; {proposed}`cycloid-mj figures` lists them"
 

@@ -22,9 +22,6 @@ ANGLES = 360
 TOUCH = 1e-4
 """Torque that moves the parts to a stop, over the nominal torque: its wind-up is at most 0.2 % of the backlash."""
 
-QUASI_STATIC_SHARE = 1e-9
-"""Speed of the crank over that of the design at which centrifugal forces vanish."""
-
 State = Literal["ahead", "back", "loaded"]
 STATES: dict[State, float] = {"ahead": TOUCH, "back": -TOUCH, "loaded": 1.0}
 """Torque on the output in each state, over the nominal torque."""
@@ -45,9 +42,9 @@ BACKLASH = Sampled(("ahead", "back"), lambda ahead, back: backlash(ahead, back) 
 def solve_states(
     reducer: Reducer, samples: Samples, states: Collection[State], angles: int = ANGLES
 ) -> dict[State, SampleFigures]:
-    """Solve samples in some of `STATES`, without friction, weight and inertia."""
+    """Solve samples in some of `STATES`, without friction, weight and inertia: the crank hardly turns."""
     still = {"gravity_x": 0.0, "gravity_y": 0.0}
-    bare = reducer.but(environment=still, drive={"speed": QUASI_STATIC_SHARE * reducer.design.drive.speed})
+    bare = reducer.but(environment=still, drive={"speed": 1e-9 * reducer.design.drive.speed})
     ordered = [state for state in STATES if state in states]
     torques = [STATES[state] * reducer.design.rated_torque for state in ordered]
     return dict(zip(ordered, solve_samples(bare, samples, torques, angles), strict=True))

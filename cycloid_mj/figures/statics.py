@@ -15,9 +15,6 @@ from cycloid_mj.statics.sheet_figures import SHEET_FIGURES, SheetFigure, SheetPa
 CREEP_SHARE = 1e-3
 """Speed over that of the design at which the discs' centrifugal force vanishes."""
 
-BACK_DRIVING_ITERATIONS, SECANT_FACTOR = 4, 2.0
-"""Secant steps for the torque that drives a free crank, and the factor between the two torques of a secant."""
-
 
 @once
 def quantities(reducer: Reducer, part: SheetPart) -> Mapping[str, Quantity]:
@@ -71,9 +68,9 @@ def back_driving_torque(reducer: Reducer) -> float:
     creeping = reducer.but(drive={"speed": CREEP_SHARE * reducer.design.drive.speed})
     arm = reducer.design.reduction / abs(creeping.design.drive.speed)
     least = torque = TOUCH * reducer.design.rated_torque
-    for _ in range(BACK_DRIVING_ITERATIONS):
-        near, far = (arm * powers(creeping, -load).lost for load in (torque, SECANT_FACTOR * torque))
-        share = (far - near) / ((SECANT_FACTOR - 1.0) * torque)
+    for _ in range(4):
+        near, far = (arm * powers(creeping, -load).lost for load in (torque, 2.0 * torque))
+        share = (far - near) / torque
         if share >= 1.0:
             return math.nan
         driven = max(near - share * torque, 0.0) / (1.0 - share)

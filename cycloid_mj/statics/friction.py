@@ -7,12 +7,6 @@ from cycloid_mj.geometry import ideal_loads, profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import Gaps
 
-_PHASES, _HALVINGS = 12, 50
-"""Crank angles per mesh period over which friction is averaged, and bisection steps for a rotation."""
-
-_SLOWEST = 1e-12
-"""Smallest sliding speed [m/s]; it prevents a division by zero."""
-
 
 def rubbing(reducer: Reducer, mesh_gaps: Gaps, motion: Array) -> Array:
     """Compute the generalised friction of each contact per normal force [1], shape (..., n, u).
@@ -37,7 +31,7 @@ def lacking_friction(reducer: Reducer) -> tuple[float, float]:
     design, gear = reducer.design, reducer.tooth_profile
     torque = reducer.contacts.working_load / design.gear.discs
     speed = abs(float(reducer.member.against_ring(design.drive.speed)))
-    crank = np.arange(_PHASES) / _PHASES * 2.0 * np.pi / gear.ring_teeth
+    crank = np.arange(12) / 12 * 2.0 * np.pi / gear.ring_teeth
     B = profile.pin_angles(gear) + crank[:, np.newaxis]
     play = sum(getattr(design.clearance, kind) for kind in (design.tooth_pair, design.seat_pair) if kind)
     teeth = _sharing_with_play(profile.moment_arm(gear, B), torque, play, reducer.contacts.mesh_stiffness)
@@ -52,7 +46,7 @@ def lacking_friction(reducer: Reducer) -> tuple[float, float]:
         loss = friction * force * rate
         whole = creeping * reducer.contacts.creep_speed * force / reducer.contacts[kind].force
         lost += float(np.mean(np.sum(loss, axis=1)))
-        lacking += float(np.mean(np.sum(loss * np.maximum(1.0 - rate / np.maximum(whole, _SLOWEST), 0.0), axis=1)))
+        lacking += float(np.mean(np.sum(loss * np.maximum(1.0 - rate / np.maximum(whole, 1e-12), 0.0), axis=1)))
     return (lacking / lost, lacking * gear.lobes / (torque * speed)) if lost else (0.0, 0.0)
 
 
@@ -77,7 +71,7 @@ def _sharing_with_play(arms: Array, torque: float, play: float, stiffness: float
     arms = np.maximum(arms, 0.0)
     least = np.zeros(len(arms))
     most = 2.0 * (play / arms.max(axis=1) + torque / (stiffness * np.max(arms**2, axis=1)))
-    for _ in range(_HALVINGS):
+    for _ in range(50):  # bisection to rounding
         turn = 0.5 * (least + most)
         enough = np.sum(arms * stiffness * np.maximum(arms * turn[:, np.newaxis] - play, 0.0), axis=1) > torque
         least, most = np.where(enough, least, turn), np.where(enough, turn, most)

@@ -10,17 +10,8 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.balance import loads
 from cycloid_mj.statics.springs import at_rest, springs_of, turn_evenly
 
-POSES = 13
-"""Crank angles over which the torque is averaged."""
-
-IDLE = 1e-3
-"""Output torque relative to the rated torque: without any, the position of the output in its backlash is undefined."""
-
 MAX_ANGLE = 600.0 * ARCMINUTE
 """Largest preload angle [rad]: the bound of ring.preload_arcmin."""
-
-ANGLE_RTOL = 1e-4
-"""Relative tolerance of the preload angle."""
 
 
 def preloaded(design: Named) -> Design:
@@ -54,7 +45,7 @@ def preloaded(design: Named) -> Design:
             high *= 2.0
             if high > MAX_ANGLE:
                 raise RunError(f"the torque at {MAX_ANGLE / ARCMINUTE:g} arcmin is less")
-        found = float(brentq(missing, 1e-6 * ARCMINUTE, high, rtol=ANGLE_RTOL))
+        found = float(brentq(missing, 1e-6 * ARCMINUTE, high, rtol=1e-4))
     except RunError as error:
         raise DesignError(
             f"{design.name}: no preload angle produces ring.preload_torque_nm = {torque:g}: {error}; "
@@ -75,8 +66,9 @@ def halves_torque(reducer: Reducer) -> float:
         There is no equilibrium.
     """
     still = at_rest(reducer)
-    springs = springs_of(still, turn_evenly(still, POSES), friction=False)
-    force = _of_halves(reducer, loads(still, springs, IDLE * reducer.design.rated_torque).teeth)
+    springs = springs_of(still, turn_evenly(still, 13), friction=False)
+    # without any torque, the position of the output in its backlash is undefined
+    force = _of_halves(reducer, loads(still, springs, 1e-3 * reducer.design.rated_torque).teeth)
     distance = _of_halves(reducer, springs.contacts.distance[:, : springs.teeth])
     rate = (distance[:, :, 0] - distance[:, :, 1]) / reducer.design.ring.preload
     first, second = (-np.sum(force[:, :, half] * rate, axis=(1, 2)).mean() for half in (0, 1))

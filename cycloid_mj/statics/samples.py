@@ -35,14 +35,8 @@ from cycloid_mj.statics.kernel import (
 from cycloid_mj.statics.springs import Springs, springs_of
 from cycloid_mj.statics.structure import wind_up
 
-ANGLES = 360
-"""Crank angles per turn."""
-
 MAX_UNCOMPILED = 2
 """Largest number of samples for which the loop over them is not compiled, as that would take longer."""
-
-CHUNKS_PER_THREAD = 8
-"""Chunks of samples per thread: samples take different times, and a job can be stopped between chunks."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,7 +154,7 @@ def solve_samples(
     reducer: Reducer,
     samples: Samples,
     torques: Sequence[float],
-    angles: int = ANGLES,
+    angles: int = 360,
     threads: int = 1,
     friction: bool = False,
 ) -> list[SampleFigures]:
@@ -199,7 +193,8 @@ def solve_samples(
         _sample_deviations(Reducer(bare), springs, samples, orders),
         reducer.share,
     )
-    bounds = np.linspace(0, len(samples), min(CHUNKS_PER_THREAD * threads, len(samples)) + 1).astype(int).tolist()
+    # samples take different times, and a job can be stopped between chunks
+    bounds = np.linspace(0, len(samples), min(8 * threads, len(samples)) + 1).astype(int).tolist()
     load = np.array([springs.load(of * torque) for torque in torques])
     out = np.zeros((len(torques), len(samples), FIGURES))
 

@@ -50,8 +50,6 @@ BEARINGS = {
 
 INERTIA_SHARE = "inertia_torque_share"
 
-_MAX_DISCS = 4  # of a design
-
 _IDEAL = "without friction and weight, at a locked crank: mean over a turn"
 _LOADED = "under the load, with friction, over a turn of the crank"
 _AT_SPEED = "under the load at the design's speed"
@@ -162,7 +160,7 @@ def _errors() -> Iterator[SheetFigure]:
 
 def _loads() -> Iterator[SheetFigure]:
     """Yield load shares, forces, pressures and capacities."""
-    for number in range(1, _MAX_DISCS + 1):
+    for number in range(1, 5):
         name = f"share of disc {number} in the torque"
         yield SheetFigure(
             f"disc_{number}_share", "1", name, f"Mean {name} on the output {_LOADED}.", exists=_has_disc(number))

@@ -16,9 +16,6 @@ from cycloid_mj.statics.friction import rubbing
 POSES = 61
 """Default number of crank angles over a turn."""
 
-GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
-"""Share of a turn between crank angles: its multiples cover mesh period and turn evenly for any N (golden ratio)."""
-
 
 @dataclass(frozen=True)
 class Springs:
@@ -69,8 +66,12 @@ class Springs:
 
 
 def turn_evenly(reducer: Reducer, poses: int = POSES) -> Array:
-    """Return crank angles in order [rad], shape (poses,), that cover the turn and the mesh period evenly."""
-    return np.asarray(reducer.mesh_turn * np.sort(np.mod(GOLDEN * np.arange(poses), 1.0)))
+    """Return crank angles in order [rad], shape (poses,), that cover the turn and the mesh period evenly.
+
+    They are multiples of the golden ratio of a turn, which cover any period of N in a turn.
+    """
+    golden = (math.sqrt(5.0) - 1.0) / 2.0
+    return np.asarray(reducer.mesh_turn * np.sort(np.mod(golden * np.arange(poses), 1.0)))
 
 
 def at_rest(reducer: Reducer) -> Reducer:

@@ -15,19 +15,11 @@ from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.stress.case import LoadCase
 from cycloid_mj.stress.grid import Grid
 
-LADDER_RATIO = np.sqrt(2.0)
-"""Ratio of neighbouring distances of the ladder."""
-
 RUNGS_PER_OCTAVE = 2
-"""Rungs of the ladder to twice the distance."""
+"""Rungs of the ladder of distances to twice a distance."""
 
 MAX_PLATEAU_DROP = 0.05
 """Relative drop of the largest stress to the next rung below which it is on a plateau."""
-
-MOST_RUNGS = 16
-
-BANDS = np.append(0.35 ** np.arange(1, 5), 0.0)
-"""Shares of a part's largest stress: nodes are searched from each down to the next until the maxima are known."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +79,7 @@ def ladder(distances: Distances, start: float) -> Array:
 
     If the farthest such distance is below the start, it is the last.
     """
-    rungs = start / 2.0 * LADDER_RATIO ** np.arange(MOST_RUNGS)
+    rungs = start / 2.0 * np.sqrt(2.0) ** np.arange(16)
     kept = rungs[rungs <= distances.farthest()]
     return kept if len(kept) > RUNGS_PER_OCTAVE else np.append(kept, distances.farthest() * (1.0 - 1e-9))
 
@@ -95,12 +87,12 @@ def ladder(distances: Distances, start: float) -> Array:
 def largest(around: Distances, distances: Array, angle: int, stress: Array) -> tuple[Array, Integers]:
     """Compute the largest von Mises stress [Pa] (s,) beyond each distance at an angle, and its node (s,).
 
-    `stress` is that of all nodes, (n,). Nodes with the largest stress are searched first, and others only for distances
-    beyond which there is none of these.
+    `stress` is that of all nodes, (n,). Nodes with the largest stress are searched first, in bands, and others only for
+    distances beyond which there is none of these.
     """
     chosen, missing = np.zeros(len(distances), np.int64), np.arange(len(distances))
     top = np.inf
-    for bottom in BANDS * stress.max():
+    for bottom in np.append(0.35 ** np.arange(1, 5), 0.0) * stress.max():
         nodes = np.flatnonzero((stress >= bottom) & (stress < top))
         beyond = around.at(angle, nodes) >= distances[missing, np.newaxis]
         found = beyond.any(axis=1)

@@ -15,9 +15,6 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress.loads import PartLoads
 from cycloid_mj.stress.region import material_of
 
-MAX_DEPTH = 3.0
-"""The largest von Mises stress of any material lies within this depth, in half widths."""
-
 
 @dataclass(frozen=True)
 class LineStress:
@@ -59,5 +56,6 @@ def von_mises_below(depth: npt.ArrayLike, poisson: float) -> Array:
 @cache
 def largest_von_mises(poisson: float) -> tuple[float, float]:
     """Compute the largest von Mises stress below a line contact over p0, and its depth over b (0.558, 0.7 for 0.3)."""
-    deepest = minimize_scalar(lambda z: -float(von_mises_below(z, poisson)), bounds=(0.0, MAX_DEPTH), method="bounded")
+    # for any Poisson's ratio it is less deep than 3 b
+    deepest = minimize_scalar(lambda z: -float(von_mises_below(z, poisson)), bounds=(0.0, 3.0), method="bounded")
     return float(-deepest.fun), float(deepest.x)

@@ -42,10 +42,6 @@ same applies to the loaded half of a roller bearing.
 """
 
 
-FORCE_ROUNDING = 1e-9
-"""Force relative to the largest of the turn below which it is rounding and set to zero."""
-
-
 @dataclass(frozen=True)
 class Action:
     """A force along a turn: `force` [N] (k, 2), and its `moment` [N m] (k,) about the origin of its frame."""
@@ -81,7 +77,7 @@ class Action:
 
     def without_rounding(self) -> "Action":
         """Compute the action with negligible forces set to zero."""
-        return self.where(self.size > FORCE_ROUNDING * np.max(self.size, initial=0.0))
+        return self.where(self.size > 1e-9 * np.max(self.size, initial=0.0))
 
     def where(self, chosen: Mask) -> "Action":
         """Compute the action at the chosen samples (k,), and no force at the others."""

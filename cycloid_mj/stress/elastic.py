@@ -20,17 +20,8 @@ from cycloid_mj.design.model import Material
 from cycloid_mj.stress.grid import Grid, mapping_of
 from cycloid_mj.stress.packages import package
 
-MIN_SUPPORT_SHARE = 1e-6
-"""Smallest relative share of a rigid motion at the supports that fix it."""
-
-MAX_RIGHT_HAND_SIDES = 32
-"""Right-hand sides solved together; more would need memory without saving time."""
-
 ORDERING = {2: "amd", 3: "metis"}
 """Ordering of the unknowns in rslab by dimension: in a plane, nested dissection takes longer than it saves."""
-
-MASS_ORDER = 4
-"""Degree of polynomials that the quadrature of the mass integrates exactly: products of quadratic shape functions."""
 
 
 @dataclass(frozen=True)
@@ -137,8 +128,9 @@ def mass_product(mass: Any, fields: Array) -> Array:
 def displacements(part: ElasticBody, loads: Array) -> Array:
     """Solve for the displacements (n, c) [m] under loads (n, c) [N]."""
     moved = np.zeros(loads.shape)
-    for start in range(0, loads.shape[1], MAX_RIGHT_HAND_SIDES):
-        some = slice(start, start + MAX_RIGHT_HAND_SIDES)
+    block = 32  # right-hand sides: more would need memory without saving time
+    for start in range(0, loads.shape[1], block):
+        some = slice(start, start + block)
         moved[part.free, some] = part.factor(np.ascontiguousarray(loads[part.free, some]))
     return moved
 
@@ -231,7 +223,7 @@ def _split(matrix: Any, springs: Any, fixed: Integers, free: Integers) -> tuple[
 
 
 def _mass(grid: Grid, density: float, assembler: "_Assembler") -> Any:
-    basis = basis_of(grid, vector=False, order=MASS_ORDER)
+    basis = basis_of(grid, vector=False, order=4)  # products of quadratic shape functions
     shape = np.stack([np.broadcast_to(each[0], basis.dx.shape)[0] for each in basis.basis])
     mass = density * grid.thickness * np.tensordot(basis.dx, np.einsum("aq,bq->qab", shape, shape), 1)
     return assembler.matrix(assembler.sum_pairs(mass)[:, np.newaxis, np.newaxis])
@@ -287,7 +279,7 @@ def _require_supports(grid: Grid, motions: Array, fixed: Integers, springs: Any)
         stiff = scaled.T @ (springs @ scaled)
         hold = hold + stiff / max(float(np.abs(stiff).max()), np.finfo(float).tiny)
     values = np.linalg.eigvalsh(hold) if len(hold) else np.zeros(1)
-    if not values[0] > MIN_SUPPORT_SHARE**2 * max(values[-1], np.finfo(float).tiny):
+    if not values[0] > 1e-12 * max(values[-1], np.finfo(float).tiny):
         raise CycloidError(
             f"the support of the {grid.part} is singular: a rigid motion is free. Fix nodes that are not in a "
             "single point"

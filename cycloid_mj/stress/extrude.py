@@ -25,14 +25,8 @@ from cycloid_mj.stress.region import part_region
 COARSER = {"contact_edge": 3.0, "wide_edge": 2.0, "free_edge": 2.5, "inner_edge": 3.0, "turn": 2.0, "growth": 8.0}
 """Settings of a section relative to those of a planar grid: a solid has fifteen unknowns or more for two."""
 
-OUTPUT_SECTION = 0.8
-"""Refinement of the output's section: its stress is largest at the roots of its pins, not near contacts."""
-
 MIN_LAYERS = {"output": 4}
 """Smallest number of layers over the disc's width; of other parts two, so that forces act at five heights or more."""
-
-CORNER_DISTANCE = 0.5
-"""Excluded distance of the bulk from the roots of the output pins and the rims of the hub, over the roots' radius."""
 
 _TETRAHEDRA = (((0, 0), (1, 0), (2, 0), (2, 1)), ((0, 0), (1, 0), (1, 1), (2, 1)), ((0, 0), (0, 1), (1, 1), (2, 1)))
 """Tetrahedra of a prism: (corner by rising number, bottom or top) of each of their corners."""
@@ -50,7 +44,8 @@ def solid_grid(reducer: Reducer, part: str, settings: GridSettings) -> Grid:
     """
     design = reducer.design
     length, gear = design.ring.pin_radius, design.gear
-    share = OUTPUT_SECTION if part == "output" else 1.0
+    # the stress of the output is largest at the roots of its pins, not near contacts
+    share = 0.8 if part == "output" else 1.0
     coarse: dict[str, Any] = {name: share * getattr(settings, name) for name, share in COARSER.items()}
     settled = replace(settings, **coarse, refinement=share * settings.refinement)
     section = planar_grid(part_region(reducer, part), settled, length, section=True)
@@ -71,7 +66,8 @@ def solid_grid(reducer: Reducer, part: str, settings: GridSettings) -> Grid:
     between = slice(max(len(second) - 1, 0), len(second) + len(stack))
     filled[between] = _within_pins(reducer, section)
     grid = extrude_section(section, levels, filled, _layers_of(discs, len(second)))
-    distance = CORNER_DISTANCE * design.output.root_radius
+    # the bulk excludes the roots of the pins and the rims of the hub
+    distance = 0.5 * design.output.root_radius
     corners = [_output_corners(reducer, face, disc[-1], distance / 4)]
     corners += [_output_corners(reducer, -face, -disc[-1], distance / 4)] if len(second) else []
     return replace(grid, keep_off=np.concatenate(corners), corner_distance=distance)

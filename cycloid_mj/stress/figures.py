@@ -18,9 +18,6 @@ from cycloid_mj.stress.mounts import Mounts
 from cycloid_mj.stress.part_compliance import compute_part_compliance
 from cycloid_mj.stress.study import QUICK, part_study
 
-SAMPLES_PER_TURN = 720
-"""Smallest number of samples per crank turn of a run: two per degree."""
-
 
 def for_one_turn(design: Design, load: float | None = None) -> Design:
     """Return a design that runs from full speed for one settled turn.
@@ -32,7 +29,7 @@ def for_one_turn(design: Design, load: float | None = None) -> Design:
     design = design.but(drive={"ramp": 0.0}, load={"torque": load})
     if design.drive.speed == 0.0:
         return design
-    rate = max(design.settings.log_rate, SAMPLES_PER_TURN * abs(design.drive.speed) / (2.0 * math.pi))
+    rate = max(design.settings.log_rate, 720 * abs(design.drive.speed) / (2.0 * math.pi))
     reducer = Reducer(design)
     return design.steady(settling_time(reducer), 1.0 / reducer.share, samples=3.0, settings={"log_rate": rate})
 

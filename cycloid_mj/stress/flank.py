@@ -8,10 +8,6 @@ from cycloid_mj.base.array import Array, cross
 from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.geometry.profile import CycloidGear
 
-MAX_NEWTON_STEPS = 30
-MAX_LOBE_SHARE = 0.5
-"""Largest distance of the position from the ideal contact line, over the angle of a lobe."""
-
 
 def lobe_lines(gear: CycloidGear, crank_angle: Array) -> tuple[Array, Array]:
     """Compute parameter t [rad] and relative curvature [1/m] of every ideal contact line, each (k, N, 3).
@@ -62,8 +58,8 @@ def lobe_place(
     rows, chosen = np.arange(len(starts)), np.argmin(missed, axis=1)
     start = np.where(np.isfinite(missed[rows, chosen]), starts[rows, chosen], np.nan)
     t = start
-    reach = MAX_LOBE_SHARE * 2 * math.pi / gear.lobes
-    for _ in range(MAX_NEWTON_STEPS):
+    reach = math.pi / gear.lobes  # half a lobe
+    for _ in range(30):
         tangent = profile.arc_rate(gear, t, offset)[:, np.newaxis] * _ahead(gear, t)
         slope = cross(tangent, along)
         step = np.divide(_miss(gear, t, foot, along, offset), slope, out=np.zeros_like(t), where=slope != 0.0)

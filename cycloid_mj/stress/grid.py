@@ -18,17 +18,8 @@ from cycloid_mj.stress.region import Region
 BULK_DISTANCE = 0.5
 """Distance from loaded patches at which bulk begins, over the ring's pin radius."""
 
-MAX_CLAMPED_EDGE = 0.25
-"""Largest edge at a clamped circle over its radius: a longer arc would cut into the circle."""
-
-FOLDED_EDGE = 0.5
-"""Edges of an outline next to a folded element, over that element's longest edge."""
-
 MAX_REMESHES = 4
 """Largest number of remeshes with shorter edges."""
-
-DEPTH_GROWTH = 0.6
-"""Mean growth of edges inwards, per length: slowly at first, within the bulk distance, then faster."""
 
 
 class FoldedError(CycloidError):
@@ -182,7 +173,7 @@ def planar_grid(
         try:
             return _planar_grid(region, settings, length, folds, section)
         except FoldedError as folded:
-            folds = np.concatenate([folds, folded.folds * (1.0, 1.0, FOLDED_EDGE)])
+            folds = np.concatenate([folds, folded.folds * (1.0, 1.0, 0.5)])
     return _planar_grid(region, settings, length, folds, section)
 
 
@@ -218,7 +209,8 @@ def _planar_grid(region: Region, settings: GridSettings, length: float, folds: A
 def _clamped_circles(region: Region) -> Array:
     """Compute the middles of clamped circles within a region and the edge length there, rows (x, y, edge) [m]."""
     circles = [each.polygon for each in region.boundaries if each.held and each.role == "inset"]
-    rows = [(*circle.mean(axis=0), MAX_CLAMPED_EDGE * float(np.ptp(circle[:, 0])) / 2.0) for circle in circles]
+    # a longer arc than a quarter of the radius would cut into the circle
+    rows = [(*circle.mean(axis=0), 0.25 * float(np.ptp(circle[:, 0])) / 2.0) for circle in circles]
     return np.array(rows).reshape(-1, 3)
 
 
@@ -334,6 +326,6 @@ def _grow_inwards(field: Any, edges: list[int], longest: float, growth: float) -
     extend = field.add("Extend")
     field.setNumbers(extend, "CurvesList", edges)
     field.setNumber(extend, "SizeMax", longest)
-    field.setNumber(extend, "DistMax", longest / DEPTH_GROWTH)
+    field.setNumber(extend, "DistMax", longest / 0.6)  # the mean growth per length
     field.setNumber(extend, "Power", growth)
     field.setAsBackgroundMesh(extend)

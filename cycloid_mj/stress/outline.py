@@ -11,13 +11,8 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, Mask
 
-CORNER = 0.15
-"""Angle between edges of a polygon above which it is a corner of the part [rad]."""
-
 GROWTH = 0.25
 """Growth of edges along the outline and away from a focus, per length."""
-
-_LEAST_EDGES = 12
 
 
 @dataclass(frozen=True)
@@ -55,7 +50,7 @@ def divide(polygon: Array, sizing: Sizing) -> QuadraticOutline:
     share = np.concatenate([[0.0], np.cumsum((1 / closed[1:] + 1 / closed[:-1]) / 2 * np.diff(arc))])
     ends = np.flatnonzero(corner) if corner.any() else np.array([0])
     stretches = zip(share[ends], np.append(share[ends[1:]], share[ends[0]] + share[-1]), strict=True)
-    least = max(1, math.ceil(_LEAST_EDGES / len(ends)))
+    least = max(1, math.ceil(12 / len(ends)))
     marks = np.concatenate([np.linspace(a, b, max(least, math.ceil(b - a)) + 1)[:-1] for a, b in stretches])
     at = np.interp(np.append(marks, marks[0] + share[-1]) % share[-1], share, arc)
     following = np.where(at[1:] > at[:-1], at[1:], at[1:] + arc[-1])
@@ -80,7 +75,7 @@ def _subdivide(polygon: Array, sizing: Sizing) -> tuple[Array, Mask, Array]:
     cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     turn = np.abs(np.arctan2(cross, np.sum(before * after, axis=1)))
     length = (np.linalg.norm(before, axis=1) + np.linalg.norm(after, axis=1)) / 2
-    corner = turn > CORNER
+    corner = turn > 0.15  # rad
     radius = np.where(corner, np.inf, length / np.maximum(turn, 1e-300))
     points = polygon
     while True:

@@ -17,9 +17,6 @@ from cycloid_mj.stress.mounts import Mounts, crank_compliance, studs_compliance
 from cycloid_mj.stress.part import part_case, part_grid
 from cycloid_mj.stress.study import QUICK, StudySettings
 
-ANGLES = 12
-"""Number of crank angles of the mean."""
-
 
 def compute_part_compliance(
     run: Run, reducer: Reducer, settings: StudySettings = QUICK, mounts: Mounts | None = None
@@ -49,7 +46,7 @@ def compute_part_compliance(
     """
     mounts = mounts or Mounts()
     torque = reducer.design.load.torque
-    crank = np.linspace(0.0, 2.0 * np.pi, ANGLES, endpoint=False)
+    crank = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
     shares = {}
     for part in part_names(reducer):
         loads = part_loads(run, reducer, part, crank)
@@ -60,7 +57,7 @@ def compute_part_compliance(
         if part == "output" and mounts.studs:
             shares |= studs_compliance(reducer, mounts.studs, loads)
         answer = part_case(reducer, part_grid(reducer.design, part, settings.grid(part)), loads).response(
-            np.arange(ANGLES)
+            np.arange(crank.size)
         )
         work = np.sum(answer.forces * answer.moved, axis=0)
         # the study has one pin of the ring: the others carry in turn

@@ -18,20 +18,6 @@ from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.loads import PartLoads
 
-MIN_POINTS = 8
-"""Smallest number of points of a patch."""
-
-POINTS_PER_EDGE = 4
-"""Points of a wide patch per edge of its half width, so that its pressure is smooth on the grid."""
-
-MAX_OUTLINE_SHARE = 0.25
-"""Largest half width of a nearly conformal patch, over the length of its outline."""
-
-NO_FORCE = 1e-12
-"""Force relative to the largest below which it is rounding."""
-
-_SAMPLES = 8
-
 
 @dataclass(frozen=True)
 class Patches:
@@ -79,7 +65,7 @@ def patches(grid: Grid, loads: PartLoads) -> Patches:
     edges = _edges(grid)
     tree, tree_edge, tree_xi = _sample_edges(edges)
     size = np.linalg.norm(loads.force, axis=2)
-    active = np.isfinite(loads.place).all(axis=2) & (size > NO_FORCE * np.nanmax(size, initial=0.0))
+    active = np.isfinite(loads.place).all(axis=2) & (size > 1e-12 * np.nanmax(size, initial=0.0))
     rows, columns, values, angle, points = [], [], [], [], []
     for contact, name in enumerate(loads.labels):
         at = np.flatnonzero(active[:, contact])
@@ -94,7 +80,8 @@ def patches(grid: Grid, loads: PartLoads) -> Patches:
             )
         edge = tree_edge[nearest]
         centre = _nearest_arc(edges, edge, tree_xi[nearest], loads.place[at, contact])
-        half_width = np.minimum(loads.half_width[at, contact], MAX_OUTLINE_SHARE * edges.length_of_loop[edge])
+        # a nearly conformal patch covers at most half of the outline
+        half_width = np.minimum(loads.half_width[at, contact], 0.25 * edges.length_of_loop[edge])
         nodes, forces = _spread(edges, edge, centre, half_width, loads.force[at, contact])
         rows.append(2 * nodes[..., np.newaxis] + np.arange(2))
         columns.append(np.broadcast_to(at[:, np.newaxis, np.newaxis, np.newaxis], rows[-1].shape))
@@ -121,7 +108,7 @@ def _spread(edges: _Edges, edge: Integers, centre: Array, half_width: Array, for
     of the force. Plane vectors are complex numbers here.
     """
     finest = float(np.min(edges.length[edge]))
-    count = MIN_POINTS + POINTS_PER_EDGE * int(np.ceil(half_width.max() / finest))
+    count = 8 + 4 * int(np.ceil(half_width.max() / finest))
     node = np.arange(1, count + 1) * np.pi / (count + 1)
     weight = 2 / (count + 1) * np.sin(node) ** 2
     first, total = edges.first[edge][:, np.newaxis], edges.length_of_loop[edge][:, np.newaxis]
@@ -169,9 +156,9 @@ def _edges(grid: Grid) -> _Edges:
 
 def _sample_edges(edges: _Edges) -> tuple[cKDTree, Integers, Array]:
     """Return a tree of points along all edges, with the edge and the parameter of each."""
-    xi = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
+    xi = (np.arange(8) + 0.5) / 8
     points = np.einsum("si,eix->esx", _shape(xi), edges.positions).reshape(-1, 2)
-    return cKDTree(points), np.repeat(np.arange(len(edges.nodes)), _SAMPLES), np.tile(xi, len(edges.nodes))
+    return cKDTree(points), np.repeat(np.arange(len(edges.nodes)), xi.size), np.tile(xi, len(edges.nodes))
 
 
 def _shape(xi: Array) -> Array:

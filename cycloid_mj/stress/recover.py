@@ -19,14 +19,8 @@ PLANE = ((0, 0), (1, 1), (0, 1))
 SPACE = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 """Order of the stress components: xx, yy, xy, or xx, yy, zz, yz, xz, xy."""
 
-GAUSS = 2
-"""Order of the quadrature with superconvergent stress: 3 Gauss points per triangle, 4 per tetrahedron."""
-
 CHUNK_ELEMENTS = 512
 """Number of elements or vertices that are processed together, within the processor's cache."""
-
-RIDGE_WEIGHT = 0.03
-"""Regularisation of the quadratic terms, of monomials of size 1, for patches with few points, as at a surface."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +45,8 @@ class Recovery:
 
 def recovery(grid: Grid) -> Recovery:
     """Return the recovery operators of a grid."""
-    basis = elastic.basis_of(grid, vector=False, order=GAUSS)
+    # 3 Gauss points per triangle, 4 per tetrahedron: those with superconvergent stress
+    basis = elastic.basis_of(grid, vector=False, order=2)
     points = np.asarray(basis.global_coordinates()).transpose(1, 2, 0).reshape(-1, grid.dimension)
     # derivatives of the shape functions a of each element m at its points q
     slopes = np.stack([shape[0].grad for shape in basis.basis]).transpose(2, 3, 1, 0)
@@ -145,7 +140,8 @@ def _polynomials(points: Array, vertices: Array, table: Integers, used: Mask) ->
     apart = np.where(used[..., np.newaxis], points[table] - vertices[:, np.newaxis], 0.0)
     size = np.linalg.norm(apart, axis=2).max(axis=1)
     terms = _terms(apart / size[:, np.newaxis, np.newaxis]) * used[..., np.newaxis]
-    ridge = np.diag((np.arange(terms.shape[2]) > points.shape[1]) * RIDGE_WEIGHT)
+    # regularisation of the quadratic terms, for patches with few points, as at a surface
+    ridge = np.diag((np.arange(terms.shape[2]) > points.shape[1]) * 0.03)
     fit = np.linalg.solve(terms.transpose(0, 2, 1) @ terms + ridge, terms.transpose(0, 2, 1))
     kept = np.broadcast_to(used[:, np.newaxis], fit.shape)
     starts = np.append(0, np.cumsum(np.repeat(used.sum(axis=1), fit.shape[1])))

@@ -38,17 +38,8 @@ The softer they are, the closer their loads are to those of point supports in th
 SECTORS, STRIPS = 16, 4
 """Pads of a bearing around the journal and along it."""
 
-MAX_CHORD_DEPTH = 0.05
-"""Largest depth of the middle of a face's corners below its cylinder, over the radius."""
-
-MAX_ACTIVE_SET_STEPS = 60
-"""Largest number of steps of the active set; about five are usual."""
-
 AXIS = np.zeros(2)
 """Position of the journals' axis [m]."""
-
-END_FACE_TOL = 1e-6
-"""Distance of a point from the end face that is rounding, over the shaft's radius."""
 
 
 @dataclass(frozen=True)
@@ -128,7 +119,7 @@ def solve_open_pads(pads: Pads, compliance: Array, pressed: Array) -> Array:
     """
     freed, displaced = np.zeros_like(pressed), pressed
     is_open: Mask = np.zeros(len(pressed), bool)
-    for _ in range(MAX_ACTIVE_SET_STEPS):
+    for _ in range(60):  # about five are usual
         now = displaced < 0.0
         if np.array_equal(now, is_open):
             return freed
@@ -256,14 +247,14 @@ def section_turns(points: Array, positions: Array) -> Array:
     The moments about x, y, z, about the axis in the section at each place, are those that the forces on nodes before it
     hand on; they are in balance with what comes after it.
     """
-    before = points[:, 2, np.newaxis] < positions - END_FACE_TOL
+    before = points[:, 2, np.newaxis] < positions - 1e-6
     turns = [elastic.rigid_motions(points - (0.0, 0.0, place))[:, 3:] for place in positions]
     return np.stack(turns, axis=1) * np.repeat(before, 3, axis=0)[..., np.newaxis]
 
 
 def _on_cylinder(x: Array, radius: float, centre: Array) -> Mask:
     """Return which middles (3, f) [m] of faces belong to a cylinder, with chords below it, and not to an end face."""
-    return np.abs(np.hypot(x[0] - centre[0], x[1] - centre[1]) - radius) < MAX_CHORD_DEPTH * radius
+    return np.abs(np.hypot(x[0] - centre[0], x[1] - centre[1]) - radius) < 0.05 * radius
 
 
 def _on_cam(x: Array, shaft: ShaftDimensions, number: int) -> Mask:
@@ -272,7 +263,7 @@ def _on_cam(x: Array, shaft: ShaftDimensions, number: int) -> Mask:
 
 
 def _at_end(x: Array, shaft: ShaftDimensions) -> Mask:
-    return x[2] - shaft.end < END_FACE_TOL * shaft.radius
+    return x[2] - shaft.end < 1e-6 * shaft.radius
 
 
 def _radial(normals: Array) -> Array:

@@ -17,9 +17,6 @@ from cycloid_mj.stress.packages import mesher
 CORNER_DISTANCE = 0.15
 """Distance from sharp inner corners that the bulk excludes, over the shaft's radius; real shafts have fillets."""
 
-CORNER_EDGE = 1 / 3
-"""Edges at the inner corners over those elsewhere."""
-
 
 def shaft_grid(reducer: Reducer, settings: GridSettings) -> Grid:
     """Build the grid of the shaft in the frame of its solid: the reducer axis, cam towards +y."""
@@ -104,7 +101,7 @@ def _refine_near(gmsh: Any, positions: Array, edge: float) -> None:
     grow = field.add("Threshold")
     for name, value in (
         ("InField", near),
-        ("SizeMin", CORNER_EDGE * longest),
+        ("SizeMin", 1 / 3 * longest),
         ("SizeMax", longest),
         ("DistMin", 0.0),
         ("DistMax", 2 * longest),

@@ -20,12 +20,6 @@ from cycloid_mj.stress.recover import von_mises
 RANGE_PARTS = ("gear", "ring")
 """Parts with webs and ligaments, whose fatigue depends on the stress range of their nodes; others have fillets."""
 
-ANGLE_STRIDE, MIN_ANGLES = 6, 24
-"""Stride of the crank angles that are used, and their smallest number."""
-
-MAX_CANDIDATES = 1500
-"""Number of nodes among which the critical one is searched: those with the largest bound on their range."""
-
 
 @dataclass(frozen=True)
 class StressRange:
@@ -46,7 +40,7 @@ class StressRange:
 
 def sample_angles(angles: int) -> Integers:
     """Choose the indices of the crank angles that are evaluated, of all in a turn."""
-    return np.arange(0, angles, max(1, min(ANGLE_STRIDE, angles // MIN_ANGLES)))
+    return np.arange(0, angles, max(1, min(6, angles // 24)))
 
 
 def critical_stress_range(part: LoadedPart, states: Mapping[int, Array], distance: float) -> StressRange:
@@ -70,7 +64,7 @@ def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
     """
     seen = np.flatnonzero(np.isfinite(states[:, 0]).any(axis=0))
     bound = von_mises_bound(states[:, :, seen])
-    chosen = seen[np.argsort(bound)[-min(MAX_CANDIDATES, len(seen)) :]]
+    chosen = seen[np.argsort(bound)[-1500:]]  # the others cannot be critical
     some = states[:, :, chosen].astype(np.float64)
     apart, first, second = (np.zeros(len(chosen)), *(np.zeros(len(chosen), int) for _ in range(2)))
     for item in range(len(some)):

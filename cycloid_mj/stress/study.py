@@ -41,17 +41,8 @@ SENSITIVITY = {0.5: 0, 2.0: 2 * RUNGS_PER_OCTAVE}
 SUPPORTS = {"shaft": ("shaft.mounting", ("overhang", "straddle")), "ring": ("housing.support", ("bolts", "rim"))}
 """Keys of the design for the support of a part, and their choices: the stress with the others is reported as well."""
 
-ANGLE_ROUNDING = 1e-9
-"""Rounding tolerance of a crank angle, over the step between angles."""
-
-SUPPORT_ANGLES = 5
-"""Number of crank angles with other supports, that of the maximum first."""
-
 ALWAYS_SOLID = ("shaft", "output")
 """Parts without a planar model: the output's pins are cantilevers on its disc."""
-
-SOLID_STEP = 1.25
-"""Refinement factor of the convergence study of extruded parts, which have more unknowns."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +81,7 @@ class StudySettings:
         """Crank angles in the turn [rad], including that of the maps or zero, shape (angles,)."""
         step = 2.0 * math.pi / self.angles
         steps = (self.map_angle or 0.0) / step
-        first = step * (steps - math.floor(steps + ANGLE_ROUNDING))
+        first = step * (steps - math.floor(steps + 1e-9))
         return first + step * np.arange(self.angles, dtype=np.float64)
 
     def grid(self, part: str, factor: float = 1.0) -> GridSettings:
@@ -103,7 +94,7 @@ class StudySettings:
 
     def finer(self, grid: Grid) -> float:
         """Return the refinement factor of the convergence study of a part."""
-        return self.step if grid.section is None else min(self.step, SOLID_STEP)
+        return self.step if grid.section is None else min(self.step, 1.25)  # solids have more unknowns
 
 
 QUICK = StudySettings(angles=36, refinement=0.5, checked=5)
@@ -339,7 +330,7 @@ def _variants(
         return ()
     key, choices = SUPPORTS[part]
     table, name = key.split(".")
-    some = at_angles(loads, _checked_rows(stress.bulk_stress, SUPPORT_ANGLES))
+    some = at_angles(loads, _checked_rows(stress.bulk_stress, 5))
     variants = []
     for choice in choices:
         if choice != getattr(getattr(reducer.design, table), name):

@@ -13,9 +13,6 @@ from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.stress.grid import Grid, middles_of
 from cycloid_mj.stress.packages import package
 
-QUADRATURE_ORDER = 6
-"""Degree of polynomials that the quadrature integrates exactly on a flat face."""
-
 
 @dataclass(frozen=True)
 class SolidSurface:
@@ -52,7 +49,7 @@ def surface(grid: Grid, test: Callable[[Array], Mask]) -> SolidSurface:
     corners = mesh.facets[:, faces].T.astype(np.int64)
     nodes = np.hstack([corners, middles_of(mesh, corners[:, [[0, 1], [1, 2], [0, 2]]])])
     positions = grid.points[nodes]
-    points, weight = quadrature.get_quadrature(skfem.refdom.RefTri, QUADRATURE_ORDER)
+    points, weight = quadrature.get_quadrature(skfem.refdom.RefTri, 6)  # exact on a flat face
     terms = [skfem.ElementTriP2().lbasis(points, number) for number in range(nodes.shape[1])]
     shape = np.stack([value for value, _ in terms], axis=1)
     along, across = (

@@ -28,9 +28,6 @@ FREE = {
 }
 """Tables in which a log may differ from the design: operating conditions and names."""
 
-MAX_SAMPLING_RATIO = 1.5
-"""Largest sampling step over the step of the requested angles; no sample is then used for more than two of them."""
-
 
 def cam_force(reducer: Reducer) -> str:
     """Name a column that every run with forces has."""
@@ -149,7 +146,7 @@ def _require_fine(crank: Array, wanted: Array, run: Run, rows: npt.NDArray[np.in
     """Raise LogError if the samples of a run are too coarse for the step between angles [rad]."""
     step = float(np.median(np.abs(np.diff(crank))))
     apart = 2 * np.pi / max(wanted.size, 1)
-    if wanted.size > 1 and step > MAX_SAMPLING_RATIO * apart:
+    if wanted.size > 1 and step > 1.5 * apart:  # no sample is used for more than two angles
         rate = (rows.size - 1) / float(np.ptp(run.time[rows]))
         raise LogError(
             f"the log has a sample every {np.degrees(step):.3g} deg of crank, but one every {np.degrees(apart):.3g} "

@@ -21,7 +21,7 @@ from cycloid_mj.reducer.gaps import arc_gaps
 from cycloid_mj.robot.identification import solve_play
 from cycloid_mj.statics.balance import loads
 from cycloid_mj.statics.locked import locked_curve
-from cycloid_mj.statics.preload import IDLE, POSES, halves_torque, preloaded
+from cycloid_mj.statics.preload import halves_torque, preloaded
 from cycloid_mj.statics.springs import springs_of, turn_evenly
 
 FIGURES = ("backlash_arcmin", "stiffness_nm_per_arcmin", "no_load_torque_nm", "efficiency", "te_loaded_forward_arcsec")
@@ -175,8 +175,8 @@ def test_the_torque_of_the_halves_is_what_turning_them_works() -> None:
 def stored(reducer: Reducer) -> float:
     """Compute the energy of all contacts at rest, in the mean over the turn [J]; what is next to no load left out."""
     still = reducer.but(drive={"speed": 0.0}, environment={"gravity_x": 0.0, "gravity_y": 0.0})
-    springs = springs_of(still, turn_evenly(still, POSES), friction=False)
-    found = loads(still, springs, IDLE * still.design.rated_torque)
+    springs = springs_of(still, turn_evenly(still, 13), friction=False)
+    found = loads(still, springs, 1e-3 * still.design.rated_torque)
     lines = springs.contacts.stiffness
     of_lines = 0.5 * np.sum(np.concatenate([found.teeth, found.output], axis=1) ** 2 / lines, axis=1)
     of_cam = 0.5 * np.sum(found.cam**2, axis=(1, 2)) / springs.contacts.cam_stiffness
