@@ -71,7 +71,8 @@ def rate(
     spread = rate_cam_compliance(reducer, duty) if compliance else None
     assumptions = *_assumptions(reducer, duty), *([spread.words] if spread else [])
     by_key = {item.key: item for item in ordered}
-    return Rating(design.name, duty.words, life, by_key, assumptions, spread, work)
+    words = f"{duty.words}, {design.thermal.words}" if design.thermal.words else duty.words
+    return Rating(design.name, words, life, by_key, assumptions, spread, work)
 
 
 def _rated_items(

@@ -51,6 +51,10 @@ class Reducer:
     """
 
     def __init__(self, design: Design) -> None:
+        if not design.thermal.is_reference:
+            from cycloid_mj.geometry.expansion import expand
+
+            design = expand(design)
         self.design = design
         self._kept = _drawer(design)
 

@@ -183,7 +183,12 @@ def _sheet(reducer: Reducer, load: float | None, parts: Iterable[Part]) -> Sheet
     design, quantities = reducer.design, by_key(*(part(reducer, load) for part in parts))
     return Sheet(
         design=design.name,
-        condition=f"{load:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, quasi-static with disc centrifugal force",
+        condition=", ".join(
+            [
+                f"{load:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, quasi-static with disc centrifugal force",
+                *([design.thermal.words] if design.thermal.words else []),
+            ]
+        ),
         load_source=source,
         quantities=quantities,
         assumptions=_assumptions(reducer),
