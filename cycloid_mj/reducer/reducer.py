@@ -174,6 +174,11 @@ class Reducer:
         return self.kept("deviations", lambda: deviations(self.design))
 
     @property
+    def parts_text(self) -> str:
+        """Manufacturing errors of the parts in words, for figures that depend on them."""
+        return "with the errors of the design" if self.deviations.largest else "perfect"
+
+    @property
     def is_ideal(self) -> bool:
         """True if all parts are ideal: no errors, no modification, no preloaded ring."""
         modification = self.design.modification
