@@ -26,21 +26,15 @@ from cycloid_mj.parts.export.casing import (
     Casing,
     casing,
     core_radius,
+    in_one_piece,
     insert_in,
+    is_printed,
     motor_bore,
 )
 from cycloid_mj.parts.export.drive import has_casing
-from cycloid_mj.parts.export.joints import (
-    FLANGE_CLASS,
-    LOAD,
-    MOTOR,
-    USUAL_CLASS,
-    BoughtPart,
-    Joint,
-    JointKind,
-    drive_joints,
-)
-from cycloid_mj.parts.export.printing import in_one_piece, is_printed, material_part
+from cycloid_mj.parts.export.joint import BoughtPart, Joint, JointKind
+from cycloid_mj.parts.export.joints import FLANGE_CLASS, LOAD, MOTOR, USUAL_CLASS, drive_joints
+from cycloid_mj.parts.export.printing import material_part
 from cycloid_mj.reducer import Reducer
 
 PLASTIC_PRELOAD = 0.5

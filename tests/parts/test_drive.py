@@ -11,7 +11,8 @@ from cycloid_mj.figures import figure
 from cycloid_mj.life.figures import input_inertia
 from cycloid_mj.parts.export import casing, drive
 from cycloid_mj.parts.export.assembly import assembly_sections
-from cycloid_mj.parts.export.printing import PRESSED_PIN, separate_parts
+from cycloid_mj.parts.export.joint import PRESSED_PIN
+from cycloid_mj.parts.export.printing import separate_parts
 from cycloid_mj.reducer import Reducer
 
 PIN = Reducer(PRESETS["pin"])

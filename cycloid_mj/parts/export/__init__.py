@@ -24,10 +24,11 @@ from cycloid_mj.parts.export.casing import Casing, Motor, casing, casing_or_none
 from cycloid_mj.parts.export.casing_parts import bored_shaft
 from cycloid_mj.parts.export.clearance import OutlineClearance, measure_all
 from cycloid_mj.parts.export.dxf import dxf_bytes
+from cycloid_mj.parts.export.joint import PRESSED_PIN
 from cycloid_mj.parts.export.order import assembly_order
 from cycloid_mj.parts.export.plate import PrintPlate, plate
 from cycloid_mj.parts.export.polylines import dxf_polylines, polyline_sections, svg_bytes
-from cycloid_mj.parts.export.printing import PRESSED_PIN, manufactured_parts, widen_clearances
+from cycloid_mj.parts.export.printing import manufactured_parts, widen_clearances
 from cycloid_mj.parts.export.step import SPLINES, read_volume, step_part
 from cycloid_mj.parts.export.threemf import threemf_bytes
 from cycloid_mj.parts.export.triangles import obj_bytes, read_stl, stl_bytes

@@ -12,7 +12,7 @@ from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import Part, PartSection, carried, output_centres
 from cycloid_mj.parts.cam_bearing import cam_bearing
-from cycloid_mj.parts.export.bearings import cam_seat, pin_pieces
+from cycloid_mj.parts.export.bearings import cam_radius, cam_seat, pin_pieces
 from cycloid_mj.parts.export.casing import (
     CAM_BEARING,
     DOWEL,
@@ -29,10 +29,13 @@ from cycloid_mj.parts.export.casing import (
     SCREW_INSERT,
     SHAFT_BEARING,
     Casing,
+    in_one_piece,
 )
 from cycloid_mj.parts.export.casing_parts import casing_places
+from cycloid_mj.parts.export.crank_joints import KEY
 from cycloid_mj.parts.export.crank_rings import CRANK_RING
-from cycloid_mj.parts.export.printing import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT, STEEL, in_one_piece, separate_parts
+from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT
+from cycloid_mj.parts.export.printing import STEEL, separate_parts
 from cycloid_mj.parts.export.round_part import tube, with_holes
 from cycloid_mj.parts.export.step import SPLINES, step_part
 from cycloid_mj.parts.parts import Colour, roller_places, tint
@@ -45,6 +48,7 @@ COLOURS: Mapping[str, Colour] = {
     PRESSED_PIN: (0.45, 0.45, 0.45, 1.0),
     names.GEAR: (0.25, 0.45, 0.7, 1.0),
     names.SHAFT: (0.75, 0.35, 0.3, 1.0),
+    KEY: (0.45, 0.45, 0.45, 1.0),
     names.CAM: (0.8, 0.5, 0.35, 1.0),
     names.SPACER: (0.6, 0.6, 0.55, 1.0),
     CRANK_RING: (0.7, 0.7, 0.6, 1.0),
@@ -106,12 +110,22 @@ def _places(reducer: Reducer, crank: float, sizes: Casing | None) -> Iterator[Pl
         x, y = design.gear.eccentricity * unit(-(crank + phase))  # unit turns clockwise, the crank the other way
         yield Place(gear, gear, (float(x), float(y), plane), carrier, gear)
         if cam_seat(reducer) < design.gear.bore_radius:
-            bearing = gear.replace(names.GEAR, CAM_BEARING)
-            yield Place(bearing, CAM_BEARING, (float(x), float(y), plane), carrier, gear)
+            yield from _cam_bearings(reducer, gear, (float(x), float(y), plane), carrier)
     if design.ring.kind == "pin":
         yield from _ring_pins(reducer, ring, pin_pieces(reducer) if sizes else (1, 0.0))
     for one in casing_places(reducer, sizes) if sizes else ():
         yield _rotated_place(one.name, one.part, np.array(one.origin), turned[one.body], one.body)
+
+
+def _cam_bearings(reducer: Reducer, gear: str, centre: tuple[float, float, float], angle: float) -> Iterator[Place]:
+    """Yield the places of the bearings of a cam, side by side in the middle of its disc."""
+    in_stock, (x, y, z) = cam_bearing(reducer), centre
+    width, count = (in_stock[0].width, in_stock[1]) if in_stock else (0.0, 1)
+    name = gear.replace(names.GEAR, CAM_BEARING)
+    for number in range(count):
+        numbered = f"{name}_{number + 1}" if count > 1 else name
+        at = x, y, z + width * (number - 0.5 * (count - 1))
+        yield Place(numbered, CAM_BEARING, at, angle, gear)
 
 
 def _ring_pins(reducer: Reducer, turn: float, pieces: tuple[int, float]) -> Iterator[Place]:
@@ -170,8 +184,8 @@ def assembly_parts(reducer: Reducer, sizes: Casing | None = None) -> dict[str, P
     gear, seat, in_stock = reducer.design.gear, cam_seat(reducer), cam_bearing(reducer)
     if seat == gear.bore_radius:
         return separate_parts(reducer, 0.0, sizes)
-    laid = separate_parts(reducer, seat, sizes)
-    width = in_stock[0].width * in_stock[1] if in_stock else gear.face_width
+    laid = separate_parts(reducer, cam_radius(reducer), sizes)
+    width = in_stock[0].width if in_stock else gear.face_width
     laid[CAM_BEARING] = Part(CAM_BEARING, with_holes(CAM_BEARING, tube(seat, gear.bore_radius, width)), STEEL)
     return laid
 

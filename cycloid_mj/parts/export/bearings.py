@@ -2,26 +2,30 @@
 
 import math
 
-from cycloid_mj.design import stock
+from cycloid_mj.base import names
+from cycloid_mj.design import fits, stock
+from cycloid_mj.parts import sleeve_core_radius
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.export.casing import axial_play, bearing_width_of, ring_end
 from cycloid_mj.reducer import Reducer
 
-PRESS_FIT, PIN_FIT, RETAINED_FIT = "m6 in H7", "m6 in N7", "m6 in H7, glued: its socket is open"
-"""Fits of dowels (m6, ISO 8734): that locate covers, that carry load as pressed-in pins, and of those in half-open
-sockets, whose lips a press fit would push them out of."""
+DOWEL_FIT, PIN_FIT = "m6 in H7", "m6 in N7"
+"""Fits of locating dowels (ISO 8734, m6), and of pins that carry load by their press fit, for which H7 may be loose."""
 
-NEEDLE_FIT, BALL_FIT = "N6 outside, h5 on the shaft", "H7 outside, j6 on the shaft"
-"""Fits of drawn cups and of the shaft under their needles (ISO 3245), and of ball bearings with a turning shaft."""
+RETAINED_FIT, FREE_FIT = "m6 in H7, glued: its socket is open", "0/-2 um, free in its socket"
+"""Fits of ring pins in half-open sockets: a tighter fit would push them out; a free pin rolls (ISO 3096, grade G2)."""
+
+ROLLER_FIT = "E8/m6"
+"""Fit of a roller that turns on a dowel: 8 to 34 um of play on 5 mm; F8/m6 may be tight."""
 
 HUB_BEARING_FIT = "H7 outside, k6 on the hub"
 """Fit of the ball bearings of the output."""
 
+LIGHT_BORE = 18e-3
+"""Bore up to which inner rings of ball bearings have the fit j5, above it k5 [m] (SKF, Rolling bearings, 2018)."""
+
 SHAFT_BEARINGS = 2
 """Number of bearings of the shaft."""
-
-MIN_CAM_STEP = 1e-5
-"""Minimum step of the cam of a single disc from the shaft [m], as outlines must not touch."""
 
 
 def shaft_bearing(reducer: Reducer) -> stock.StockBearing | None:
@@ -40,8 +44,14 @@ def cam_seat(reducer: Reducer) -> float:
         return round(0.5 * bought[0].bore, 9)
     ratio = math.sin(math.pi / reducer.design.contact.cam_rollers)
     raceway = gear.bore_radius * (1.0 - ratio) / (1.0 + ratio)
-    thinnest = gear.eccentricity + reducer.design.shaft.radius + MIN_CAM_STEP
+    thinnest = gear.eccentricity + reducer.design.shaft.radius
     return raceway if gear.bearing == "rolling" and raceway > thinnest else gear.bore_radius
+
+
+def roller_bore(reducer: Reducer) -> float:
+    """Return the bore radius of a roller in a drive [m], with the mean play of its fit on the pin."""
+    radius = reducer.design.output.root_radius
+    return radius + 0.25 * sum(fits.clearances(ROLLER_FIT, 2.0 * radius))
 
 
 def free_pin(reducer: Reducer) -> stock.Roller | None:
@@ -53,6 +63,11 @@ def free_pin(reducer: Reducer) -> stock.Roller | None:
     return stock.free_pin(2.0 * design.ring.pin_radius, 2.0 * ring_end(reducer), axial_play(reducer))
 
 
+def sleeve_pin_depth(reducer: Reducer) -> float:
+    """Compute how deep the pin inside a sleeve stands in each cover [m]: by its diameter."""
+    return 2.0 * sleeve_core_radius(reducer)
+
+
 def pin_pieces(reducer: Reducer) -> tuple[int, float]:
     """Return the number of ring pins or sleeves in line, and the length of each [m], between the covers of a drive."""
     design = reducer.design
@@ -62,6 +77,35 @@ def pin_pieces(reducer: Reducer) -> tuple[int, float]:
     return (free.count, free.used) if free else (1, design.gear.stack_width)
 
 
-def fit_of(bearing: stock.StockBearing) -> str:
-    """Return the fit of a bearing in stock, by its kind."""
-    return BALL_FIT if bearing in stock.ball_bearings() else NEEDLE_FIT
+def cam_radius(reducer: Reducer, seat: float | None = None) -> float:
+    """Return the radius of the cam in a drive [m] for a bearing of some `seat` (`cam_seat`).
+
+    It is less by the clearance if the bearing is pressed into the disc, but no less than the crank next to it needs.
+    The bore of the disc has the clearance where the cam, or rollers without a ring, turn in it.
+    """
+    design, seat = reducer.design, cam_seat(reducer) if seat is None else seat
+    flush = design.gear.eccentricity + design.shaft.radius
+    return max(seat - design.clearance.cam, min(seat, flush)) if cam_bearing(reducer) else seat
+
+
+def cup_fit(reducer: Reducer, part: str) -> str:
+    """Return the zone of the bore for a drawn cup in a part of the mechanism (ISO 3245): tighter in a plastic."""
+    return "R6" if reducer.design.material_of(part).is_plastic else "N6"
+
+
+def fit_of(reducer: Reducer, bearing: stock.StockBearing, part: str) -> str:
+    """Return the fit of a bearing in stock whose outer ring is in a part of the mechanism.
+
+    Needles run on the crank itself; the inner ring of a ball bearing turns with it against the load.
+    """
+    if bearing not in stock.ball_bearings():
+        return f"{cup_fit(reducer, part)} outside, h5 under the needles"
+    return f"H7 outside, {'j5' if bearing.bore <= LIGHT_BORE else 'k5'} on the crank"
+
+
+def shaft_bearing_fit(reducer: Reducer) -> str:
+    """Return the fit of the bearings of the crank; of sizes out of stock that of a bearing with rings."""
+    bearing = shaft_bearing(reducer)
+    if bearing:
+        return fit_of(reducer, bearing, names.HOUSING)
+    return f"H7 outside, {'j5' if 2.0 * reducer.design.shaft.radius <= LIGHT_BORE else 'k5'} on the crank"

@@ -15,13 +15,19 @@ from cycloid_mj.parts import parts, sleeve_core_radius
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.export.bearings import (
+    FREE_FIT,
     PIN_FIT,
     RETAINED_FIT,
+    ROLLER_FIT,
     SHAFT_BEARINGS,
     fit_of,
     free_pin,
     pin_pieces,
     shaft_bearing,
+    shaft_bearing_fit,
+)
+from cycloid_mj.parts.export.bearings import (
+    cam_seat as full_cam_seat,
 )
 from cycloid_mj.parts.export.casing import (
     CAM_BEARING,
@@ -29,19 +35,14 @@ from cycloid_mj.parts.export.casing import (
     SHAFT_BEARING,
     Casing,
     bearing_width_of,
-    motor_bore,
-)
-from cycloid_mj.parts.export.joints import ITEMS, bearing_dimensions, bought_parts, drive_joints
-from cycloid_mj.parts.export.printing import (
-    OUTPUT_PIN,
-    PRESSED_PIN,
-    PrintedPart,
     in_one_piece,
     is_printed,
-    manufactured_parts,
-    material_part,
-    output_pin_length,
+    motor_bore,
+    seat_radius,
 )
+from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN
+from cycloid_mj.parts.export.joints import ITEMS, bearing_dimensions, bought_parts, drive_joints
+from cycloid_mj.parts.export.printing import PrintedPart, manufactured_parts, material_part, output_pin_length
 from cycloid_mj.reducer import Reducer
 
 
@@ -174,7 +175,7 @@ def _free_pin(reducer: Reducer, material: str) -> BillLine:
     ring, roller, (count, length) = reducer.design.ring, free_pin(reducer), pin_pieces(reducer)
     if not roller:
         size = _round(("diameter", ring.pin_radius), length=length)
-        return BillLine(names.PIN, ring.teeth, size, material, "bought", fit="ground 0/-2 um, free in its socket")
+        return BillLine(names.PIN, ring.teeth, size, material, "bought", fit=f"ground {FREE_FIT}")
     fit = f"{roller.tolerance}, free in its socket" + (f", cut to {_mm(roller.cut)} mm" if roller.cut else "")
     size = _round(("diameter", ring.pin_radius), length=roller.length)
     return BillLine(names.PIN, ring.teeth * count, size, material, "bought", roller.designation, fit)
@@ -186,10 +187,9 @@ def _rollers(reducer: Reducer) -> Iterator[BillLine]:
     if output.rollers:
         sizes = ("outside diameter", output.pin_radius), ("bore", output.root_radius)
         size, count = _round(*sizes, length=gear.face_width), output.pins * gear.discs
-        if output.has_roller_parts:
-            yield BillLine(names.ROLLER, count, size, _material(reducer, names.OUTPUT), "made")
-        else:
-            yield BillLine(names.ROLLER, count, size, "", "bought")
+        material = _material(reducer, names.OUTPUT) if output.has_roller_parts else ""
+        made: Literal["made", "bought"] = "made" if output.has_roller_parts else "bought"
+        yield BillLine(names.ROLLER, count, size, material, made, fit=ROLLER_FIT)
 
 
 def _bearings(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
@@ -200,18 +200,20 @@ def _bearings(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
         in_stock = cam_bearing(reducer)
         if in_stock and cam_seat in (0.0, round(0.5 * in_stock[0].bore, 9)):
             bearing, count = in_stock
-            size = _size(bearing_dimensions(bearing))
-            yield BillLine(CAM_BEARING, gear.discs * count, size, "", "bought", bearing.designation, fit_of(bearing))
+            size, fit = _size(bearing_dimensions(bearing)), fit_of(reducer, bearing, names.GEAR)
+            yield BillLine(CAM_BEARING, gear.discs * count, size, "", "bought", bearing.designation, fit)
         else:
-            bore = (("bore", cam_seat),) if cam_seat else ()
-            size = _round(("outside diameter", gear.bore_radius), *bore, length=gear.face_width)
-            yield BillLine(CAM_BEARING, gear.discs, size, "", "bought")
-    if on_shaft := shaft_bearing(reducer):
-        size, fit = _size(bearing_dimensions(on_shaft)), fit_of(on_shaft)
+            bore = "bore", cam_seat or full_cam_seat(reducer)
+            size = _round(("outside diameter", gear.bore_radius), bore, length=gear.face_width)
+            yield BillLine(CAM_BEARING, gear.discs, size, "", "bought", fit="rollers in the bore of the disc")
+    on_shaft, fit = shaft_bearing(reducer), shaft_bearing_fit(reducer)
+    if on_shaft:
+        size = _size(bearing_dimensions(on_shaft))
         yield BillLine(SHAFT_BEARING, SHAFT_BEARINGS, size, "", "bought", on_shaft.designation, fit)
     else:
-        size = _round(("bore", shaft.radius), length=bearing_width_of(reducer))
-        yield BillLine(SHAFT_BEARING, SHAFT_BEARINGS, size, "", "bought")
+        width = bearing_width_of(reducer)
+        diameters = ("outside diameter", seat_radius(reducer, width)), ("bore", shaft.radius)
+        yield BillLine(SHAFT_BEARING, SHAFT_BEARINGS, _round(*diameters, length=width), "", "bought", fit=fit)
 
 
 def _material(reducer: Reducer, part: str) -> str:

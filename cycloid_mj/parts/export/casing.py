@@ -415,7 +415,9 @@ def _cavity(reducer: Reducer, screws: Screws, second: float, wall: float) -> tup
     weight = design.shaft.counterweight_radius if design.gear.discs == 1 else design.shaft.radius
     cavity = max(weight, second) + wall
     room = (
-        screws.circle - core_radius(reducer, screws.bolt.thread) if not screws.outside else design.housing.outer_radius
+        screws.circle - thread_radius(reducer, screws.bolt.thread)
+        if not screws.outside
+        else design.housing.outer_radius
     )
     most = min(room - wall, design.ring_root_radius)
     if not cavity <= most:
@@ -434,7 +436,7 @@ def _motor_flange(reducer: Reducer, motor: Motor, outer: float, seat: float, wal
     """
 
     def hole(one: MotorFlange) -> float:
-        return counterbore(thickest_bolt(one.thread)) if one.tapped else core_radius(reducer, one.thread)
+        return counterbore(thickest_bolt(one.thread)) if one.tapped else thread_radius(reducer, one.thread)
 
     def reach(one: MotorFlange) -> tuple[float, float]:
         return (_heads_end(one), most) if one.tapped else (one.circle + hole(one) + wall, outer)
@@ -458,7 +460,7 @@ def _motor_flange(reducer: Reducer, motor: Motor, outer: float, seat: float, wal
     if frame := next((NEMA[key] for key in wanted if key in NEMA and fits(NEMA[key])), None):
         return frame
     thread = thickest_bolt(THREAD_SHARE * outer).thread
-    circle = outer - core_radius(reducer, thread) - 2.0 * wall
+    circle = outer - thread_radius(reducer, thread) - 2.0 * wall
     return MotorFlange("bolt circle", max(0.6 * circle, min(seat, circle - thread)), circle, thread)
 
 
@@ -515,8 +517,25 @@ def is_plastic(reducer: Reducer) -> bool:
     return reducer.design.material_of(names.HOUSING).is_plastic
 
 
+def is_printed(reducer: Reducer, part: str) -> bool:
+    """Return whether plain round parts of the material of a part are printed (plastic) rather than bought (metal)."""
+    return reducer.design.material_of(part).is_plastic
+
+
+def in_one_piece(reducer: Reducer) -> bool:
+    """Return whether the output pins are printed with their disc: plastic, without rollers, supported at one end."""
+    output = reducer.design.output
+    return is_printed(reducer, names.OUTPUT) and not output.rollers and output.support == "cantilever"
+
+
 def core_radius(reducer: Reducer, thread: float) -> float:
-    """Compute the radius of the hole of a thread, or of its insert [m]."""
+    """Compute the radius of the drilled hole of a thread, d - P, or of its insert [m]."""
+    insert = insert_in(reducer, thread)
+    return 0.5 * (insert.hole if insert else thread - stock.pitch(thread))
+
+
+def thread_radius(reducer: Reducer, thread: float) -> float:
+    """Compute the outer radius of a thread, or of its insert [m], around which a wall stays."""
     insert = insert_in(reducer, thread)
     return 0.5 * (insert.hole if insert else thread)
 

@@ -5,8 +5,9 @@ from dataclasses import dataclass, replace
 
 from cycloid_mj.base import names
 from cycloid_mj.parts import Part, Stretch, lay_out_parts
+from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.contour import CircleContour
-from cycloid_mj.parts.export.bearings import pin_pieces
+from cycloid_mj.parts.export.bearings import pin_pieces, roller_bore, sleeve_pin_depth
 from cycloid_mj.parts.export.casing import (
     FLANGE,
     MOTOR_COVER,
@@ -16,15 +17,15 @@ from cycloid_mj.parts.export.casing import (
     output_cover_step,
     shoulder_radius,
 )
+from cycloid_mj.parts.export.crank_joints import cam_key
 from cycloid_mj.parts.export.crank_rings import counterweight_shift, crank_rings, hub_radius
-from cycloid_mj.parts.export.joints import Point, bought_parts, drive_joints
+from cycloid_mj.parts.export.joint import PRESSED_PIN, Point
+from cycloid_mj.parts.export.joints import bought_parts, drive_joints
+from cycloid_mj.parts.export.keyway import KeywayContour
 from cycloid_mj.parts.export.round_part import AXIS, Round, RoundPart, with_holes
 from cycloid_mj.parts.shaft import COUNTERWEIGHT, INNER, JOURNAL
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP
-
-OF_MECHANISM = (names.HOUSING, names.SHAFT, names.SPACER, names.PIN)
-"""Parts of the mechanism that the casing changes even without holes."""
 
 
 @dataclass(frozen=True)
@@ -48,17 +49,13 @@ def casing_parts(reducer: Reducer, sizes: Casing) -> dict[str, RoundPart]:
         FLANGE: (names.OUTPUT, ((sizes.flange_radius, sizes.top, sizes.top + sizes.flange_thickness),)),
         names.SHAFT: (names.SHAFT, ()),
     }
-    if reducer.design.gear.discs > 1:
-        bodies[names.SPACER] = (names.SHAFT, ())
-    if reducer.design.ring.kind == "pin":
-        bodies[names.PIN] = (names.PIN, ())
     parts = {}
     for ring in crank_rings(reducer, sizes):
         bore = AXIS, reducer.design.shaft.radius, ring.low, ring.high
         parts[ring.name] = RoundPart(names.SHAFT, ((ring.radius, ring.low, ring.high),), (bore,))
     for name, (material, rounds) in bodies.items():
         holes = tuple(hole for joint in joints for hole in joint.holes_in(name))
-        if holes or rounds or name in OF_MECHANISM:
+        if holes or rounds:
             parts[name] = RoundPart(material, rounds, holes)
     return parts | {part.item: part.solid for part in bought_parts(joints)}
 
@@ -85,32 +82,62 @@ def bored_shaft(reducer: Reducer, sizes: Casing | None, chord_error: float | Non
         return shaft
     bore = motor_bore(reducer, sizes)
     holes = ((AXIS, *bore),) if bore else ()
-    base = fitted_stretches(reducer, sizes, names.SHAFT, shaft.stretches)
-    return shaft.of(with_holes(names.SHAFT, RoundPart(names.SHAFT, holes=holes), base))
+    fitted = fit_part(reducer, sizes, names.SHAFT, shaft)
+    return fitted.of(with_holes(names.SHAFT, RoundPart(names.SHAFT, holes=holes), fitted.stretches))
 
 
-def fitted_stretches(reducer: Reducer, sizes: Casing, name: str, drawn: Sequence[Stretch]) -> tuple[Stretch, ...]:
-    """Return the stretches of a part of the mechanism with the axial clearances that it has in a casing.
+def fit_part(reducer: Reducer, sizes: Casing, name: str, part: Part) -> Part:
+    """Return a part of the mechanism as its joints in a drive require, or `part` itself.
 
     The ring is wider than discs, pins and sleeves. The counterweight makes room for a ring next to its bearing. A
-    spacer touches the cams; its rim, which guides discs that turn at another speed, is narrower.
+    spacer touches the cams; its rim, which guides discs that turn at another speed, is narrower. Shaft, cams and spacer
+    have keyways. Bearings in stock are pressed into the discs, and rollers turn on their pins.
     """
-    if name == names.SPACER:
-        return _with_hub(reducer, sizes, drawn)
+    drawn, family = part.stretches, names.family(name)
     if name == names.HOUSING:
-        return tuple(
-            replace(one, z0=one.z0 - sizes.play * (one is drawn[0]), z1=one.z1 + sizes.play * (one is drawn[-1]))
-            for one in drawn
-        )
-    if name == names.PIN:
+        return part.of(_wider(one, sizes.play, one is drawn[0], one is drawn[-1]) for one in drawn)
+    if name == PRESSED_PIN:
+        reach = sizes.end + sleeve_pin_depth(reducer)
+        return part.of(replace(stretch, z0=-reach, z1=reach) for stretch in drawn)
+    if name == names.PIN and reducer.design.seat_pair:
         _, length = pin_pieces(reducer)
-        return tuple(replace(stretch, z0=-0.5 * length, z1=0.5 * length) for stretch in drawn)
-    back = counterweight_shift(reducer)
-    if name != names.SHAFT or not back:
-        return tuple(drawn)
-    low = {stretch.name: stretch.z0 + back * (stretch.name in (COUNTERWEIGHT, INNER)) for stretch in drawn}
-    high = {stretch.name: stretch.z1 + back * (stretch.name in (JOURNAL, COUNTERWEIGHT)) for stretch in drawn}
-    return tuple(replace(stretch, z0=low[stretch.name], z1=high[stretch.name]) for stretch in drawn)
+        return part.of(replace(stretch, z0=-0.5 * length, z1=0.5 * length) for stretch in drawn)
+    if family == names.GEAR and cam_bearing(reducer):
+        bore = CircleContour(reducer.design.gear.bore_radius)
+        return part.of(replace(stretch, holes=(bore, *stretch.holes[1:])) for stretch in drawn)
+    if name == names.ROLLER:
+        bore = CircleContour(roller_bore(reducer))
+        return part.of(replace(stretch, holes=(bore,)) for stretch in drawn)
+    if family in (names.CAM, names.SPACER, names.SHAFT):
+        return part.of(_on_crank(reducer, sizes, family, drawn))
+    return part
+
+
+def _wider(stretch: Stretch, by: float, below: bool, above: bool) -> Stretch:
+    return replace(stretch, z0=stretch.z0 - by * below, z1=stretch.z1 + by * above)
+
+
+def _on_crank(reducer: Reducer, sizes: Casing, family: str, drawn: Sequence[Stretch]) -> Iterator[Stretch]:
+    """Yield the stretches of shaft, cam or spacer with keyways and axial clearances."""
+    if reducer.design.gear.discs == 1:
+        back = counterweight_shift(reducer)
+        for stretch in drawn:
+            low, high = stretch.name in (COUNTERWEIGHT, INNER), stretch.name in (JOURNAL, COUNTERWEIGHT)
+            yield replace(stretch, z0=stretch.z0 + back * low, z1=stretch.z1 + back * high)
+        return
+    key, radius = cam_key(reducer, sizes), reducer.design.shaft.radius
+    pieces = _with_hub(reducer, sizes, drawn) if family == names.SPACER else tuple(drawn)
+    if key is None:
+        yield from pieces
+    elif family == names.SHAFT:
+        (shaft,) = pieces
+        slot = KeywayContour(radius, key.bought.width, -key.bought.in_shaft, key.angle)
+        yield replace(shaft, z1=key.low)
+        yield replace(shaft, outline=slot, z0=key.low, z1=key.high)
+        yield replace(shaft, z0=key.high)
+    else:
+        slot = KeywayContour(radius, key.bought.width, key.bought.in_hub, key.angle)
+        yield from (replace(piece, holes=(slot,)) for piece in pieces)
 
 
 def _with_hub(reducer: Reducer, sizes: Casing, drawn: Sequence[Stretch]) -> tuple[Stretch, ...]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from cycloid_mj.base import names
 from cycloid_mj.design import stock
 from cycloid_mj.parts import crank_stretches
-from cycloid_mj.parts.export.bearings import cam_seat, shaft_bearing
+from cycloid_mj.parts.export.bearings import cam_radius, shaft_bearing
 from cycloid_mj.parts.export.casing import COLLAR, MIN_WALL, Casing, shoulder_radius
 from cycloid_mj.parts.shaft import COUNTERWEIGHT
 from cycloid_mj.reducer import Reducer
@@ -41,7 +41,7 @@ def counterweight_shift(reducer: Reducer) -> float:
 
 def hub_radius(reducer: Reducer, sizes: Casing) -> float:
     """Compute the radius within which a ring touches the cams but not their bearings [m]."""
-    return cam_seat(reducer) - reducer.design.gear.eccentricity - sizes.play
+    return cam_radius(reducer) - reducer.design.gear.eccentricity - sizes.play
 
 
 def _rings(reducer: Reducer, sizes: Casing) -> Iterator[CrankRing]:

@@ -5,14 +5,12 @@ A joint states the holes that it needs in its mating parts, and the bought parts
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
-from enum import StrEnum
 
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.design import stock
 from cycloid_mj.parts import crank_stretches
-from cycloid_mj.parts.export.bearings import HUB_BEARING_FIT, PRESS_FIT, fit_of, shaft_bearing
+from cycloid_mj.parts.export.bearings import DOWEL_FIT, HUB_BEARING_FIT, shaft_bearing, shaft_bearing_fit
 from cycloid_mj.parts.export.casing import (
     COLLAR,
     DOWEL,
@@ -47,14 +45,16 @@ from cycloid_mj.parts.export.casing import (
     shoulder_radius,
     thickest_bolt,
 )
-from cycloid_mj.parts.export.round_part import AXIS, Hole, RoundPart, dowel_body, screw_body, tube
+from cycloid_mj.parts.export.crank_joints import KEY, crank_joints
+from cycloid_mj.parts.export.joint import BoughtPart, Joint, JointKind, Point, TappedHole
+from cycloid_mj.parts.export.round_part import AXIS, Hole, dowel_body, screw_body, tube
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.reducer.bending import AXIAL_GAP
 
 ITEMS = (
     *(SCREW, FLANGE_SCREW, MOTOR_SCREW, OUTPUT_BEARING, SHAFT_BEARING),
-    *(SCREW_INSERT, FLANGE_INSERT, LOAD_INSERT, MOTOR_INSERT, DOWEL),
+    *(SCREW_INSERT, FLANGE_INSERT, LOAD_INSERT, MOTOR_INSERT, DOWEL, KEY),
 )
 """Bought parts of joints, in the order of solids and places."""
 
@@ -66,80 +66,6 @@ MOTOR, LOAD = "motor", "load"
 
 USUAL_CLASS, FLANGE_CLASS = "8.8", "12.9"
 """Property classes of screws (ISO 898-1); those of the output flange, and of the load on it, carry the whole torque."""
-
-Point = tuple[float, float, float]
-
-
-class JointKind(StrEnum):
-    """The function of a joint; the value is the word for people and programs."""
-
-    SCREWED = "screwed"
-    DOWELLED = "dowelled"
-    BEARING = "rolling bearing"
-    LOCATED = "located"
-    """One part centres the other."""
-    CLEARANCE = "clearance"
-    """Parts move in a cavity without touching it."""
-
-
-@dataclass(frozen=True, eq=False)
-class BoughtPart:
-    """Equal bought parts of a joint: a solid and its positions, and a line of the bill of materials.
-
-    Attributes
-    ----------
-    item
-        Its name in the bill; the n-th part of all joints is ``item_n``.
-    solid
-        The part in its own frame.
-    body
-        Body of the mechanism that it moves with.
-    origins
-        Its positions [m].
-    dimensions
-        Names and values [m] of its dimensions.
-    material, designation, fit
-        As in the bill; empty if the catalogue or the shop decides.
-    first
-        Number of the part at the first position.
-    """
-
-    item: str
-    solid: RoundPart
-    body: str
-    origins: tuple[Point, ...]
-    dimensions: tuple[tuple[str, float], ...]
-    material: str = ""
-    designation: str = ""
-    fit: str = ""
-    first: int = 1
-
-
-@dataclass(frozen=True, eq=False)
-class Joint:
-    """A connection of parts.
-
-    Attributes
-    ----------
-    name, kind
-        What it connects, in words, and how.
-    parts
-        Mating parts by name.
-    holes
-        Holes of the joint, each with the name of the part that it is cut into.
-    bought
-        The bought parts that make it.
-    """
-
-    name: str
-    kind: JointKind
-    parts: tuple[str, ...]
-    holes: tuple[tuple[str, Hole], ...] = ()
-    bought: tuple[BoughtPart, ...] = ()
-
-    def holes_in(self, part: str) -> tuple[Hole, ...]:
-        """Return the holes of the joint in one of its parts."""
-        return tuple(hole for name, hole in self.holes if name == part)
 
 
 @once
@@ -158,6 +84,7 @@ def drive_joints(reducer: Reducer, sizes: Casing) -> tuple[Joint, ...]:
         *_hub_shaft_bearing(reducer, sizes),
         _load_threads(reducer, sizes),
         *_dowels(reducer, sizes),
+        *crank_joints(reducer, sizes),
     )
 
 
@@ -193,7 +120,11 @@ def _cover_shaft_bearings(reducer: Reducer, sizes: Casing) -> Joint:
         JointKind.BEARING,
         (names.SHAFT, MOTOR_COVER),
         tuple((MOTOR_COVER, hole) for hole in holes),
-        (_shaft_bearings(reducer, sizes, numbers),),
+        (bearings := _shaft_bearings(reducer, sizes, numbers),),
+        bearings.fit,
+        len(numbers),
+        2.0 * reducer.design.shaft.radius,
+        bearing_width_of(reducer),
     )
 
 
@@ -208,7 +139,8 @@ def _hub_shaft_bearing(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
         )
         bearing = _shaft_bearings(reducer, sizes, (1,))
         parts = (names.SHAFT, names.OUTPUT)
-        yield Joint("shaft in the hub", JointKind.BEARING, parts, holes, (bearing,))
+        bore, width = 2.0 * reducer.design.shaft.radius, bearing_width_of(reducer)
+        yield Joint("shaft in the hub", JointKind.BEARING, parts, holes, (bearing,), bearing.fit, 1, bore, width)
 
 
 def _shaft_bearings(reducer: Reducer, sizes: Casing, numbers: tuple[int, ...]) -> BoughtPart:
@@ -221,9 +153,11 @@ def _shaft_bearings(reducer: Reducer, sizes: Casing, numbers: tuple[int, ...]) -
         tube(radius, sizes.seat, width),
         names.SHAFT,
         tuple((0.0, 0.0, middles[number - 1]) for number in numbers),
-        bearing_dimensions(bearing) if bearing else (("bore", 2.0 * radius), ("length", width)),
+        bearing_dimensions(bearing)
+        if bearing
+        else (("outside diameter", 2.0 * sizes.seat), ("bore", 2.0 * radius), ("length", width)),
         designation=bearing.designation if bearing else "",
-        fit=fit_of(bearing) if bearing else "",
+        fit=shaft_bearing_fit(reducer),
         first=numbers[0],
     )
 
@@ -255,9 +189,9 @@ def _output_bearings(sizes: Casing) -> Joint:
         fit=HUB_BEARING_FIT,
     )
     parts = (names.OUTPUT, OUTPUT_COVER)
-    return Joint(
-        "hub in the output cover", JointKind.BEARING, parts, tuple((OUTPUT_COVER, hole) for hole in holes), (bearings,)
-    )
+    drilled = tuple((OUTPUT_COVER, hole) for hole in holes)
+    name, fit = "hub in the output cover", HUB_BEARING_FIT
+    return Joint(name, JointKind.BEARING, parts, drilled, (bearings,), fit, 2, hub.bore, hub.width)
 
 
 def _cover_screws(reducer: Reducer, sizes: Casing) -> Joint:
@@ -279,7 +213,8 @@ def _cover_screws(reducer: Reducer, sizes: Casing) -> Joint:
         *_inserts(reducer, SCREW_INSERT, bolt.thread, names.HOUSING, centres, end, -1.0),
     ]
     parts = (MOTOR_COVER, *(() if screws.outside else (names.HOUSING,)), OUTPUT_COVER)
-    return Joint("screws of the covers", JointKind.SCREWED, parts, tuple(holes), tuple(bought))
+    threads = (_tapped(reducer, MOTOR_COVER, centres, bolt.thread, thread_depth),)
+    return Joint("screws of the covers", JointKind.SCREWED, parts, tuple(holes), tuple(bought), threads=threads)
 
 
 def _motor_screws(reducer: Reducer, sizes: Casing) -> Joint:
@@ -289,8 +224,9 @@ def _motor_screws(reducer: Reducer, sizes: Casing) -> Joint:
     if not motor.tapped:
         depth = hole_depth(reducer, motor.thread, ENGAGEMENT * motor.thread)
         thread = (centres, core_radius(reducer, motor.thread), face, face + depth)
-        inserts = _inserts(reducer, MOTOR_INSERT, motor.thread, names.HOUSING, centres, face, 1.0)
-        return Joint(name, JointKind.SCREWED, parts, ((MOTOR_COVER, thread),), tuple(inserts))
+        inserts = tuple(_inserts(reducer, MOTOR_INSERT, motor.thread, names.HOUSING, centres, face, 1.0))
+        threads = (_tapped(reducer, MOTOR_COVER, centres, motor.thread, depth),)
+        return Joint(name, JointKind.SCREWED, parts, ((MOTOR_COVER, thread),), inserts, threads=threads)
     under_head = face + motor_grip(motor, sizes.wall)
     holes: tuple[Hole, ...] = (
         (centres, 0.5 * stock.bolt_hole(motor.thread), face, under_head),
@@ -322,14 +258,19 @@ def _flange_screws(reducer: Reducer, sizes: Casing) -> Joint:
         _screws(FLANGE_SCREW, bolt, length, names.OUTPUT, centres, under_head, FLANGE_CLASS),
         *_inserts(reducer, FLANGE_INSERT, bolt.thread, names.OUTPUT, centres, top, -1.0),
     )
-    return Joint("screws of the output flange", JointKind.SCREWED, (names.OUTPUT, FLANGE), holes, bought)
+    threads = (_tapped(reducer, names.OUTPUT, centres, bolt.thread, depth),)
+    parts = (names.OUTPUT, FLANGE)
+    return Joint("screws of the output flange", JointKind.SCREWED, parts, holes, bought, threads=threads)
 
 
 def _load_threads(reducer: Reducer, sizes: Casing) -> Joint:
     bolt, centres, end = sizes.flange_bolt, flange_centres(sizes)[1::2], sizes.top + sizes.flange_thickness
     thread = (centres, core_radius(reducer, bolt.thread), sizes.top, end)
-    inserts = _inserts(reducer, LOAD_INSERT, bolt.thread, names.OUTPUT, centres, end, -1.0)
-    return Joint("threads for the load", JointKind.SCREWED, (FLANGE, LOAD), ((FLANGE, thread),), tuple(inserts))
+    inserts = tuple(_inserts(reducer, LOAD_INSERT, bolt.thread, names.OUTPUT, centres, end, -1.0))
+    threads = (_tapped(reducer, FLANGE, centres, bolt.thread, end - sizes.top),)
+    return Joint(
+        "threads for the load", JointKind.SCREWED, (FLANGE, LOAD), ((FLANGE, thread),), inserts, threads=threads
+    )
 
 
 def _dowels(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
@@ -349,14 +290,29 @@ def _dowels(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
             (("diameter", dowel.diameter), ("length", dowel.length)),
             "steel",
             dowel.designation,
-            PRESS_FIT,
+            DOWEL_FIT,
             first=1 + index * len(centres),
         )
         holes: tuple[tuple[str, Hole], ...] = (
             (below, (centres, radius, face - depth, face)),
             (above, (centres, radius, face, face + depth)),
         )
-        yield Joint(f"dowels of {below} and {above}", JointKind.DOWELLED, (below, above), holes, (bought,))
+        yield Joint(
+            f"dowels of {below} and {above}",
+            JointKind.DOWELLED,
+            (below, above),
+            holes,
+            (bought,),
+            DOWEL_FIT,
+            len(centres),
+            dowel.diameter,
+            depth,
+        )
+
+
+def _tapped(reducer: Reducer, part: str, centres: Array, thread: float, depth: float) -> TappedHole:
+    insert = insert_in(reducer, thread)
+    return TappedHole(part, len(centres), thread, depth, insert.designation if insert else "")
 
 
 def _screws(

@@ -19,11 +19,13 @@ from cycloid_mj.parts.export.casing import (
     SCREW_INSERT,
     SHAFT_BEARING,
     Casing,
+    in_one_piece,
     is_plastic,
     motor_screw,
 )
+from cycloid_mj.parts.export.crank_joints import KEY
 from cycloid_mj.parts.export.crank_rings import CRANK_RING
-from cycloid_mj.parts.export.printing import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT, in_one_piece
+from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT
 from cycloid_mj.reducer import Reducer
 
 ALONG = (
@@ -34,6 +36,7 @@ ALONG = (
     SHAFT_BEARING,
     names.SHAFT,
     CRANK_RING,
+    KEY,
     names.CAM,
     names.SPACER,
     CAM_BEARING,

@@ -7,8 +7,8 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.parts import Mesh, Prism, Solid, mesh
-from cycloid_mj.parts.export.casing import Casing
-from cycloid_mj.parts.export.printing import is_printed, material_part, printed_parts
+from cycloid_mj.parts.export.casing import Casing, is_printed
+from cycloid_mj.parts.export.printing import material_part, printed_parts
 from cycloid_mj.parts.export.supports import overhangs, support
 from cycloid_mj.parts.inertia import region_moments
 from cycloid_mj.reducer import Reducer

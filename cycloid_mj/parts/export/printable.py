@@ -8,9 +8,9 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import Prism, Solid, circle
-from cycloid_mj.parts.export.casing import MIN_PRINTED_WALL, Casing
+from cycloid_mj.parts.export.casing import MIN_PRINTED_WALL, Casing, is_printed
 from cycloid_mj.parts.export.plate import PrintPlate
-from cycloid_mj.parts.export.printing import is_printed, material_part, printed_parts
+from cycloid_mj.parts.export.printing import material_part, printed_parts
 from cycloid_mj.parts.export.round_part import SAME_FACE
 from cycloid_mj.reducer import Reducer
 

@@ -8,22 +8,17 @@ from cycloid_mj.base import names
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.parts import Part, Solid, Stretch, lay_out_parts, output_centres, parts, sleeve_core_radius
 from cycloid_mj.parts.contour import CircleContour, Contour, TurnedContour
-from cycloid_mj.parts.export.bearings import MIN_CAM_STEP
-from cycloid_mj.parts.export.casing import FLANGE, MOTOR_COVER, OUTPUT_COVER, Casing
-from cycloid_mj.parts.export.casing_parts import casing_parts, fitted_stretches
+from cycloid_mj.parts.export.bearings import cam_radius
+from cycloid_mj.parts.export.casing import FLANGE, MOTOR_COVER, OUTPUT_COVER, Casing, in_one_piece, is_printed
+from cycloid_mj.parts.export.casing_parts import casing_parts, fit_part
 from cycloid_mj.parts.export.crank_rings import CRANK_RING
+from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT
 from cycloid_mj.parts.export.round_part import RoundPart, with_holes
 from cycloid_mj.parts.output import roller_part
 from cycloid_mj.reducer import Reducer
 
-SECOND_OUTPUT = "output_2"
-"""The output disc on the motor side, if both ends of the output pins are supported."""
-
 STEEL = 7850.0
 """Density of bought parts [kg/m3]."""
-
-OUTPUT_PIN, PRESSED_PIN = "output_pin", "pressed_pin"
-"""Round parts that are within output and housing in the solids of the mechanism."""
 
 
 @dataclass(frozen=True)
@@ -56,17 +51,6 @@ def widen_clearances(reducer: Reducer, offset: float) -> Reducer:
             f"an offset of {1e6 * offset:g} um is too large: a clearance would exceed its limit, or the sleeves would "
             "have no wall; choose a smaller offset"
         ) from error
-
-
-def is_printed(reducer: Reducer, part: str) -> bool:
-    """Return whether plain round parts of the material of a part are printed (plastic) rather than bought (metal)."""
-    return reducer.design.material_of(part).is_plastic
-
-
-def in_one_piece(reducer: Reducer) -> bool:
-    """Return whether the output pins are printed with their disc: plastic, without rollers, supported at one end."""
-    output = reducer.design.output
-    return is_printed(reducer, names.OUTPUT) and not output.rollers and output.support == "cantilever"
 
 
 def material_part(reducer: Reducer, part: str) -> str:
@@ -182,8 +166,10 @@ def separate_parts(
         for name in (names.SHAFT, *names.all_numbered(names.CAM, reducer.design.gear.discs)):
             if name in laid:
                 laid[name] = laid[name].of(_with_cam(reducer, stretch, cam) for stretch in laid[name].stretches)
+    if sizes:
+        laid = {name: fit_part(reducer, sizes, name, part) for name, part in laid.items()}
     for name, part in (casing_parts(reducer, sizes) if sizes else {}).items():
-        base = fitted_stretches(reducer, sizes, name, laid[name].stretches) if sizes and name in laid else ()
+        base = laid[name].stretches if name in laid else ()
         density = STEEL if part.bought else reducer.design.material_of(material_part(reducer, name)).density
         laid[name] = Part(name, with_holes(name, part, base), density)
     if SECOND_OUTPUT in laid:
@@ -217,7 +203,7 @@ def _cam_radius(reducer: Reducer, seat: float) -> float:
             "mm to clear the shaft, and smaller than the outside diameter of the bearing, "
             f"{2e3 * gear.bore_radius:g} mm (twice gear.bore_radius_mm)"
         )
-    return max(seat, flush + MIN_CAM_STEP)
+    return cam_radius(reducer, seat)
 
 
 def _with_cam(reducer: Reducer, stretch: Stretch, radius: float) -> Stretch:

@@ -10,7 +10,7 @@ from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.design import stock
 from cycloid_mj.parts import Stretch
-from cycloid_mj.parts.contour import CircleContour, circles_at
+from cycloid_mj.parts.contour import CircleContour, Contour, circles_at
 
 SAME_FACE = 1e-9
 """Distance along z within which two faces are the same [m]."""
@@ -37,6 +37,8 @@ class RoundPart:
         Its cylinders about its axis.
     holes
         Its holes, with axes along z.
+    blocks
+        Its sections of other outlines: contour, lower and upper end along z [m].
     bought
         True for a bought part; it is drawn in a frame of its own.
     """
@@ -44,6 +46,7 @@ class RoundPart:
     material: str
     rounds: tuple[Round, ...] = ()
     holes: tuple[Hole, ...] = ()
+    blocks: tuple[tuple[Contour, float, float], ...] = ()
     bought: bool = False
 
 
@@ -54,8 +57,8 @@ def tube(bore: float, outside: float, width: float) -> RoundPart:
 
 
 def screw_body(bolt: stock.Bolt, length: float) -> RoundPart:
-    """Return a screw of a length [m] that points along -z, with its head above z = 0."""
-    rounds = (0.5 * bolt.thread, -length, 0.0), (0.5 * bolt.head, 0.0, bolt.head_height)
+    """Return a screw of a length [m] that points along -z, with its head above z = 0, and its thread as its core."""
+    rounds = (0.5 * (bolt.thread - stock.pitch(bolt.thread)), -length, 0.0), (0.5 * bolt.head, 0.0, bolt.head_height)
     return RoundPart(names.SHAFT, rounds, bought=True)
 
 
@@ -70,7 +73,8 @@ def with_holes(name: str, part: RoundPart, base: Sequence[Stretch] = ()) -> tupl
 
     The stretches end at all faces of the part and of its holes.
     """
-    shells = [*base, *(Stretch(name, CircleContour(radius), (), z0, z1) for radius, z0, z1 in part.rounds)]
+    rounds = ((CircleContour(radius), z0, z1) for radius, z0, z1 in part.rounds)
+    shells = [*base, *(Stretch(name, contour, (), z0, z1) for contour, z0, z1 in (*rounds, *part.blocks))]
     ends = [(shell.z0, shell.z1) for shell in shells] + [(start, end) for _, _, start, end in part.holes]
     faces = sorted({z for pair in ends for z in pair})
     stretches = []

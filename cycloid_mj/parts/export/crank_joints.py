@@ -1,0 +1,171 @@
+"""The joints of the mechanism: cams on the shaft, bearings in the discs, pins of ring and output with their rollers."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.base import names
+from cycloid_mj.design import stock
+from cycloid_mj.geometry.profile import unit
+from cycloid_mj.parts import crank_stretches, sleeve_core_radius
+from cycloid_mj.parts.cam_bearing import cam_bearing
+from cycloid_mj.parts.export.bearings import (
+    FREE_FIT,
+    PIN_FIT,
+    RETAINED_FIT,
+    ROLLER_FIT,
+    cam_radius,
+    cup_fit,
+    pin_pieces,
+    sleeve_pin_depth,
+)
+from cycloid_mj.parts.export.casing import (
+    CAM_BEARING,
+    MIN_WALL,
+    MOTOR_COVER,
+    OUTPUT_COVER,
+    Casing,
+    in_one_piece,
+    motor_bore,
+)
+from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT, BoughtPart, Joint, JointKind
+from cycloid_mj.parts.export.keyway import KeyContour
+from cycloid_mj.parts.export.round_part import Hole, RoundPart
+from cycloid_mj.reducer import Reducer, once
+
+KEY = "key"
+"""The key of the cams on the shaft of several discs."""
+
+KEY_ANGLES = 360
+"""Number of angles around the shaft at which the wall of the cams over a keyway is compared."""
+
+GLUE_FIT = "H7/g6, retaining compound"
+"""Fit of cams that are too thin for a keyway: the gap for an anaerobic compound."""
+
+
+@dataclass(frozen=True)
+class CamKey:
+    """The key of all cams: the bought key, its angle from +x at the crank angle 0 [rad], and its ends along z [m]."""
+
+    bought: stock.Key
+    angle: float
+    low: float
+    high: float
+
+
+def crank_joints(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
+    """Yield the joints of crank, discs, ring pins and output pins."""
+    yield from _cams_on_shaft(reducer, sizes)
+    yield from _cam_bearings(reducer)
+    yield from _ring_pins(reducer, sizes)
+    yield from _output_pins(reducer)
+
+
+@once
+def cam_key(reducer: Reducer, sizes: Casing) -> CamKey | None:
+    """Return the key of the cams of several discs where their walls over it are thickest; None if none fits.
+
+    Its keyways fix the phases of the cams. It must leave a wall in the cams, and in the shaft over the motor's bore.
+    """
+    design = reducer.design
+    if design.gear.discs == 1:
+        return None
+    along, radius = crank_stretches(reducer), design.shaft.radius
+    cams = [along[name] for name in names.all_numbered(names.CAM, design.gear.discs)]
+    low, high = cams[0].z0, cams[-1].z1
+    key = stock.key_for(2.0 * radius, high - low)
+    if key is None:
+        return None
+    angles = 2.0 * math.pi * np.arange(KEY_ANGLES) / KEY_ANGLES
+    directions = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    outer, eccentricity = cam_radius(reducer), design.gear.eccentricity
+    towards = eccentricity * directions @ unit(-np.array(reducer.phases)).T
+    walls = (towards + np.sqrt(towards**2 + outer**2 - eccentricity**2)).min(axis=1)
+    best, bore = int(np.argmax(walls)), motor_bore(reducer, sizes)
+    core = bore[0] if bore and bore[2] > low else 0.0
+    fits = walls[best] >= math.hypot(radius + key.in_hub, 0.5 * key.width) + MIN_WALL
+    if not (fits and radius - key.in_shaft >= core + MIN_WALL):
+        return None
+    middle = 0.5 * (low + high)
+    return CamKey(key, float(angles[best]), middle - 0.5 * key.length, middle + 0.5 * key.length)
+
+
+def _cams_on_shaft(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
+    """Yield the joint of cams and shaft of several discs: keyed, or glued in marked phases."""
+    gear, radius = reducer.design.gear, reducer.design.shaft.radius
+    if gear.discs == 1:
+        return
+    key, parts = cam_key(reducer, sizes), (names.SHAFT, *names.all_numbered(names.CAM, gear.discs))
+    name, seats = "cams on the shaft", (gear.discs, 2.0 * radius, gear.face_width)
+    if key is None:
+        yield Joint(name, JointKind.GLUED, parts, (), (), GLUE_FIT, *seats)
+        return
+    bought = key.bought
+    foot = radius - bought.in_shaft
+    contour = KeyContour(foot, foot + bought.height, bought.width, key.angle)
+    dimensions = (
+        *(("width", bought.width), ("height", bought.height)),
+        *(("depth", bought.in_shaft), ("length", bought.length)),
+    )
+    solid = RoundPart(names.SHAFT, blocks=((contour, key.low, key.high),), bought=True)
+    part = BoughtPart(KEY, solid, names.SHAFT, ((0.0, 0.0, 0.0),), dimensions, "C45", bought.designation, "P9")
+    yield Joint(name, JointKind.KEYED, parts, (), (part,), "H7/k6", *seats)
+
+
+def _cam_bearings(reducer: Reducer) -> Iterator[Joint]:
+    """Yield the joint of discs and their bearings: pressed in, or rollers in the bore of the disc itself."""
+    gear, bought = reducer.design.gear, cam_bearing(reducer)
+    if gear.bearing != "rolling":
+        return
+    kind = JointKind.PRESSED if bought else JointKind.BEARING
+    fit = cup_fit(reducer, names.GEAR) if bought else "rollers in the bore of the disc"
+    seats = gear.discs, 2.0 * gear.bore_radius, gear.face_width
+    yield Joint("cam bearings in the discs", kind, (CAM_BEARING, *reducer.gears), (), (), fit, *seats)
+
+
+def _ring_pins(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
+    """Yield the joints of the ring pins."""
+    ring, width = reducer.design.ring, reducer.design.gear.stack_width
+    if ring.kind != "pin":
+        return
+    if ring.has_sleeves:
+        yield _sleeve_pins(reducer, sizes)
+        seats = ring.teeth, 2.0 * sleeve_core_radius(reducer), width
+        parts = names.PIN, PRESSED_PIN
+        yield Joint("sleeves on their pins", JointKind.CLEARANCE, parts, (), (), "F7/m6", *seats)
+        return
+    fit = FREE_FIT if ring.has_sockets else RETAINED_FIT
+    kind = JointKind.CLEARANCE if ring.has_sockets else JointKind.GLUED
+    count, length = pin_pieces(reducer)
+    seats = count * ring.teeth, 2.0 * ring.pin_radius, length
+    yield Joint("ring pins in their sockets", kind, (names.PIN, names.HOUSING), (), (), fit, *seats)
+
+
+def _sleeve_pins(reducer: Reducer, sizes: Casing) -> Joint:
+    """Return the joint of the pins inside sleeves: pressed into both covers by `sleeve_pin_depth`."""
+    ring, radius, depth = reducer.design.ring, sleeve_core_radius(reducer), sleeve_pin_depth(reducer)
+    centres = ring.pin_circle_radius * unit(2.0 * np.pi * np.arange(ring.teeth) / ring.teeth)
+    holes: tuple[tuple[str, Hole], ...] = (
+        (MOTOR_COVER, (centres, radius, -sizes.end - depth, -sizes.end)),
+        (OUTPUT_COVER, (centres, radius, sizes.end, sizes.end + depth)),
+    )
+    parts = PRESSED_PIN, MOTOR_COVER, OUTPUT_COVER
+    seats = 2 * ring.teeth, 2.0 * radius, depth
+    return Joint("pins of the sleeves", JointKind.PRESSED, parts, holes, (), PIN_FIT, *seats)
+
+
+def _output_pins(reducer: Reducer) -> Iterator[Joint]:
+    """Yield the joints of separate output pins: pressed into the discs of the output, with rollers on them."""
+    gear, output = reducer.design.gear, reducer.design.output
+    if in_one_piece(reducer):
+        return
+    diameter, discs = 2.0 * output.root_radius, 2 if output.support == "both_ends" else 1
+    parts = OUTPUT_PIN, *((names.OUTPUT, SECOND_OUTPUT)[:discs])
+    seats = output.pins * discs, diameter, output.disc_thickness
+    yield Joint("output pins in their discs", JointKind.PRESSED, parts, (), (), PIN_FIT, *seats)
+    if output.rollers:
+        rolling = output.pins * gear.discs, diameter, gear.face_width
+        parts = names.ROLLER, OUTPUT_PIN
+        yield Joint("rollers on the output pins", JointKind.CLEARANCE, parts, (), (), ROLLER_FIT, *rolling)
