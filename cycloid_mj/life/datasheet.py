@@ -27,7 +27,7 @@ from cycloid_mj.life.output_bearing import USUAL_CLEARANCE, output_bearings
 from cycloid_mj.life.rated import is_bearing_life, is_momentary, rated_torque
 from cycloid_mj.parts import body_solids, mass_properties, moving_masses, parts, turning_inertia
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
-from cycloid_mj.parts.export.casing import FLANGE_CIRCLE, FLANGE_SCREWS, casing
+from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.drive import has_casing
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import loads, powers, springs_of
@@ -317,9 +317,9 @@ def _interfaces(reducer: Reducer) -> tuple[Quantity, ...]:
         Quantity(
             "output_circle",
             "Output flange, bolt circle",
-            1e3 * FLANGE_CIRCLE * sizes.hub.bore,
+            2e3 * sizes.flange_circle,
             "mm",
-            note=_threads(FLANGE_SCREWS, sizes.flange_bolt.thread),
+            note=_threads(sizes.flange_screws, sizes.flange_bolt.thread),
         ),
         Quantity("cover_diameter", "Covers, diameter", 2e3 * sizes.outer, "mm", note="both"),
         Quantity(

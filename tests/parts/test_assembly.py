@@ -52,7 +52,7 @@ ANGLES = 2.0 * np.pi * np.arange(36) / 36.0
 BODIES = {
     **dict.fromkeys(("pressed_pin", "motor_cover", "output_cover", "screw", "dowel"), "housing"),
     **dict.fromkeys(("screw_insert", "motor_screw_insert", "motor_screw"), "housing"),
-    **dict.fromkeys(("cam", "cam_bearing", "spacer", "crank_ring"), "shaft"),
+    **dict.fromkeys(("cam", "spacer", "crank_ring", "key"), "shaft"),
     **dict.fromkeys(("output", "output_roller", "output_pin", "output_flange", "flange_screw"), "output"),
     **dict.fromkeys(("flange_screw_insert", "load_screw_insert"), "output"),
 }
@@ -155,7 +155,7 @@ def collisions(design: Design, angles: np.ndarray, phase: float = 0.0) -> list[s
         bodies: dict[str, list[Prism]] = {}
         for place in places(reducer, angle, sizes):
             kind = family(place.part)
-            if kind in ("shaft_bearing", "output_bearing"):
+            if kind in ("shaft_bearing", "output_bearing", "cam_bearing"):
                 continue  # they touch what turns and what stands: OpenCASCADE tells
             at = replace(place, angle=place.angle + phase) if kind == "gear" else place
             body = bodies.setdefault(BODIES.get(kind, place.name), [])
@@ -305,7 +305,8 @@ def test_pins_under_rollers_are_as_thick_in_the_assembly_as_on_the_bill_and_the_
     assert not output.has_roller_parts
     sections, placed = assembly_sections(reducer, sizes), Counter(one.part for one in places(reducer, 0.0, sizes))
     (pin,), ((outside,), (bore,)) = sections["output_pin"][0].loops[0], sections["output_roller"][0].loops
-    assert (pin.radius, outside.radius, bore.radius) == (output.root_radius, output.pin_radius, output.root_radius)
+    assert (pin.radius, outside.radius) == (output.root_radius, output.pin_radius)
+    assert 1e-5 < 2.0 * (bore.radius - pin.radius) < 3e-5  # E8/m6: it turns
     assert placed["output_pin"] == placed["output_roller"] == output.pins
     bores = [loop[0].radius for loop in sections["output"][0].loops[1:]]
     assert bores.count(output.root_radius) == output.pins

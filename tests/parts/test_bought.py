@@ -70,6 +70,9 @@ def sizes_in_stock(designation: str) -> dict[str, float]:
         assert in_stock
         assert in_stock[0].designation == designation
         return {"diameter": diameter, "length": length}
+    if key := re.fullmatch(r"DIN 6885 - B ([\d.]+) x ([\d.]+) x ([\d.]+)", designation):
+        width, height, length = map(float, key.groups())
+        return {"width": width, "height": height, "length": length}
     if screw := re.fullmatch(r"(ISO 4762 - M([\d.]+)) x ([\d.]+)", designation):
         bolt = next(one for one in stock.bolts() if one.designation == screw[1])
         length = stock.bolt_length(bolt.thread, 1e-3 * float(screw[3]))
@@ -92,7 +95,7 @@ def test_every_size_in_the_bill_is_in_the_tables_of_stock(name: str) -> None:
         for what, value in measures(line).items():
             if what in looked_up:  # a bar is cut to length
                 assert value == pytest.approx(looked_up[what], rel=1e-4), line
-        assert measures(line).keys() - looked_up.keys() <= {"length", "bored"}, line
+        assert measures(line).keys() - looked_up.keys() <= {"length", "bored", "depth"}, line
         assert line.fit or "ISO 4762" in line.designation or "insert" in line.item or "bar" in line.designation, line
         assert line.count > 0
 

@@ -2,12 +2,18 @@
 
 from collections import Counter
 
+import numpy as np
 import pytest
-from designs import cases
+from designs import cases, design_file
 
-from cycloid_mj.design import PRESETS
+from cycloid_mj.design import PRESETS, fits, load, stock
+from cycloid_mj.parts import mesh
 from cycloid_mj.parts.export import bill, casing, places
-from cycloid_mj.parts.export.joints import JointKind, bought_parts, drive_joints
+from cycloid_mj.parts.export.assembly import assembly_parts
+from cycloid_mj.parts.export.crank_joints import cam_key
+from cycloid_mj.parts.export.joint import JointKind
+from cycloid_mj.parts.export.joints import bought_parts, drive_joints
+from cycloid_mj.parts.export.keyway import KeywayContour
 from cycloid_mj.reducer import Reducer
 
 DESIGNS = cases(("printed", "pin", "twodisc"), "printed", "twodisc")
@@ -25,7 +31,9 @@ def test_holes_of_a_joint_are_in_its_mating_parts(name):
     for joint in joints:
         assert {part for part, _ in joint.holes} <= set(joint.parts), joint.name
         assert len(joint.parts) >= 2, joint.name
-    assert {joint.kind for joint in joints} == set(JointKind)
+        assert joint.fit or joint.kind is JointKind.SCREWED or not joint.diameter, joint.name
+    kinds = {joint.kind for joint in joints}
+    assert {JointKind.SCREWED, JointKind.DOWELLED, JointKind.BEARING, JointKind.LOCATED, JointKind.CLEARANCE} <= kinds
 
 
 @pytest.mark.parametrize("name", DESIGNS)
@@ -68,3 +76,113 @@ def test_cover_screws_pass_clearance_holes_and_engage_a_thread(name):
             assert radius > 0.5 * dict(screw.dimensions)["thread"]
             assert end > start
     assert len(screw.origins) == len(sizes.screws.angles)
+
+
+def zoo(name):
+    reducer = Reducer(load(design_file(name)))
+    sizes = casing(reducer)
+    return reducer, sizes, drive_joints(reducer, sizes)
+
+
+KEYED = cases(
+    ("sleeved-n40-d2-ring-25um", "massless-n49-d3-carrier-8um", "nonpin-n33-d2-ring-60um"), "sleeved-n40-d2-ring-25um"
+)
+
+
+@pytest.mark.parametrize("name", KEYED)
+def test_cams_of_several_discs_are_keyed_to_their_shaft(name):
+    """Keyways of shaft, cams and spacers match the key, whose size is that of DIN 6885 for the shaft."""
+    reducer, sizes, joints = zoo(name)
+    joint = next(one for one in joints if one.kind is JointKind.KEYED)
+    (bought,) = joint.bought
+    size, radius = dict(bought.dimensions), reducer.design.shaft.radius
+    key = cam_key(reducer, sizes)
+    assert bought.designation == stock.key_for(2.0 * radius, reducer.design.gear.stack_width).designation
+    laid = assembly_parts(reducer, sizes)
+    slots = [one.outline for one in laid["shaft"].stretches if isinstance(one.outline, KeywayContour)]
+    assert slots
+    assert {slot.depth for slot in slots} == {-size["depth"]}
+    hubs = [laid[f"cam_{number + 1}"] for number in range(reducer.design.gear.discs)] + [laid["spacer"]]
+    for hub in hubs:
+        for stretch in hub.stretches:
+            (slot,) = stretch.holes
+            assert (slot.width, slot.depth, slot.angle) == (size["width"], key.bought.in_hub, key.angle)
+            outline = stretch.outline.polygon(1e-6)
+            assert np.linalg.norm(outline, axis=1).min() > radius
+    assert size["height"] < size["depth"] + key.bought.in_hub <= size["height"] + 0.5e-3
+
+
+@pytest.mark.parametrize("name", KEYED)
+def test_keyed_parts_have_closed_meshes(name):
+    reducer, sizes, _ = zoo(name)
+    for part in ("shaft", "cam_1", "spacer", "key"):
+        solid = assembly_parts(reducer, sizes)[part].solid(5e-6)
+        assert len(mesh(solid).faces) > 10
+
+
+def test_cams_too_thin_for_a_keyway_are_glued():
+    reducer, sizes, joints = joints_of("twodisc")
+    assert cam_key(reducer, sizes) is None
+    assert next(one for one in joints if one.name == "cams on the shaft").kind is JointKind.GLUED
+
+
+@pytest.mark.parametrize("name", DESIGNS)
+def test_tapped_holes_are_drilled_to_their_core(name):
+    """M4 is drilled 3.3 mm in a metal; in a plastic its insert has a hole of its own."""
+    _, _, joints = joints_of(name)
+    tapped = [(joint, thread) for joint in joints for thread in joint.threads]
+    assert {thread.part for _, thread in tapped} >= {"motor_cover", "output", "output_flange"}
+    for joint, thread in tapped:
+        radii = {radius for _, radius, *_ in joint.holes_in(thread.part)}
+        if thread.insert:
+            assert 0.5 * stock.insert_of(thread.thread).hole in radii
+        else:
+            assert 0.5 * (thread.thread - stock.pitch(thread.thread)) in radii
+            assert 0.5 * thread.thread not in radii
+    assert 4e-3 - stock.pitch(4e-3) == pytest.approx(3.3e-3)
+
+
+@pytest.mark.parametrize("name", ["fixed-n34-d2-carrier-120um", "nonpin-n33-d2-ring-60um"])
+def test_every_thread_in_a_plastic_has_an_insert(name):
+    _, _, joints = zoo(name)
+    assert all(thread.insert for joint in joints for thread in joint.threads)
+
+
+def test_fits_follow_the_kind_of_load():
+    """What is pressed in is tight, what turns has play: cups N6 (R6 in plastic), rollers E8 on m6, sleeves F7."""
+    _, _, printed = joints_of("printed")
+    fit = {joint.name: joint.fit for joint in printed}
+    assert fit["cam bearings in the discs"] == "R6"
+    assert fits.clearances(fit["rollers on the output pins"], 5e-3)[0] > 0.0
+    assert fit["output pins in their discs"] == "m6 in N7"
+    assert "j5 on the crank" in fit["shaft in the motor cover"]
+    assert fits.clearances("N7/m6", 5e-3)[1] <= 0.0
+
+
+@pytest.mark.parametrize("name", ["sleeved-n27-d1-carrier-3um", "sleeved-n40-d2-ring-25um"])
+def test_pins_of_sleeves_stand_in_both_covers(name):
+    reducer, sizes, joints = zoo(name)
+    joint = next(one for one in joints if one.name == "pins of the sleeves")
+    (pin,) = assembly_parts(reducer, sizes)["pressed_pin"].stretches
+    for part, (_, radius, low, high) in joint.holes:
+        assert radius == pin.outline.radius
+        assert pin.z0 <= low + 1e-12, part
+        assert high <= pin.z1 + 1e-12, part
+
+
+@pytest.mark.parametrize("name", cases(("printed", "pin", "twodisc"), "printed", "twodisc", "pin"))
+def test_screws_and_threads_of_the_flange_have_walls(name):
+    _, sizes, joints = joints_of(name)
+    centres = np.array(
+        [centre for joint in joints for part, hole in joint.holes if part == "output_flange" for centre in hole[0]]
+    )
+    (screws,) = [joint for joint in joints if joint.name == "screws of the output flange"]
+    (threads,) = [joint for joint in joints if joint.name == "threads for the load"]
+    heads = max(radius for _, radius, *_ in screws.holes_in("output_flange"))
+    tapped = max(radius for _, radius, *_ in threads.holes_in("output_flange"))
+    assert sizes.flange_screws == len(screws.holes[0][1][0]) == len(threads.holes[0][1][0])
+    reach = np.linalg.norm(centres, axis=1).max() + heads
+    assert reach <= sizes.flange_radius - sizes.wall + 1e-9
+    angle = np.pi / sizes.flange_screws
+    assert 2.0 * sizes.flange_circle * np.sin(0.5 * angle) >= heads + tapped
+    assert sizes.flange_circle + tapped <= 0.5 * sizes.hub.bore - sizes.wall + 1e-9

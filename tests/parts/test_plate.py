@@ -200,7 +200,7 @@ def test_output_pins_that_are_bought_fill_their_bores_and_reach_through_the_disc
     assert lines["output_roller"].size == "outside diameter 9 x bore 5 x length 25 mm"
     assert (lines["pin"].size, lines["pin"].material) == ("diameter 7 x length 25 mm", "bearing steel")
     assert lines["shaft_bearing"].size == "outside diameter 24 x bore 12 x length 6 mm"
-    assert (lines["shaft_bearing"].designation, lines["shaft_bearing"].fit) == ("61901", "H7 outside, j6 on the shaft")
+    assert (lines["shaft_bearing"].designation, lines["shaft_bearing"].fit) == ("61901", "H7 outside, j5 on the crank")
     for name in ("output", "output_2"):
         bores = printed_parts(Reducer(design), CHORD_ERROR)[name].solid.prisms[0].holes[-design.output.pins :]
         for bore, centre in zip(bores, output_centres(Reducer(design)), strict=True):
@@ -291,7 +291,7 @@ def test_the_command_writes_plate_and_bill(tmp_path: Path, capsys: pytest.Captur
         assert one["least"] == pytest.approx(one["asked"] + told["offset"], abs=2e-8)
     rows = list(csv.DictReader(io.StringIO((out / "bom.csv").read_text())))
     assert [{**row, "count": int(row["count"])} for row in rows] == told["bom"]
-    assert Counter(row["made_or_bought"] for row in rows) == {"made": 7, "bought": 9}
+    assert Counter(row["made_or_bought"] for row in rows) == {"made": 8, "bought": 9}
     assert {str(path) for path in out.iterdir()} == set(told["files"])
     assert main([*arguments, "--out", str(out), "--force", "--all"]) == 0
     shown = capsys.readouterr().out

@@ -53,8 +53,9 @@ ENGAGEMENT = 1.5
 HEAD_PLAY = 0.2e-3
 """Radial play of a screw head in its counterbore [m] (assumed; DIN 974-1 has 0.5 mm, for which walls are too thin)."""
 
-FLANGE_SCREWS, FLANGE_CIRCLE, FLANGE_THREAD = 6, 0.66, 0.16
-"""Number of screws of the output flange; their circle radius and thread relative to the radius of the hub."""
+FLANGE_SCREWS, FLANGE_CIRCLE, FLANGE_THREAD = (8, 6), 0.8, 0.16
+"""Numbers of screws of the output flange, of which the first that fits is taken; their circle radius and thread
+relative to the radius of the hub."""
 
 AXIAL_PLAY, PRINTED_AXIAL_PLAY = 0.1e-3, 0.2e-3
 """Least distance of parts that move against each other, in metal and in plastic [m]: above the flatness of a cover and
@@ -145,8 +146,8 @@ class Casing:
     play, end
         Least distance of parts that move against each other, and half the width of the ring: it is wider than the discs
         by the play at both ends, so that they turn freely between the covers.
-    flange_bolt, flange_thickness
-        Screws of the output flange, and its thickness.
+    flange_bolt, flange_thickness, flange_screws, flange_circle
+        Screws of the output flange, its thickness, and number and circle radius of the screws.
     """
 
     outer: float
@@ -170,6 +171,8 @@ class Casing:
     end: float
     flange_bolt: stock.Bolt
     flange_thickness: float
+    flange_screws: int
+    flange_circle: float
 
     @property
     def bearings(self) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -239,7 +242,8 @@ def casing(reducer: Reducer, motor: Motor = "auto") -> Casing:
     dowel, dowel_angles, dowel_circle = _dowel(reducer, screws, wall)
     room = screws.circle - counterbore(screws.bolt) - 2.0 * wall
     hub = _hub(min(room, design.ring_root_radius), rim - wall, seat + 2.0 * wall if straddles else 0.0)
-    bolt = thickest_bolt(FLANGE_THREAD * hub.bore / 2.0)
+    bolt = thickest_bolt(FLANGE_THREAD * hub.bore / 2.0, inserted=is_plastic(reducer))
+    flange_circle, flange_screws = _flange_pattern(reducer, hub, bolt, wall)
     hub_floor = half + AXIAL_GAP + output.disc_thickness + AXIAL_GAP
     deepest = max(far[1] + COLLAR if straddles else 0.0, hub_floor) + 2.0 * wall + 2.0 * ENGAGEMENT * bolt.thread
     return Casing(
@@ -264,6 +268,8 @@ def casing(reducer: Reducer, motor: Motor = "auto") -> Casing:
         end=end,
         flange_bolt=bolt,
         flange_thickness=hole_depth(reducer, bolt.thread, bolt.head_height + max(bolt.thread, wall)),
+        flange_screws=flange_screws,
+        flange_circle=flange_circle,
     )
 
 
@@ -314,9 +320,9 @@ def seat_radius(reducer: Reducer, width: float) -> float:
     return 0.5 * stocked[0].outside if stocked else BEARING_RATIO * radius
 
 
-def thickest_bolt(thread: float) -> stock.Bolt:
-    """Return the thickest screw up to a thread [m], or the thinnest screw."""
-    bolts = stock.bolts()
+def thickest_bolt(thread: float, *, inserted: bool = False) -> stock.Bolt:
+    """Return the thickest screw up to a thread [m], or the thinnest; `inserted`: of those with inserts in stock."""
+    bolts = [bolt for bolt in stock.bolts() if not inserted or stock.insert_of(bolt.thread)]
     return max((bolt for bolt in bolts if bolt.thread <= thread), key=lambda bolt: bolt.thread, default=bolts[0])
 
 
@@ -332,7 +338,7 @@ def _screws(reducer: Reducer, wall: float) -> Screws:
     design = reducer.design
     ring, housing = design.ring, design.housing
     around = wall if is_plastic(reducer) else max(0.5 * wall - HEAD_PLAY, 0.5 * MIN_WALL)
-    for bolt in _bolts_up_to(housing.outer_radius):
+    for bolt in _bolts_up_to(housing.outer_radius, is_plastic(reducer)):
         hole, head = 0.5 * stock.bolt_hole(bolt.thread), counterbore(bolt)
         if housing.support == "bolts":
             angles = tuple(2.0 * math.pi * number / housing.bolts for number in range(housing.bolts))
@@ -349,15 +355,16 @@ def _screws(reducer: Reducer, wall: float) -> Screws:
             )
         if fits and stock.bolt_length(bolt.thread, _min_screw_length(bolt, wall, design.gear.stack_width)):
             return _screws_of_length(bolt, circle, angles, wall, design.gear.stack_width)
-    bolt = thickest_bolt(THREAD_SHARE * housing.outer_radius)
+    bolt = thickest_bolt(THREAD_SHARE * housing.outer_radius, inserted=is_plastic(reducer))
     circle = housing.outer_radius + max(0.5 * stock.bolt_hole(bolt.thread), counterbore(bolt)) + wall
     angles = tuple(2.0 * math.pi * number / MAX_SCREWS for number in range(MAX_SCREWS))
     return _screws_of_length(bolt, circle, angles, wall, 0.0)
 
 
-def _bolts_up_to(radius: float) -> Iterator[stock.Bolt]:
-    most = thickest_bolt(THREAD_SHARE * radius)
-    yield from (bolt for bolt in reversed(stock.bolts()) if bolt.thread <= most.thread)
+def _bolts_up_to(radius: float, inserted: bool) -> Iterator[stock.Bolt]:
+    most = thickest_bolt(THREAD_SHARE * radius, inserted=inserted)
+    usable = (bolt for bolt in reversed(stock.bolts()) if not inserted or stock.insert_of(bolt.thread))
+    yield from (bolt for bolt in usable if bolt.thread <= most.thread)
 
 
 def _lands(teeth: int) -> tuple[float, ...]:
@@ -459,7 +466,7 @@ def _motor_flange(reducer: Reducer, motor: Motor, outer: float, seat: float, wal
     wanted = ("nema23", "nema17") if motor == "auto" else (motor,)
     if frame := next((NEMA[key] for key in wanted if key in NEMA and fits(NEMA[key])), None):
         return frame
-    thread = thickest_bolt(THREAD_SHARE * outer).thread
+    thread = thickest_bolt(THREAD_SHARE * outer, inserted=is_plastic(reducer)).thread
     circle = outer - thread_radius(reducer, thread) - 2.0 * wall
     return MotorFlange("bolt circle", max(0.6 * circle, min(seat, circle - thread)), circle, thread)
 
@@ -599,7 +606,17 @@ def shoulder_radius(ring: float, other: float) -> float:
 
 def flange_centres(sizes: Casing) -> Array:
     """Compute the centres of the holes of the flange (n, 2) [m]: screws and threads for the load in turn."""
-    return FLANGE_CIRCLE * 0.5 * sizes.hub.bore * unit(math.pi * np.arange(2 * FLANGE_SCREWS) / FLANGE_SCREWS)
+    count = sizes.flange_screws
+    return sizes.flange_circle * unit(math.pi * np.arange(2 * count) / count)
+
+
+def _flange_pattern(reducer: Reducer, hub: stock.StockBearing, bolt: stock.Bolt, wall: float) -> tuple[float, int]:
+    """Return circle radius [m] and number of the flange screws in a hub, with walls around all holes."""
+    radius, hole, head = 0.5 * hub.bore, thread_radius(reducer, bolt.thread), counterbore(bolt)
+    flange = shoulder_radius(radius, 0.5 * hub.outside)
+    circle = min(FLANGE_CIRCLE * radius, radius - hole - wall, flange - head - wall)
+    fitting = (one for one in FLANGE_SCREWS if 2.0 * circle * math.sin(0.5 * math.pi / one) >= head + hole + wall)
+    return circle, next(fitting, FLANGE_SCREWS[-1])
 
 
 def motor_centres(sizes: Casing) -> Array:

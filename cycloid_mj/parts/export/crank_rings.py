@@ -49,12 +49,11 @@ def _rings(reducer: Reducer, sizes: Casing) -> Iterator[CrankRing]:
     radius = shoulder_radius(shaft.radius, sizes.seat)
     if COUNTERWEIGHT not in along:
         radius = min(radius, hub_radius(reducer, sizes))
-    if radius < shaft.radius + MIN_WALL:
-        return
     cams = [stretch for name, stretch in along.items() if names.family(name) == names.CAM]
     before = along[COUNTERWEIGHT].z0 + counterweight_shift(reducer) if COUNTERWEIGHT in along else cams[0].z0
     back = sizes.play if shaft_bearing(reducer) in stock.needle_bearings() else 0.0
-    yield CrankRing(names.numbered(CRANK_RING, 1), radius, sizes.near[1] + back, before)
-    if sizes.far:
-        beyond = min(radius, hub_radius(reducer, sizes))
+    thinnest, beyond = shaft.radius + MIN_WALL, min(radius, hub_radius(reducer, sizes))
+    if radius >= thinnest:
+        yield CrankRing(names.numbered(CRANK_RING, 1), radius, sizes.near[1] + back, before)
+    if sizes.far and beyond >= thinnest:
         yield CrankRing(names.numbered(CRANK_RING, 2), beyond, cams[-1].z1, sizes.far[0] - back)

@@ -8,7 +8,6 @@ from cycloid_mj.parts.export.casing import (
     FLANGE,
     FLANGE_INSERT,
     FLANGE_SCREW,
-    FLANGE_SCREWS,
     LOAD_INSERT,
     MOTOR_COVER,
     MOTOR_INSERT,
@@ -70,7 +69,8 @@ def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
         _output_pins(reducer),
         f"Press one {OUTPUT_BEARING} ({hub}) into the {OUTPUT_COVER} from within, the other one from outside.",
         f"{f'Press a {SHAFT_BEARING} into the hub of the {names.OUTPUT}; push' if sizes.far else 'Push'} the hub "
-        f"through both, and screw the {FLANGE} on ({FLANGE_SCREWS} x {sizes.flange_bolt.designation}): it clamps them.",
+        f"through both, and screw the {FLANGE} on ({sizes.flange_screws} x {sizes.flange_bolt.designation}): it clamps "
+        "them.",
         f"Lay the {names.HOUSING} on it{dowels if not screws.outside else ''} and "
         f"{'put the pins into their sockets' if free else 'check that all pins are flush'}.",
         _discs(reducer),
