@@ -31,11 +31,11 @@ def test_mujoco_is_bounded_from_below_alone_by_the_oldest_that_is_known_to_work(
 @pytest.mark.slow
 def test_the_licence_of_gmsh_is_told_and_only_extras_import_it():
     extras = [name for name, needs in PROJECT["optional-dependencies"].items() if any("gmsh" in need for need in needs)]
-    assert extras == ["cad", "fem", "test"]
+    assert extras == ["fem", "test"]
     licence = importlib.metadata.metadata("gmsh")["License"]
     assert licence.startswith("GPL"), "it has changed: README.md and pyproject.toml name it"
     readme = " ".join((ROOT / "README.md").read_text().split())
-    assert "`cad`, `fem` and `test` install gmsh, which is under GPL-2.0-or-later" in readme
+    assert "extras `fem` and `test` install gmsh, which is under GPL-2.0-or-later" in readme
     assert "GPL-2.0-or-later" in (ROOT / "pyproject.toml").read_text()
     script = "import sys, cycloid_mj.cli.app, cycloid_mj.dynamics.run, cycloid_mj.report; print('gmsh' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", script], capture_output=True, text=True).stdout == "False\n"

@@ -14,8 +14,7 @@ Phase = Literal["hold", "ramp"]
 
 def condition(reducer: Reducer) -> Condition:
     """Return the condition that a design is run under."""
-    design = reducer.design
-    return Condition(design.load.torque, design.drive.speed, temperature=design.thermal.words)
+    return Condition(reducer.design.load.torque, reducer.design.drive.speed)
 
 
 @dataclass(frozen=True)

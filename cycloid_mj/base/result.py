@@ -231,19 +231,16 @@ class Condition:
         On the crank, where the test prescribes it and the load follows from it [N m].
     solver
         What takes the steps of the runs that it is judged on, where one is named.
-    temperature
-        Temperatures of the parts in words; empty for 20 °C.
     """
 
     load: float
     speed: float
     input_torque: float | None = None
     solver: str = ""
-    temperature: str = ""
 
     def __str__(self) -> str:
         """Format the condition in words, such as "36.68 N m, 1640 rpm"."""
-        return ", ".join([self.words, f"{self.speed_rpm:g} rpm", *([self.temperature] if self.temperature else [])])
+        return f"{self.words}, {self.speed_rpm:g} rpm"
 
     @property
     def speed_rpm(self) -> float:
@@ -259,8 +256,7 @@ class Condition:
         """Convert load [N m], speed [rpm] and solver to JSON values."""
         torque = {} if self.input_torque is None else {"input_torque_nm": self.input_torque}
         solver = {"solver": self.solver} if self.solver else {}
-        warm = {"temperature": self.temperature} if self.temperature else {}
-        return {"load_nm": self.load, "speed_rpm": self.speed_rpm} | torque | solver | warm
+        return {"load_nm": self.load, "speed_rpm": self.speed_rpm} | torque | solver
 
 
 def load_words(load: float) -> str:

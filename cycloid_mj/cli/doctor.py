@@ -16,7 +16,7 @@ from cycloid_mj.cli.flags import DELIVERY, FLAT, Delivery
 
 NEEDED = ("numpy", "scipy", "numba", "trimesh", "coacd", "mcap", "matplotlib", "pydantic", "cyclopts")
 EXTRAS = {
-    "cad": ("gmsh",),
+    "cad": ("OCP",),
     "cluster": ("distributed",),
     "dxf": ("ezdxf",),
     "fem": ("gmsh", "skfem"),

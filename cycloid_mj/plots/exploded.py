@@ -11,9 +11,10 @@ from cycloid_mj.base import names
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import VISUAL_CHORD_ERROR, Prism
 from cycloid_mj.parts.cut import cut
-from cycloid_mj.parts.export.assembly import COLOURS, Place, assembly_parts, places
+from cycloid_mj.parts.export.assembly import COLOURS, assembly_parts, places
 from cycloid_mj.parts.export.casing import Casing
 from cycloid_mj.parts.export.order import ALONG
+from cycloid_mj.parts.export.step import Place
 from cycloid_mj.plots.style import WIDTH, NotebookFigure, with_style
 from cycloid_mj.reducer import Reducer
 

@@ -1,6 +1,5 @@
 """Exported parts read back by independent tools: watertight, exact in area and volume, with the clearance asked for."""
 
-import builtins
 import io
 import itertools
 import json
@@ -40,6 +39,7 @@ from cycloid_mj.parts.curve import (
 from cycloid_mj.parts.export import (
     Format,
     Spline,
+    assembly_step,
     casing,
     casing_or_none,
     drive_files,
@@ -332,7 +332,7 @@ def test_gear_splines_start_and_end_in_the_valleys() -> None:
 @pytest.mark.slow
 def test_step_solids_have_the_parts_volumes() -> None:
     """The shaft is bored for the motor's shaft."""
-    pytest.importorskip("gmsh")
+    pytest.importorskip("OCP")
     reducer = Reducer(NONPIN)
     solids = parts(reducer) | {"shaft": bored_shaft(reducer, casing(reducer)).solid(mass_chord_error(reducer))}
     for name, content in export(NONPIN, "step").files.items():
@@ -343,7 +343,7 @@ def test_step_solids_have_the_parts_volumes() -> None:
 
 def test_the_crank_of_several_discs_comes_apart_in_named_parts() -> None:
     """Its cams and its spacer fit on the shaft; in STEP they have the volumes of their solids."""
-    pytest.importorskip("gmsh")
+    pytest.importorskip("OCP")
     sections, solids = part_sections(Reducer(THREE)), parts(Reducer(THREE))
     gears, cams = {"gear_1", "gear_2", "gear_3"}, {"cam_1", "cam_2", "cam_3"}
     assert set(sections) == set(solids) == {"housing", "shaft", "spacer", "output"} | gears | cams
@@ -357,7 +357,7 @@ def test_the_crank_of_several_discs_comes_apart_in_named_parts() -> None:
 
 def test_rollers_of_output_pins_are_tubes_in_every_format() -> None:
     """Where their cores are given; the pins of the output that they turn on are as thick as those."""
-    pytest.importorskip("gmsh")
+    pytest.importorskip("OCP")
     design = PRESETS["printed"]
     sections, true = part_sections(Reducer(design)), mass_properties(parts(Reducer(design))["output_roller"]).volume
     (tube,) = sections["output_roller"]
@@ -372,7 +372,7 @@ def test_rollers_of_output_pins_are_tubes_in_every_format() -> None:
 
 def test_step_of_a_sleeved_pinwheel_holds_its_pins() -> None:
     """The pins inside the sleeves touch nothing that is drawn: solids of their own."""
-    pytest.importorskip("gmsh")
+    pytest.importorskip("OCP")
     sleeved = override(PIN, ["ring.pins=sleeved"])
     content = step_part("housing", part_sections(Reducer(sleeved))["housing"], 37)
     assert content.count(b"MANIFOLD_SOLID_BREP") == 37
@@ -383,7 +383,7 @@ def test_step_of_a_sleeved_pinwheel_holds_its_pins() -> None:
 
 def test_step_is_one_solid_and_the_same_every_time() -> None:
     """The shaft, joined of four prisms, and the pinwheel; nothing else in the file, no time, no counter."""
-    pytest.importorskip("gmsh")
+    pytest.importorskip("OCP")
     sections = part_sections(Reducer(PIN))
     for part in ("shaft", "housing"):
         first, second = (step_part(part, sections[part]) for _ in range(2))
@@ -391,6 +391,20 @@ def test_step_is_one_solid_and_the_same_every_time() -> None:
         assert first.startswith(b"ISO-10303-21;")
         assert first.count(b"MANIFOLD_SOLID_BREP") == 1
         assert read_volume(first) == pytest.approx(mass_properties(parts(Reducer(PIN))[part]).volume, rel=1e-6)
+
+
+def test_the_assembly_is_the_same_every_time_and_prints_nothing(capfd: pytest.CaptureFixture[str]) -> None:
+    """Colours that two parts share, and numbers of occurrences, do not depend on addresses or on the process."""
+    pytest.importorskip("OCP")
+    script = "import sys; from cycloid_mj.parts.export import *; from cycloid_mj.reducer import Reducer; "
+    script += (
+        "from cycloid_mj.design import PRESETS; sys.stdout.buffer.write(assembly_step(Reducer(PRESETS['twodisc'])))"
+    )
+    other = subprocess.run([sys.executable, "-c", script], capture_output=True, check=True).stdout
+    first, second = (assembly_step(Reducer(PRESETS["twodisc"])) for _ in range(2))
+    assert first == second == other
+    assert first.count(b"NEXT_ASSEMBLY_USAGE_OCCURRENCE('43'") == 1
+    assert capfd.readouterr().out == ""
 
 
 @pytest.mark.parametrize("file_format", ["stl", "dxf"])
@@ -439,21 +453,14 @@ except Stopped as stop:
 
 @pytest.mark.slow
 def test_sigterm_is_heard_after_step_was_made() -> None:
-    """Gmsh resets what it does: a page that has given STEP files, or a log beside a stress study, would end at once."""
-    pytest.importorskip("gmsh")
+    """A page that has returned STEP files still ends in order."""
+    pytest.importorskip("OCP")
     ended = subprocess.run([sys.executable, "-c", SIGTERM_AFTER_STEP], capture_output=True, text=True, timeout=300)
     assert (ended.returncode, ended.stdout) == (0, "SIGTERM\n"), ended.stderr
 
 
-def test_step_without_gmsh_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
-    real = builtins.__import__
-
-    def without(name: str, *others: Any, **more: Any) -> Any:
-        if name == "gmsh":
-            raise ImportError("No module named 'gmsh'")
-        return real(name, *others, **more)
-
-    monkeypatch.setattr(builtins, "__import__", without)
+def test_step_without_opencascade_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "OCP", None)
     with pytest.raises(CycloidError, match=r"cycloid-mj\[cad\]"):
         export(PIN, "step")
 

@@ -17,7 +17,7 @@ from cycloid_mj.parts import Mesh, Part, PartSection, Solid, lay_out_parts, mass
 from cycloid_mj.parts.accuracy import mass_chord_error
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.curve import Arc, Circle, Curve, LineSegment, Spline
-from cycloid_mj.parts.export.assembly import Place, assembly_parts, assembly_sections, assembly_step, places
+from cycloid_mj.parts.export.assembly import assembly_parts, assembly_sections, assembly_step, places
 from cycloid_mj.parts.export.bearings import shaft_bearing
 from cycloid_mj.parts.export.bill import BillLine, bill, bill_csv
 from cycloid_mj.parts.export.casing import Casing, Motor, casing, casing_or_none
@@ -29,7 +29,7 @@ from cycloid_mj.parts.export.order import assembly_order
 from cycloid_mj.parts.export.plate import PrintPlate, plate
 from cycloid_mj.parts.export.polylines import dxf_polylines, polyline_sections, svg_bytes
 from cycloid_mj.parts.export.printing import manufactured_parts, widen_clearances
-from cycloid_mj.parts.export.step import SPLINES, read_volume, step_part
+from cycloid_mj.parts.export.step import SPLINES, Place, read_volume, step_part
 from cycloid_mj.parts.export.threemf import threemf_bytes
 from cycloid_mj.parts.export.triangles import obj_bytes, read_stl, stl_bytes
 from cycloid_mj.parts.housing import SLIT_SHARE
@@ -145,7 +145,7 @@ def export(
     CycloidError
         The extra for DXF or STEP is not installed.
     """
-    design = resolve(design).at_reference
+    design = resolve(design)
     encoding = _Encoding(file_format, chord_error, polylines)
     reducer = Reducer(design)
     require_drawn(reducer.design, "files of its parts")

@@ -1,14 +1,11 @@
 """The assembled reducer: all parts in place, and one STEP file with names and colours (AP 214)."""
 
-import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import Part, PartSection, carried, output_centres
 from cycloid_mj.parts.cam_bearing import cam_bearing
@@ -37,7 +34,7 @@ from cycloid_mj.parts.export.crank_rings import CRANK_RING
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT
 from cycloid_mj.parts.export.printing import STEEL, separate_parts
 from cycloid_mj.parts.export.round_part import tube, with_holes
-from cycloid_mj.parts.export.step import SPLINES, step_part
+from cycloid_mj.parts.export.step import SPLINES, Place, step_assembly
 from cycloid_mj.parts.parts import Colour, roller_places, tint
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import require_one_ring
@@ -68,19 +65,6 @@ COLOURS: Mapping[str, Colour] = {
     CAM_BEARING: (0.8, 0.82, 0.85, 1.0),
 }
 """Colours by family of parts."""
-
-_NUMBER = re.compile(r"#(\d+)")
-
-
-@dataclass(frozen=True)
-class Place:
-    """Position of a part: its name there, the part, its origin [m], its angle about z [rad], and its rigid body."""
-
-    name: str
-    part: str
-    origin: tuple[float, float, float]
-    angle: float
-    body: str = ""
 
 
 def places(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = None) -> tuple[Place, ...]:
@@ -155,11 +139,12 @@ def assembly_step(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = N
     DesignError
         A part cannot be manufactured, or does not fit.
     CycloidError
-        The package gmsh is not installed, or OpenCASCADE cannot build a part.
+        The package OCP is not installed, or OpenCASCADE cannot build a part.
     """
     laid = assembly_parts(reducer, sizes)
-    drawn = {name: step_part(name, part.sections(SPLINES)) for name, part in laid.items()}
-    return _join_step_files(reducer.design.name, drawn, places(reducer, crank, sizes))
+    sections = {name: part.sections(SPLINES) for name, part in laid.items()}
+    colours = {name: tint(COLOURS[names.family(name)], name) for name in laid}
+    return step_assembly(reducer.design.name, sections, colours, places(reducer, crank, sizes))
 
 
 def assembly_sections(
@@ -188,107 +173,3 @@ def assembly_parts(reducer: Reducer, sizes: Casing | None = None) -> dict[str, P
     width = in_stock[0].width if in_stock else gear.face_width
     laid[CAM_BEARING] = Part(CAM_BEARING, with_holes(CAM_BEARING, tube(seat, gear.bore_radius, width)), STEEL)
     return laid
-
-
-@dataclass(frozen=True)
-class _DrawnPart:
-    """Numbers of the entities of a part in the file: definition, representation, frame, solid and context."""
-
-    definition: int
-    representation: int
-    frame: int
-    solid: int
-    context: int
-
-
-class _Entities:
-    """The data section of a STEP file, as a list of entities."""
-
-    def __init__(self) -> None:
-        self.lines: list[str] = []
-        self.last = 0
-
-    def add(self, text: str) -> int:
-        """Write an entity, such as ``DIRECTION('',(0.,0.,1.))``, and return its number."""
-        self.last += 1
-        self.lines.append(f"#{self.last} = {text};")
-        return self.last
-
-    def include(self, name: str, content: bytes) -> _DrawnPart:
-        """Include the file of a part with renumbered entities."""
-        data = content.decode().split("DATA;", 1)[1].split("ENDSEC;", 1)[0]
-        data = data.replace("MANIFOLD_SOLID_BREP('',", f"MANIFOLD_SOLID_BREP('{name}',")
-        shift = self.last
-        self.last += max(map(int, _NUMBER.findall(data)))
-        self.lines.append(_NUMBER.sub(lambda match: f"#{int(match[1]) + shift}", data).strip())
-
-        def numbers_of(pattern: str) -> tuple[int, ...]:
-            match = re.search(pattern, data)
-            assert match, pattern  # OpenCASCADE writes a part as one product with one solid
-            return tuple(int(number) + shift for number in match.groups())
-
-        (definition,) = numbers_of(r"#(\d+) = PRODUCT_DEFINITION\('design'")
-        numbers = numbers_of(r"#(\d+) = ADVANCED_BREP_SHAPE_REPRESENTATION\('',\(#(\d+),#(\d+)\),#(\d+)\)")
-        representation, frame, solid, context = numbers
-        return _DrawnPart(definition, representation, frame, solid, context)
-
-    def frame(self, origin: tuple[float, float, float], angle: float) -> int:
-        """Write a frame at an origin [m], rotated about z [rad]."""
-        x, y, z = (MILLIMETRES * value for value in origin)
-        at = self.add(f"CARTESIAN_POINT('',({x:.9f},{y:.9f},{z:.9f}))")
-        axis = self.add("DIRECTION('',(0.,0.,1.))")
-        along = self.add(f"DIRECTION('',({np.cos(angle):.15f},{np.sin(angle):.15f},0.))")
-        return self.add(f"AXIS2_PLACEMENT_3D('',#{at},#{axis},#{along})")
-
-    def colour(self, part: _DrawnPart, colour: Colour) -> int:
-        """Colour the solid of a part."""
-        red, green, blue, _ = colour
-        rgb = self.add(f"COLOUR_RGB('',{red:.6f},{green:.6f},{blue:.6f})")
-        fill = self.add(f"FILL_AREA_STYLE_COLOUR('',#{rgb})")
-        area = self.add(f"FILL_AREA_STYLE('',(#{fill}))")
-        surface = self.add(f"SURFACE_STYLE_FILL_AREA(#{area})")
-        side = self.add(f"SURFACE_SIDE_STYLE('',(#{surface}))")
-        usage = self.add(f"SURFACE_STYLE_USAGE(.BOTH.,#{side})")
-        style = self.add(f"PRESENTATION_STYLE_ASSIGNMENT((#{usage}))")
-        item = self.add(f"STYLED_ITEM('',(#{style}),#{part.solid})")
-        of = "MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION"
-        return self.add(f"{of}('',(#{item}),#{part.context})")
-
-
-def _join_step_files(name: str, drawn: Mapping[str, bytes], placed: tuple[Place, ...]) -> bytes:
-    """Join the files of parts to one product with an occurrence of a part at each place."""
-    entities = _Entities()
-    parts = {part: entities.include(part, content) for part, content in drawn.items()}
-    for part, included in parts.items():
-        entities.colour(included, tint(COLOURS[names.family(part)], part))
-    context = entities.add("APPLICATION_CONTEXT('core data for automotive mechanical design processes')")
-    of_product = entities.add(f"PRODUCT_CONTEXT('',#{context},'mechanical')")
-    product = entities.add(f"PRODUCT('{name}','{name}','',(#{of_product}))")
-    formation = entities.add(f"PRODUCT_DEFINITION_FORMATION('','',#{product})")
-    of_definition = entities.add(f"PRODUCT_DEFINITION_CONTEXT('part definition',#{context},'design')")
-    whole = entities.add(f"PRODUCT_DEFINITION('design','',#{formation},#{of_definition})")
-    shape = entities.add(f"PRODUCT_DEFINITION_SHAPE('','',#{whole})")
-    origin = entities.frame((0.0, 0.0, 0.0), 0.0)
-    frames = [entities.frame(place.origin, place.angle) for place in placed]
-    items = ",".join(f"#{frame}" for frame in (origin, *frames))
-    units = next(iter(parts.values())).context
-    representation = entities.add(f"SHAPE_REPRESENTATION('',({items}),#{units})")
-    entities.add(f"SHAPE_DEFINITION_REPRESENTATION(#{shape},#{representation})")
-    for number, (place, frame) in enumerate(zip(placed, frames, strict=True), start=1):
-        used = parts[place.part]
-        turn = entities.add(f"ITEM_DEFINED_TRANSFORMATION('','',#{used.frame},#{frame})")
-        relation = entities.add(
-            f"( REPRESENTATION_RELATIONSHIP('','',#{used.representation},#{representation}) "
-            f"REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION(#{turn}) SHAPE_REPRESENTATION_RELATIONSHIP() )"
-        )
-        usage = entities.add(
-            f"NEXT_ASSEMBLY_USAGE_OCCURRENCE('{number}','{place.name}','',#{whole},#{used.definition},$)"
-        )
-        occurrence = entities.add(f"PRODUCT_DEFINITION_SHAPE('Placement','of {place.name}',#{usage})")
-        entities.add(f"CONTEXT_DEPENDENT_SHAPE_REPRESENTATION(#{relation},#{occurrence})")
-    header = (
-        "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION(('assembly'),'2;1');\n"
-        f"FILE_NAME('{name}.step','',(''),(''),'','cycloid_mj','');\n"
-        "FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));\nENDSEC;\nDATA;\n"
-    )
-    return (header + "\n".join(entities.lines) + "\nENDSEC;\nEND-ISO-10303-21;\n").encode()

@@ -19,12 +19,13 @@ from cycloid_mj.design import stock
 from cycloid_mj.parts import Stretch
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
 from cycloid_mj.parts.contour import Contour, circle_of
-from cycloid_mj.parts.export.assembly import Place, assembly_parts, places
+from cycloid_mj.parts.export.assembly import assembly_parts, places
 from cycloid_mj.parts.export.bearings import shaft_bearing
 from cycloid_mj.parts.export.casing import CAM_BEARING, OUTPUT_BEARING, SHAFT_BEARING, Casing, shoulder_radius
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN
 from cycloid_mj.parts.export.joints import MOTOR
 from cycloid_mj.parts.export.round_part import SAME_FACE
+from cycloid_mj.parts.export.step import Place
 from cycloid_mj.reducer import Reducer
 
 PILOT_HEIGHT = 2.0e-3
