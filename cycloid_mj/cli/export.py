@@ -1,7 +1,7 @@
 """``cycloid-mj export``: the parts of a design as files for CAD and printing."""
 
-from dataclasses import asdict
-from typing import TYPE_CHECKING, Annotated, Literal
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
@@ -9,7 +9,7 @@ from cycloid_mj.base.errors import UsageError, warn
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.result import Table
 from cycloid_mj.cli.delivery import Destination, claim_page, deliver
-from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, DesignOptions, within
+from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, DesignOptions, whole, within
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.ranges import RANGES
 from cycloid_mj.reducer import Reducer
@@ -89,11 +89,12 @@ OffsetFlag = Annotated[
     ),
 ]
 MotorFlag = Annotated[
-    Literal["auto", "nema17", "nema23", "circle"],
+    Literal["auto", "nema17", "nema23", "nema34", "bldc16", "bldc19", "bldc25", "circle"],
     Parameter(
-        help="Motor: nema17, nema23 or circle (a bolt circle, no motor shaft). The input shaft gets a bore "
-        "for the motor shaft if it is thick enough; --plate and --assembly add the motor flange. "
-        "Default: auto, the largest motor that fits."
+        help="Motor: nema17, nema23 or nema34; bldc16, bldc19 or bldc25 (four M3 on a circle of that diameter); or "
+        "circle (a bolt circle, no motor shaft). The input shaft gets a bore for the motor shaft if it is thick "
+        "enough; --plate and --assembly add the motor flange. Default: auto, the smallest NEMA frame that is strong "
+        "enough for drive.torque_nm at drive.speed_rpm and fits, else circle."
     ),
 ]
 CamFlag = Annotated[
@@ -109,6 +110,65 @@ CamFlag = Annotated[
 ]
 
 
+def _motor_flag(what: str) -> Parameter:
+    return Parameter(metavar="X", validator=within(*RANGES.motor_mm), help=f"{what} [mm]. Default: that of --motor.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotorInterface:
+    """Motor, and dimensions that replace those of its interface."""
+
+    motor: MotorFlag = "auto"
+    motor_circle_mm: Annotated[float | None, _motor_flag("Diameter of the bolt circle of the motor")] = None
+    motor_thread_mm: Annotated[float | None, _motor_flag("Thread of the motor screws, such as 3 for M3")] = None
+    motor_pilot_mm: Annotated[float | None, _motor_flag("Diameter of the pilot of the motor")] = None
+    motor_shaft_mm: Annotated[float | None, _motor_flag("Diameter of the motor shaft")] = None
+    motor_shaft_length_mm: Annotated[float | None, _motor_flag("Length of the motor shaft from its flange")] = None
+    motor_screws: Annotated[
+        int | None,
+        Parameter(
+            metavar="N",
+            converter=whole,
+            validator=within(*RANGES.motor_screws),
+            help="Number of motor screws. Default: that of --motor.",
+        ),
+    ] = None
+
+    def chosen(self) -> "Motor":
+        """Return the name of the motor, or its interface with other dimensions.
+
+        Raises
+        ------
+        UsageError
+            The bolt circle or the thread is missing, or no screw in stock has the thread.
+        """
+        from cycloid_mj.design import stock
+        from cycloid_mj.parts.export.motors import MOTORS, MotorFlange
+
+        diameters = {"circle": self.motor_circle_mm, "pilot": self.motor_pilot_mm, "shaft": self.motor_shaft_mm}
+        lengths = {"thread": self.motor_thread_mm, "shaft_length": self.motor_shaft_length_mm}
+        changes: dict[str, Any] = {key: 0.5e-3 * value for key, value in diameters.items() if value is not None}
+        changes |= {key: 1e-3 * value for key, value in lengths.items() if value is not None}
+        if self.motor_screws is not None:
+            changes["screws"] = self.motor_screws
+        if not changes:
+            return self.motor
+        own = MotorFlange("own bolt circle", 0.6 * changes.get("circle", 0.0), 0.0, 0.0)
+        motor = replace(MOTORS.get(self.motor, own), **changes)
+        if not (motor.circle and motor.thread):
+            raise UsageError(
+                "a motor of your own needs --motor-circle-mm and --motor-thread-mm; or choose one by --motor"
+            )
+        threads = [bolt.thread for bolt in stock.bolts()]
+        if not any(abs(thread - motor.thread) < stock.ROUNDING for thread in threads):
+            sizes = ", ".join(f"{1e3 * thread:g}" for thread in threads)
+            raise UsageError(f"--motor-thread-mm {1e3 * motor.thread:g} is not in stock; allowed: {sizes}")
+        return motor
+
+
+MOTOR = MotorInterface()
+
+
 def export(
     chosen: Annotated[DesignOptions, FLAT],
     *,
@@ -119,7 +179,7 @@ def export(
     plate: PlateFlag = False,
     assembly: AssemblyFlag = False,
     offset_um: OffsetFlag = 0.0,
-    motor: MotorFlag = "auto",
+    interface: Annotated[MotorInterface, FLAT] = MOTOR,
     cam_bearing_bore_mm: CamFlag = None,
     delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
@@ -165,7 +225,7 @@ def export(
     if polylines and format_ != "dxf":
         raise UsageError(f"--polylines is an option of --format dxf, not of {format_}: remove it, or use --format dxf")
     design, offset, chord_error = chosen.resolve_checked(), offset_um * 1e-6, chord_error_um * 1e-6
-    reducer = Reducer(design)
+    reducer, motor = Reducer(design), interface.chosen()
     if plate or assembly:
         require_one_ring(reducer, "print plates and assemblies")
     in_stock = cam_bearing(reducer)

@@ -11,7 +11,7 @@ class FlagRanges:
     ----------
     frames, turns
         Of an animation; turns of the crank.
-    chord_error_um, offset_um, cam_bearing_bore_mm
+    chord_error_um, offset_um, cam_bearing_bore_mm, motor_mm, motor_screws
         Of an export.
     point_q_mm
         Each coordinate of a point on the disc.
@@ -36,6 +36,8 @@ class FlagRanges:
     chord_error_um: tuple[float, float] = (0.001, 100.0)
     offset_um: tuple[float, float] = (0.0, 1000.0)
     cam_bearing_bore_mm: tuple[float, float] = (0.001, 10_000.0)
+    motor_mm: tuple[float, float] = (0.5, 1000.0)
+    motor_screws: tuple[int, int] = (2, 12)
     point_q_mm: tuple[float, float] = (-10_000.0, 10_000.0)
     rows: tuple[int, int] = (3, 1_000_000)
     workers: tuple[int, int] = (1, 4096)

@@ -297,7 +297,13 @@ def _interfaces(reducer: Reducer) -> tuple[Quantity, ...]:
     motor, screws = sizes.motor, sizes.screws
     coupled = f"shaft of {2e3 * motor.shaft:.4g} mm" if motor.shaft else "coupled to the input journal"
     return (
-        Quantity("motor_circle", "Motor flange, bolt circle", 2e3 * motor.circle, "mm", note=_threads(4, motor.thread)),
+        Quantity(
+            "motor_circle",
+            "Motor flange, bolt circle",
+            2e3 * motor.circle,
+            "mm",
+            note=_threads(motor.screws, motor.thread),
+        ),
         Quantity("motor_pilot", "Motor flange, pilot", 2e3 * motor.pilot, "mm", note=f"{motor.name}, {coupled}"),
         Quantity(
             "output_circle",

@@ -36,8 +36,8 @@ from cycloid_mj.parts.export import (
     places,
 )
 from cycloid_mj.parts.export.assembly import COLOURS, assembly_sections
-from cycloid_mj.parts.export.casing import NEMA
 from cycloid_mj.parts.export.casing_parts import casing_parts
+from cycloid_mj.parts.export.motors import MOTORS
 from cycloid_mj.parts.export.printing import STEEL, manufactured_parts, separate_parts
 from cycloid_mj.parts.export.round_part import RoundPart
 from cycloid_mj.parts.parts import tint
@@ -273,8 +273,8 @@ def test_a_motor_with_threads_of_its_own_is_held_by_screws_from_within(name: str
 
 def test_screws_of_a_motor_pass_the_holes_of_its_flange() -> None:
     """Those of NEMA 23 have 0.195 in: a hole of ISO 273 for its screws is no wider."""
-    assert stock.bolt_hole(NEMA["nema23"].thread) <= 0.195 * 25.4e-3
-    assert not NEMA["nema23"].tapped
+    assert stock.bolt_hole(MOTORS["nema23"].thread) <= 0.195 * 25.4e-3
+    assert not MOTORS["nema23"].tapped
 
 
 @pytest.mark.parametrize("name", ["new", "new_printed", "twodisc"])

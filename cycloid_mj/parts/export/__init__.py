@@ -132,7 +132,7 @@ def export(
     offset
         Increase of all clearances of the outlines [m], for a printer; see `widen_clearances`.
     motor
-        Motor whose shaft the crank is bored for; ``auto``: the largest that fits, or none.
+        Motor whose shaft the crank is bored for; ``auto``: the smallest for its torque and speed, or none.
     polylines
         For ``dxf``: closed polylines within the chord error in place of splines, arcs and lines, for programs that
         ignore splines. Full circles stay circles.

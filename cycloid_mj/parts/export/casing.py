@@ -8,7 +8,6 @@ of the hub, and the output flange.
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import stock
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import crank_stretches
+from cycloid_mj.parts.export.motors import MOTORS, MotorFlange, MotorName, frames_for
 from cycloid_mj.parts.output import RIM
 from cycloid_mj.parts.shaft import bearing_seats
 from cycloid_mj.reducer import Reducer, once
@@ -30,7 +30,8 @@ SCREW_INSERT, FLANGE_INSERT = "screw_insert", "flange_screw_insert"
 LOAD_INSERT, MOTOR_INSERT = "load_screw_insert", "motor_screw_insert"
 CAM_BEARING, SHAFT_BEARING, OUTPUT_BEARING = "cam_bearing", "shaft_bearing", "output_bearing"
 
-Motor = Literal["auto", "nema17", "nema23", "circle"]
+Motor = MotorName | MotorFlange
+"""The name of a motor's interface, or an interface of one's own."""
 
 WALL_SHARE, MIN_WALL, MIN_PRINTED_WALL = 0.02, 0.5e-3, 0.8e-3
 """Minimum wall around holes: share of the outer radius; limits in metal and plastic (two 0.4 mm lines) [m]."""
@@ -69,34 +70,6 @@ COLLAR = 0.5 * AXIAL_GAP
 
 SHOULDER_SHARE = 0.3
 """Height of a shoulder relative to the section of its bearing."""
-
-
-@dataclass(frozen=True)
-class MotorFlange:
-    """Interface of a motor: radii of its pilot and bolt circle, thread, radius and length of its shaft [m].
-
-    A shaft radius of 0 means that the shaft is unknown and coupled to the end of the journal. A motor with `tapped`
-    holes is held by screws from within the cover; other motors have holes for screws into the cover.
-    """
-
-    name: str
-    pilot: float
-    circle: float
-    thread: float
-    shaft: float = 0.0
-    shaft_length: float = 0.0
-    tapped: bool = False
-
-
-NEMA = {
-    "nema17": MotorFlange("NEMA 17", 11.0e-3, 15.5e-3 * math.sqrt(2.0), 3e-3, 2.5e-3, 22e-3, tapped=True),
-    "nema23": MotorFlange("NEMA 23", 19.05e-3, 23.57e-3 * math.sqrt(2.0), 4e-3, 3.175e-3, 20.6e-3),
-}
-"""NEMA ICS 16: pilots 22 and 38.1 mm, holes in squares of 31 and 47.14 mm, shafts of 5 and 6.35 mm.
-
-Those of 23 are 4.95 to 5.1 mm wide (0.195 in), which M4 passes and M5 does not; makers tap those of 17 M3, some 4.5 mm
-deep. Shafts are 20.6 +- 0.8 mm long there, 22 mm of many motors of 17. As in the charts of Kollmorgen and piclist.com.
-"""
 
 
 @dataclass(frozen=True)
@@ -437,9 +410,10 @@ def _cavity(reducer: Reducer, screws: Screws, second: float, wall: float) -> tup
 
 
 def _motor_flange(reducer: Reducer, motor: Motor, outer: float, seat: float, wall: float, most: float) -> MotorFlange:
-    """Return the flange of the motor: the chosen one, the largest NEMA flange that fits, or a bolt circle.
+    """Return the flange of the motor: the chosen one, or a bolt circle.
 
-    `most` is the largest radius [m] of the cavity for the heads of screws from within the cover.
+    For `auto` it is the smallest NEMA frame that is strong enough for torque and speed of the design and fits. `most`
+    is the largest radius [m] of the cavity for the heads of screws from within the cover.
     """
 
     def hole(one: MotorFlange) -> float:
@@ -452,8 +426,14 @@ def _motor_flange(reducer: Reducer, motor: Motor, outer: float, seat: float, wal
         needed, there = reach(one)
         return one.circle - hole(one) - wall >= seat and needed <= there and _fits_shaft(reducer, one, wall)
 
-    if motor in NEMA and not fits(NEMA[motor]):
-        one = NEMA[motor]
+    drive = reducer.design.drive
+    if motor == "auto":
+        one = next((frame for frame in frames_for(drive.torque, drive.speed) if fits(frame)), None)
+    else:
+        one = motor if isinstance(motor, MotorFlange) else MOTORS.get(motor)
+    if one and fits(one):
+        return one
+    if one:
         needed, there = reach(one)
         place = "room for its screw heads up to" if one.tapped else "a cover with"
         raise DesignError(
@@ -463,9 +443,6 @@ def _motor_flange(reducer: Reducer, motor: Motor, outer: float, seat: float, wal
             f"the bearing {2e3 * seat:.4g} mm, the crank {2e3 * reducer.design.shaft.radius:.4g} mm; "
             "choose another motor"
         )
-    wanted = ("nema23", "nema17") if motor == "auto" else (motor,)
-    if frame := next((NEMA[key] for key in wanted if key in NEMA and fits(NEMA[key])), None):
-        return frame
     thread = thickest_bolt(THREAD_SHARE * outer, inserted=is_plastic(reducer)).thread
     circle = outer - thread_radius(reducer, thread) - 2.0 * wall
     return MotorFlange("bolt circle", max(0.6 * circle, min(seat, circle - thread)), circle, thread)
@@ -620,8 +597,9 @@ def _flange_pattern(reducer: Reducer, hub: stock.StockBearing, bolt: stock.Bolt,
 
 
 def motor_centres(sizes: Casing) -> Array:
-    """Compute the centres of the four motor screws (4, 2) [m]."""
-    return sizes.motor.circle * unit(np.array([0.25, 0.75, 1.25, 1.75]) * math.pi)
+    """Compute the centres of the motor screws (n, 2) [m]."""
+    count = sizes.motor.screws
+    return sizes.motor.circle * unit((2.0 * np.arange(count) + 1.0) * math.pi / count)
 
 
 def dowel_centres(sizes: Casing) -> Array:
