@@ -22,8 +22,8 @@ from cycloid_mj.parts.export.casing import (
     is_plastic,
     motor_screw,
 )
-from cycloid_mj.parts.export.crank_joints import KEY
-from cycloid_mj.parts.export.crank_rings import CRANK_RING
+from cycloid_mj.parts.export.crank_joints import KEY, cam_key
+from cycloid_mj.parts.export.crank_rings import CRANK_RING, crank_rings
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT
 from cycloid_mj.reducer import Reducer
 
@@ -59,9 +59,9 @@ ALONG = (
 
 
 def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
-    """Describe the assembly of a drive in ten steps, with parts and tools of each."""
-    design, screws, hub = reducer.design, sizes.screws, sizes.hub.designation
-    printed, free = is_plastic(reducer), design.ring.has_sockets
+    """Describe the assembly of a drive in ten steps, with parts and tools of each; see ``insertion.moves``."""
+    screws, hub = sizes.screws, sizes.hub.designation
+    printed = is_plastic(reducer)
     dowels = ", its dowels in their holes," if sizes.dowel else ""
     return (
         "Deburr and wash all parts; oil what is pressed, grease bearings, holes and teeth.",
@@ -71,13 +71,12 @@ def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
         f"{f'Press a {SHAFT_BEARING} into the hub of the {names.OUTPUT}; push' if sizes.far else 'Push'} the hub "
         f"through both, and screw the {FLANGE} on ({sizes.flange_screws} x {sizes.flange_bolt.designation}): it clamps "
         "them.",
-        f"Lay the {names.HOUSING} on it{dowels if not screws.outside else ''} and "
-        f"{'put the pins into their sockets' if free else 'check that all pins are flush'}.",
-        _discs(reducer),
-        _crank(reducer),
-        f"{_first_on_cover(sizes)}the {SHAFT_BEARING} into the {MOTOR_COVER}, put it on{dowels} and tighten "
-        f"{len(screws.angles)} x {screws.bolt.designation} x {MILLIMETRES * screws.length:g} crosswise from the "
-        "output's side.",
+        f"Lay the {names.HOUSING} on it{dowels.rstrip(',')}{_ring_pins(reducer)}.",
+        _discs(reducer, sizes),
+        _crank(reducer, sizes),
+        f"{_first_on_cover(sizes)}{'the' if sizes.far else 'both'} {SHAFT_BEARING} into the {MOTOR_COVER}, put it on"
+        f"{dowels} and tighten {len(screws.angles)} x {screws.bolt.designation} x {MILLIMETRES * screws.length:g} "
+        "crosswise from the output's side.",
         _last(sizes),
     )
 
@@ -114,20 +113,44 @@ def _output_pins(reducer: Reducer) -> str:
     )
 
 
-def _discs(reducer: Reducer) -> str:
-    """Describe the step that mounts the discs, and the second disc of the output if there is one."""
+def _ring_pins(reducer: Reducer) -> str:
+    """Describe how the ring pins are put in and stay there while the drive is built."""
+    ring = reducer.design.ring
+    if ring.kind != "pin":
+        return ""
+    if ring.has_sleeves:
+        return f", press the pins of the sleeves into the {OUTPUT_COVER} and put the sleeves on them"
+    if ring.has_sockets:
+        return "; put the pins into their sockets with grease, which keeps them there until the disc does"
+    return "; glue the pins into their sockets (retaining compound) and let it cure before the disc goes in"
+
+
+def _discs(reducer: Reducer, sizes: Casing) -> str:
+    """Describe the step that mounts a single disc, or builds the crank of several with its discs."""
     design = reducer.design
-    rollers = "Put a roller on each output pin, and the" if design.output.rollers else "Put the"
-    gears = f"{names.GEAR} over them"
-    if design.gear.discs > 1:
-        gears = f"{design.gear.discs} gears over them, gear {design.gear.discs} first, a {names.SPACER} between two"
-    second = f"; press the disc {SECOND_OUTPUT} on the pins" if design.output.support == "both_ends" else ""
-    return f"{rollers} {gears}{second}."
+    if design.gear.discs == 1:
+        rollers = "; put a roller on each output pin, and the" if design.output.rollers else "; put the"
+        first = f"Press the {CAM_BEARING} into the {names.GEAR}" if design.gear.bearing == "rolling" else "Oil its bore"
+        second = f"; press the disc {SECOND_OUTPUT} on the pins" if design.output.support == "both_ends" else ""
+        return f"{first}{rollers} {names.GEAR} over them{second}."
+    held = "Lay the key into the shaft" if cam_key(reducer, sizes) else "Mark the phases of the cams on the shaft"
+    glued = "" if cam_key(reducer, sizes) else " with retaining compound"
+    return (
+        f"{held}. Put each cam with its bearing into its gear, then push them on the shaft from its output end{glued}: "
+        f"gear 1, a {names.SPACER}, gear 2{' and so on' if design.gear.discs > 2 else ''}."
+    )
 
 
-def _crank(reducer: Reducer) -> str:
-    """Describe the step that mounts the crank."""
-    if reducer.design.gear.discs > 1:
-        return "Push the shaft through, and with it each cam with its bearing into its gear, as marked by their turn."
-    bearing = "Press the cam's bearing into the gear, and push" if reducer.design.gear.bearing == "rolling" else "Push"
-    return f"{bearing} the {names.SHAFT}, one piece with cam and counterweight, through from the motor's side."
+def _crank(reducer: Reducer, sizes: Casing) -> str:
+    """Describe the step that mounts the crank, or the crank of several discs with its discs."""
+    design, rings = reducer.design, {ring.name for ring in crank_rings(reducer, sizes)}
+    first, second = (names.numbered(CRANK_RING, number) for number in (1, 2))
+    before = [f"{first} on its journal"] * (first in rings) + [f"{second} on its far end"] * (second in rings)
+    if design.gear.discs == 1:
+        put = f"Put {' and '.join(before)}; push" if before else "Push"
+        return f"{put} the {names.SHAFT}, one piece with cam and counterweight, through from the motor's side."
+    rollers = "Put a roller on each output pin; lower" if design.output.rollers else "Lower"
+    disc = f"; press the disc {SECOND_OUTPUT} on the pins" if design.output.support == "both_ends" else ""
+    last = f"; put {before[0]}" if first in rings else ""
+    far = f"{second} on, " if second in rings else ""
+    return f"{rollers} the crank, {far}with its gears over the output pins into the ring{disc}{last}."

@@ -1,0 +1,198 @@
+"""The moves by which a drive is assembled, and whether each part can pass the parts that are already there.
+
+A part moves along the axis to its place. Swept along its path, its cross-section must not overlap those of the parts
+that it passes. Parts that fit into each other, such as a pin in its bore, may touch.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+
+import manifold3d
+import numpy as np
+
+from cycloid_mj.base import names
+from cycloid_mj.parts import Prism
+from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
+from cycloid_mj.parts.export.assembly import assembly_parts, places
+from cycloid_mj.parts.export.casing import (
+    CAM_BEARING,
+    DOWEL,
+    FLANGE,
+    FLANGE_INSERT,
+    FLANGE_SCREW,
+    LOAD_INSERT,
+    MOTOR_COVER,
+    MOTOR_INSERT,
+    MOTOR_SCREW,
+    OUTPUT_BEARING,
+    OUTPUT_COVER,
+    SCREW,
+    SCREW_INSERT,
+    SHAFT_BEARING,
+    Casing,
+)
+from cycloid_mj.parts.export.crank_joints import KEY
+from cycloid_mj.parts.export.crank_rings import CRANK_RING
+from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT
+from cycloid_mj.parts.export.round_part import SAME_FACE
+from cycloid_mj.parts.export.step import Place
+from cycloid_mj.parts.polygon import rotate_points
+from cycloid_mj.reducer import Reducer
+
+PASSAGE = 4.0 * VISUAL_CHORD_ERROR
+"""Overlap of sections that counts as touching [m]: chord errors of both, and interference of press fits."""
+
+DRIVE = "drive"
+"""The group that becomes the whole drive."""
+
+UP, DOWN = 1, -1
+"""Directions of a move along z: from motor to output, and back."""
+
+
+@dataclass(frozen=True)
+class Move:
+    """Parts that move together into a group of parts, or found one: by their names, and the direction along z."""
+
+    parts: tuple[str, ...]
+    group: str
+    direction: int = 0
+
+
+@dataclass(frozen=True)
+class Blockage:
+    """A part that another part cannot pass on its way to its place."""
+
+    part: str
+    other: str
+
+
+def moves(reducer: Reducer, sizes: Casing) -> tuple[Move, ...]:
+    """Return the moves of `order.assembly_order`; a group, once complete, moves by its name."""
+    return tuple(_moves(reducer, sizes, places(reducer, 0.0, sizes)))
+
+
+def blockages(reducer: Reducer, sizes: Casing) -> tuple[Blockage, ...]:
+    """Return each part that cannot pass another one by the moves of the assembly, and the other one."""
+    placed = {place.name: place for place in places(reducer, 0.0, sizes)}
+    laid = {name: part.solid(VISUAL_CHORD_ERROR).prisms for name, part in assembly_parts(reducer, sizes).items()}
+    groups: dict[str, list[str]] = {}
+
+    @cache
+    def sections(name: str) -> tuple[tuple[float, float, manifold3d.CrossSection], ...]:
+        place = placed[name]
+        return tuple(_section(place, prism) for prism in laid[place.part])
+
+    blocked = []
+    for move in moves(reducer, sizes):
+        moving = [part for name in move.parts for part in groups.pop(name, [name])]
+        present = groups.setdefault(move.group, [])
+        blocked += [
+            Blockage(one, other)
+            for one in _distinct(moving, placed)
+            for other in present
+            if move.direction and _is_blocked(sections(one), sections(other), move.direction)
+        ]
+        present += moving
+    return tuple(blocked)
+
+
+def _distinct(moving: list[str], placed: dict[str, Place]) -> list[str]:
+    """Return the first of equal parts around the axis: the others pass as it does."""
+    alike = {(placed[name].part, round(placed[name].origin[2], 9)): name for name in reversed(moving)}
+    return [name for name in moving if name in alike.values()]
+
+
+def _section(place: Place, prism: Prism) -> tuple[float, float, manifold3d.CrossSection]:
+    """Return the ends along z [m] of a prism in its place, and its section in micrometres."""
+    x, y, z = place.origin
+    rings = [rotate_points(ring, place.angle) + np.array([x, y]) for ring in (prism.outline, *prism.holes)]
+    section = manifold3d.CrossSection([1e6 * ring for ring in rings], manifold3d.FillRule.EvenOdd)
+    return prism.z0 + z, prism.z1 + z, section
+
+
+Sections = tuple[tuple[float, float, manifold3d.CrossSection], ...]
+
+
+def _is_blocked(moving: Sections, present: Sections, direction: int) -> bool:
+    """Return whether sections overlap on the path of the moving ones; those that they only touch do not count."""
+    for low, high, one in moving:
+        for bottom, top, other in present:
+            ahead = bottom < high - SAME_FACE if direction == UP else top > low + SAME_FACE
+            if not ahead:
+                continue
+            common = one ^ other
+            if not common.is_empty() and not common.offset(-0.5e6 * PASSAGE).is_empty():
+                return True
+    return False
+
+
+def _moves(reducer: Reducer, sizes: Casing, placed: tuple[Place, ...]) -> Iterator[Move]:
+    """Yield the moves: output, ring, discs and crank, motor cover."""
+    yield from _output_moves(sizes, placed)
+    yield from _crank_moves(reducer, placed)
+    yield Move((MOTOR_COVER,), MOTOR_COVER)
+    yield Move(_named(placed, SCREW_INSERT), MOTOR_COVER, DOWN)
+    yield Move(_named(placed, MOTOR_INSERT), MOTOR_COVER, UP)
+    yield Move(_named(placed, MOTOR_SCREW), MOTOR_COVER, DOWN)
+    yield Move(_named(placed, SHAFT_BEARING, DOWN), MOTOR_COVER, DOWN)
+    yield Move(_named(placed, DOWEL, DOWN), MOTOR_COVER, DOWN)
+    yield Move((MOTOR_COVER,), DRIVE, UP)
+    yield Move(_named(placed, SCREW), DRIVE, DOWN)
+
+
+def _named(placed: tuple[Place, ...], family: str, side: int = 0) -> tuple[str, ...]:
+    """Return the names of the parts of a family, all or those on one side of the middle of the discs."""
+    return tuple(
+        place.name
+        for place in placed
+        if names.family(place.part) == family and (not side or (place.origin[2] >= 0.0) == (side == UP))
+    )
+
+
+def _output_moves(sizes: Casing, placed: tuple[Place, ...]) -> Iterator[Move]:
+    """Yield the moves of output, ring and ring pins."""
+    yield Move((names.OUTPUT,), "hub")
+    yield Move(_named(placed, FLANGE_INSERT), "hub", DOWN)
+    yield Move(_named(placed, OUTPUT_PIN), "hub", UP)
+    yield Move((OUTPUT_COVER,), DRIVE)
+    inner, outer = sorted(_named(placed, OUTPUT_BEARING))
+    yield Move((inner,), DRIVE, UP)
+    yield Move((outer,), DRIVE, DOWN)
+    if sizes.far:
+        yield Move(_named(placed, SHAFT_BEARING, UP), "hub", UP)
+    yield Move(("hub",), DRIVE, UP)
+    yield Move((FLANGE,), "flange")
+    yield Move(_named(placed, LOAD_INSERT), "flange", DOWN)
+    yield Move(("flange",), DRIVE, DOWN)
+    yield Move(_named(placed, FLANGE_SCREW), DRIVE, DOWN)
+    yield Move(_named(placed, DOWEL, UP), DRIVE, UP)
+    yield Move((names.HOUSING,), DRIVE, UP)
+    for family in (PRESSED_PIN, names.PIN, names.ROLLER):
+        yield Move(_named(placed, family), DRIVE, UP)
+
+
+def _crank_moves(reducer: Reducer, placed: tuple[Place, ...]) -> Iterator[Move]:
+    """Yield the moves of discs and crank: a disc, then the crank; or the crank of several with its discs."""
+    rings, shaft = _named(placed, CRANK_RING), names.SHAFT
+    second = [Move((SECOND_OUTPUT,), DRIVE, UP)] if reducer.design.output.support == "both_ends" else []
+    if reducer.design.gear.discs == 1:
+        yield Move((names.GEAR,), names.GEAR)
+        yield Move(_named(placed, CAM_BEARING), names.GEAR, UP)
+        yield Move((names.GEAR,), DRIVE, UP)
+        yield Move((shaft,), shaft)
+        yield Move(rings[:1], shaft, UP)
+        yield Move(rings[1:], shaft, DOWN)
+        yield from (*second, Move((shaft,), DRIVE, UP))
+        return
+    yield Move((shaft, *_named(placed, KEY)), shaft)
+    for number, gear in enumerate(reducer.gears, start=1):
+        if number > 1:
+            yield Move((names.numbered(names.SPACER, number - 1),), shaft, DOWN)
+        yield Move((gear,), gear)
+        yield Move(tuple(one.name for one in placed if one.body == gear and one.name != gear), gear, DOWN)
+        yield Move((names.numbered(names.CAM, number),), gear, DOWN)
+        yield Move((gear,), shaft, DOWN)
+    yield Move(rings[1:], shaft, DOWN)
+    yield from (Move((shaft,), DRIVE, UP), *second)
+    yield Move(rings[:1], DRIVE, UP)

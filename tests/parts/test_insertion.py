@@ -1,0 +1,54 @@
+"""Every part of a drive can be put in by the steps of its assembly."""
+
+from dataclasses import replace
+
+import pytest
+from designs import FOLDER, cases, design_file
+
+from cycloid_mj.design import PRESETS, load
+from cycloid_mj.parts.export import assembly_order, casing, insertion, places
+from cycloid_mj.parts.export.insertion import DOWN, Blockage, Move, blockages, moves
+from cycloid_mj.reducer import Reducer
+
+NAMES = (*PRESETS, *sorted(path.stem for path in FOLDER.glob("*-*.toml")))
+
+
+def drive(name):
+    reducer = Reducer(PRESETS[name] if name in PRESETS else load(design_file(name)))
+    return reducer, casing(reducer)
+
+
+@pytest.mark.parametrize("name", cases(NAMES, "pin", "printed", "twodisc", "sleeved-n40-d2-ring-25um"))
+def test_every_part_can_be_put_in_by_the_steps(name):
+    reducer, sizes = drive(name)
+    moved = {part for move in moves(reducer, sizes) for part in move.parts}
+    assert {place.name for place in places(reducer, 0.0, sizes)} <= moved
+    assert blockages(reducer, sizes) == ()
+    assert len(assembly_order(reducer, sizes)) == 10
+
+
+def test_a_seat_that_is_shut_in_blocks_its_bearing():
+    reducer, sizes = drive("nonpin-n33-d2-ring-60um")
+    shut = replace(sizes, cavity=0.5 * (sizes.seat + reducer.design.shaft.radius))
+    assert any(one == Blockage("shaft_bearing_1", "motor_cover") for one in blockages(reducer, shut))
+
+
+def test_a_cam_with_its_bearing_cannot_pass_a_spacer(monkeypatch):
+    """With the spacer on the shaft before, gear 1 with its cam comes too late."""
+    reducer, sizes = drive("twodisc")
+    order = list(moves(reducer, sizes))
+    first = next(move for move in order if move.parts == ("gear_1",) and move.group == "shaft")
+    order.remove(first)
+    spacer = next(index for index, move in enumerate(order) if move.parts == ("spacer_1",))
+    order.insert(spacer + 1, Move(first.parts, "shaft", DOWN))
+    monkeypatch.setattr(insertion, "moves", lambda *_: order)
+    assert {one.other for one in blockages(reducer, sizes)} == {"spacer_1"}
+
+
+def test_steps_put_cams_into_gears_before_the_spacer_and_keep_pins_in():
+    reducer, sizes = drive("twodisc")
+    steps = assembly_order(reducer, sizes)
+    assert steps[6].index("each cam with its bearing into its gear") < steps[6].index("spacer")
+    assert "glue the pins" in steps[5]
+    free, sizes = drive("pin")
+    assert "with grease" in assembly_order(free, sizes)[5]
