@@ -18,7 +18,7 @@ from cycloid_mj.life.loading import Loading
 from cycloid_mj.life.strength import pin_moment
 from cycloid_mj.parts import joint_strength as strength
 from cycloid_mj.parts import sleeve_core_radius
-from cycloid_mj.parts.export.bearings import PIN_FIT
+from cycloid_mj.parts.export.bearings import PIN_FIT, sleeve_pin_depth
 from cycloid_mj.parts.export.casing import (
     FLANGE,
     MOTOR_COVER,
@@ -153,8 +153,8 @@ def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
     by_face = {frozenset(joint.parts): torque for joint, torque in dowelled.items()}
     for each in screwed:
         parts = each.joint.parts
-        faces = [frozenset(face) for face in pairwise(parts)]
-        positive = min(by_face.get(face, 0.0) for face in faces)
+        through_ring = (MOTOR_COVER, names.HOUSING, OUTPUT_COVER) if {*parts} == {MOTOR_COVER, OUTPUT_COVER} else parts
+        positive = min(by_face.get(frozenset(face), 0.0) for face in pairwise(through_ring))
         shared = f"; tighten with {each.tightening_torque:.3g} N m"
         shared += f"; dowels transmit {positive:.3g} N m without friction" if positive else ""
         for limit in each.limits:
@@ -319,17 +319,15 @@ def _dowel_torque(reducer: Reducer, joint: Joint) -> float:
 def _rate_crank(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
     """Rate the shaft of the motor in the crank, and cams on the shaft of several discs."""
     sizes, shaft = casing(reducer), 2.0 * reducer.design.shaft.radius
-    joints = drive_joints(reducer, sizes)
     bore = motor_bore(reducer, sizes)
     if bore:
         radius, low, high = bore
         yield _glued("joint_motor_shaft", "motor shaft in the crank, glued", torques.crank, 2.0 * radius, high - low)
-    keyed = [joint for joint in joints if joint.kind.name == "KEYED"]
-    for joint in keyed:
-        yield _keyed(reducer, joint, torques.crank, shaft)
-    if reducer.design.gear.discs > 1 and not keyed:
-        width = reducer.design.gear.face_width
-        yield _glued("joint_cams", "cams on the shaft, glued", torques.crank, shaft, width)
+    for joint in drive_joints(reducer, sizes):
+        if joint.kind is JointKind.KEYED:
+            yield _keyed(reducer, joint, torques.crank, shaft)
+        elif joint.kind is JointKind.GLUED and names.SHAFT in joint.parts:
+            yield _glued("joint_cams", f"{joint.name}, glued", torques.crank, joint.diameter, joint.length)
 
 
 def _glued(key: str, name: str, torque: float, diameter: float, length: float) -> RatedItem:
@@ -345,7 +343,7 @@ def _keyed(reducer: Reducer, joint: Joint, torque: float, shaft: float) -> Rated
     """Rate the side pressure of a parallel key."""
     (part,) = joint.bought
     sizes = dict(part.dimensions)
-    key = strength.Key(sizes["width"], sizes["height"], sizes["depth"], sizes["length"])
+    key = strength.Key(sizes["height"], sizes["depth"], sizes["length"])
     softest = min(_material(reducer, mate).yield_strength for mate in joint.parts)
     return _item(
         _slug(joint),
@@ -399,11 +397,11 @@ def _rate_ring_pins(reducer: Reducer, worst: Loading, scale: float) -> Iterator[
         return
     force, length = scale * worst.teeth, design.gear.stack_width
     if ring.has_sleeves:
-        core = sleeve_core_radius(reducer)
+        core, length = sleeve_core_radius(reducer), 2.0 * sleeve_pin_depth(reducer)
         turning = design.friction_of("pin_sleeve") * force * core
         yield _pressed_pin(
             reducer,
-            ("joint_ring_pin_press", "ring pin in its seats, press fit against turning"),
+            ("joint_ring_pin_press", "ring pin in both covers, press fit against turning"),
             turning,
             (core, length, names.PIN, _material(reducer, names.HOUSING)),
         )

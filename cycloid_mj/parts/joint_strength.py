@@ -158,17 +158,11 @@ def effective_interference(measured: float, roughness_hub: float, roughness_shaf
 
 @dataclass(frozen=True)
 class Key:
-    """A parallel key of DIN 6885-1, shape A: width, height, depth in the shaft and length [m]."""
+    """A parallel key of DIN 6885-1: height, depth in the shaft and carrying length, without round ends [m]."""
 
-    width: float
     height: float
     depth: float
-    length: float
-
-    @property
-    def carrying_length(self) -> float:
-        """Length without the round ends [m]."""
-        return self.length - self.width
+    carrying_length: float
 
     def pressure(self, torque: float, shaft: float) -> float:
         """Compute the side pressure in the hub [Pa] of a torque [N m] on a shaft diameter [m] (DIN 6892, method C)."""

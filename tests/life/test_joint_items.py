@@ -7,6 +7,8 @@ from cycloid_mj.life import rate
 from cycloid_mj.life.datasheet import momentary_torque
 from cycloid_mj.life.item import ItemKind
 from cycloid_mj.life.joints import JointTorques, fit_code, screwed_joints
+from cycloid_mj.parts.export.casing import casing
+from cycloid_mj.parts.export.joints import JointKind, drive_joints
 from cycloid_mj.reducer import Reducer
 from tests.designs import cases
 
@@ -78,3 +80,17 @@ def test_pressed_pins_keep_an_interference_over_their_whole_zones() -> None:
     assert max(fits.clearances("N7/m6", 6e-3)) < 0.0 < max(fits.clearances("H7/m6", 6e-3))
     seat = joints_of("pin")["joint_output_pin_press"]
     assert seat["safety"] > 100.0
+
+
+def test_a_key_of_the_cams_is_rated_by_its_side_pressure() -> None:
+    """T = 0.9 R_e d (h - t1) l/2 by DIN 6892, method C; keys of shape B have no round ends."""
+    design = resolve("twodisc", {"shaft.radius_mm": 6.0, "gear.bore_radius_mm": 19.0})
+    reducer = Reducer(design)
+    (joint,) = (joint for joint in drive_joints(reducer, casing(reducer)) if joint.kind is JointKind.KEYED)
+    key = dict(joint.bought[0].dimensions)
+    (item,) = (item for item in rate(design).items.values() if "DIN 6892" in item.source)
+    sides = (key["height"] - key["depth"]) * key["length"]
+    softest = design.material_of("shaft").yield_strength
+    assert item.limit == pytest.approx(0.5 * 0.9 * softest * 12e-3 * sides)
+    assert item.value == pytest.approx(2.0 * design.rated_torque / design.reduction)
+    assert "joint_cams" in rate("twodisc").items, "the cams of the preset are too thin for a keyway: glued"
