@@ -170,7 +170,8 @@ def _check_message_count(chunk: Chunk) -> None:
     if chunk.uncompressed_size <= limit * MESSAGE_HEAD.itemsize or chunk.uncompressed_size > LARGEST_CHUNK:
         return
     count, skip, rest = 0, 0, b""
-    for piece in _pieces(chunk):
+    stream = _inflate(chunk.data, chunk.compression)
+    while piece := stream.read(_PIECE):
         if skip >= len(piece):
             skip -= len(piece)
             continue
@@ -186,17 +187,23 @@ def _check_message_count(chunk: Chunk) -> None:
         rest, skip = data[position:], max(0, position - len(data))
 
 
-def _pieces(chunk: Chunk) -> Iterator[bytes]:
-    """Yield the inflated content of a chunk in pieces of 1 MiB, as far as it can be read; nothing of other kinds."""
-    if chunk.compression == "zstd":
-        stream: Any = zstandard.ZstdDecompressor().stream_reader(chunk.data)
-    elif chunk.compression == "lz4":
-        stream = lz4.frame.LZ4FrameFile(BytesIO(chunk.data))
+def _inflate(data: bytes, compression: str) -> BinaryIO:
+    """Return a stream of the inflated content of a chunk.
+
+    Raises
+    ------
+    ValueError
+        The compression is not supported.
+    """
+    if compression == "zstd":
+        stream: BinaryIO = zstandard.ZstdDecompressor().stream_reader(data)
+    elif compression == "lz4":
+        stream = lz4.frame.LZ4FrameFile(BytesIO(data))
+    elif not compression:
+        stream = BytesIO(data)
     else:
-        return
-    with stream:
-        while piece := stream.read(_PIECE):
-            yield piece
+        raise ValueError(f"its compression {compression!r} is not supported; zstd and lz4 are")
+    return stream
 
 
 def decompress(data: bytes, compression: str, size: int) -> bytes:
@@ -211,15 +218,8 @@ def decompress(data: bytes, compression: str, size: int) -> bytes:
     """
     if size > LARGEST_CHUNK:
         raise ValueError(f"its stated size is {size:,} bytes; the limit is {LARGEST_CHUNK:,}")
-    if compression == "zstd":
-        with zstandard.ZstdDecompressor().stream_reader(data) as stream:
-            content = stream.read(size + 1)
-    elif compression == "lz4":
-        content = lz4.frame.LZ4FrameDecompressor().decompress(data, max_length=size + 1)
-    elif not compression:
-        content = data
-    else:
-        raise ValueError(f"its compression {compression!r} is not supported; zstd and lz4 are")
+    with _inflate(data, compression) as stream:
+        content = stream.read(size + 1)
     if len(content) != size:
         raise ValueError(f"its size is not the stated {size:,} bytes")
     return content

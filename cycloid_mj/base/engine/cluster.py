@@ -1,6 +1,6 @@
 """Work on a running Dask cluster; Dask itself tries again what a lost worker had.
 
-An item that kills its worker each time is reported. With joblib's Dask backend (1.5.3, November 2026) such an item
+An item that kills its worker each time is reported. With joblib's Dask backend (1.6.0, November 2026) such an item
 hangs the program: it had not ended after 45 s, twice.
 """
 
