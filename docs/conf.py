@@ -14,6 +14,8 @@ import charts  # noqa: E402  (in this folder)
 import drawings  # noqa: E402
 import reference  # noqa: E402
 import sketches  # noqa: E402
+from docutils import nodes  # noqa: E402
+from latex2mathml.converter import convert  # noqa: E402
 from pydantic import BaseModel  # noqa: E402
 
 import cycloid_mj  # noqa: E402
@@ -28,7 +30,6 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx_gallery.gen_gallery",
-    "sphinx-mathjax-offline",
 ]
 exclude_patterns = ["_build", "_gallery/GALLERY_HEADER.rst", "**/sg_execution_times.rst", "sg_execution_times.rst"]
 suppress_warnings = ["config.cache"]  # the sorting of the gallery is an object, which cannot be kept
@@ -40,6 +41,7 @@ autodoc_preserve_defaults = True
 napoleon_google_docstring = False
 napoleon_use_ivar = True
 
+html_math_renderer = "mathml"
 html_theme = "furo"
 html_title = f"cycloid_mj {version}"
 html_favicon = "../cycloid_mj/app/assets/gear.svg"
@@ -76,8 +78,23 @@ def without_defaults(app: Any, what: str, name: str, value: Any, *rest: Any) -> 
     return ("", None) if isinstance(value, type) and issubclass(value, BaseModel) else None
 
 
+def write_inline_mathml(translator: Any, node: Any) -> None:
+    """Write an equation as MathML, which browsers show without scripts and without a network."""
+    translator.body.append(convert(node.astext()))
+    raise nodes.SkipNode
+
+
+def write_display_mathml(translator: Any, node: Any) -> None:
+    """Write a displayed equation as MathML; latex2mathml knows ``align*`` instead of ``gathered``."""
+    equation = convert(node.astext().replace("{gathered}", "{align*}"), display="block")
+    centred = equation.replace(' columnalign="right"', "")
+    translator.body.append(f'<div class="equation">{centred}</div>')
+    raise nodes.SkipNode
+
+
 def setup(app: Any) -> None:
     """Write the references and the drawings before the pages are read."""
+    app.add_html_math_renderer("mathml", (write_inline_mathml, None), (write_display_mathml, None))
     app.connect("autodoc-process-signature", without_defaults)
     app.connect("builder-inited", lambda app: reference.write(HERE / "_reference"), priority=100)
     for module in (drawings, sketches, charts):

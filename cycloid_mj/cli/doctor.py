@@ -23,7 +23,7 @@ EXTRAS = {
     "optimize": ("cma",),
     "parquet": ("duckdb",),
     "rerun": ("rerun",),
-    "video": ("imageio_ffmpeg",),
+    "video": ("av",),
 }
 """Extra -> the modules that it installs."""
 
