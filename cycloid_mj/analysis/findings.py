@@ -14,7 +14,8 @@ Phase = Literal["hold", "ramp"]
 
 def condition(reducer: Reducer) -> Condition:
     """Return the condition that a design is run under."""
-    return Condition(reducer.design.load.torque, reducer.design.drive.speed)
+    design = reducer.design
+    return Condition(design.load.torque, design.drive.speed, temperature=design.thermal.words)
 
 
 @dataclass(frozen=True)

@@ -231,16 +231,19 @@ class Condition:
         On the crank, where the test prescribes it and the load follows from it [N m].
     solver
         What takes the steps of the runs that it is judged on, where one is named.
+    temperature
+        Temperatures of the parts in words; empty for 20 °C.
     """
 
     load: float
     speed: float
     input_torque: float | None = None
     solver: str = ""
+    temperature: str = ""
 
     def __str__(self) -> str:
         """Format the condition in words, such as "36.68 N m, 1640 rpm"."""
-        return f"{self.words}, {self.speed_rpm:g} rpm"
+        return ", ".join([self.words, f"{self.speed_rpm:g} rpm", *([self.temperature] if self.temperature else [])])
 
     @property
     def speed_rpm(self) -> float:
@@ -256,7 +259,8 @@ class Condition:
         """Convert load [N m], speed [rpm] and solver to JSON values."""
         torque = {} if self.input_torque is None else {"input_torque_nm": self.input_torque}
         solver = {"solver": self.solver} if self.solver else {}
-        return {"load_nm": self.load, "speed_rpm": self.speed_rpm} | torque | solver
+        warm = {"temperature": self.temperature} if self.temperature else {}
+        return {"load_nm": self.load, "speed_rpm": self.speed_rpm} | torque | solver | warm
 
 
 def load_words(load: float) -> str:

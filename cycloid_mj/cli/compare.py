@@ -26,6 +26,7 @@ from cycloid_mj.cli.flags import (
     SetFlag,
     SeveralFlag,
     StudySolverFlag,
+    TemperatureFlag,
     Values,
     load_design,
     point,
@@ -77,6 +78,7 @@ class CompareOptions:
     """Settings of the runs of a comparison, and its output flags."""
 
     set_: SetFlag = ()
+    at_c: TemperatureFlag = None
     solver: StudySolverFlag = "planar"
     load_nm: Annotated[
         float | None,
@@ -204,8 +206,10 @@ def compare(
         usual = f"{logs[0].removesuffix('.mcap')}-compare"
         place = _place(folder(delivery.out or usual, "the figures", FILES, delivery.force), delivery)
         return deliver(_from_logs(logs, q, place), place, delivery)
-    first = load_design(designs[0], (*DEFAULTS, *options.set_), options.first)
-    plan = _plan_runs(all_cases([load_design(name, options.set_, ()) for name in designs], first, options), options)
+    first = load_design(designs[0], (*DEFAULTS, *options.set_), options.first, options.at_c)
+    plan = _plan_runs(
+        all_cases([load_design(name, options.set_, (), options.at_c) for name in designs], first, options), options
+    )
     warn_of_overloads(plan.starts)
     names_of_files = [*(f"{name}.mcap" for name in plan.names.values()), *FILES]
     place = _place(logs_folder(RUNS, delivery.out, names_of_files, delivery.force), delivery)

@@ -224,7 +224,7 @@ def export(
         raise UsageError("--cam-bearing-bore-mm applies to the parts of the plate only: add --plate")
     if polylines and format_ != "dxf":
         raise UsageError(f"--polylines is an option of --format dxf, not of {format_}: remove it, or use --format dxf")
-    design, offset, chord_error = chosen.resolve_checked(), offset_um * 1e-6, chord_error_um * 1e-6
+    design, offset, chord_error = chosen.resolve_checked().at_reference, offset_um * 1e-6, chord_error_um * 1e-6
     reducer, motor = Reducer(design), interface.chosen()
     if plate or assembly:
         require_one_ring(reducer, "print plates and assemblies")

@@ -13,6 +13,7 @@ from cycloid_mj.base.engine import Engine
 from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.cli.ranges import RANGES
 from cycloid_mj.design import PRESETS, Design, override, resolve
+from cycloid_mj.design.model import HEATED
 from cycloid_mj.design.units import BOUNDS, Unit, bounds_of, file_key, unit_of
 from cycloid_mj.reducer import Reducer
 
@@ -65,6 +66,14 @@ PointFlag = Annotated[
         allow_leading_hyphen=True,
         help="Point q of the disc [mm], in the disc's frame, e.g. 26,0 or -3,4.5. Default: the centre of the "
         "hole on +y.",
+    ),
+]
+TemperatureFlag = Annotated[
+    float | None,
+    Parameter(
+        name="--at-c",
+        metavar="X",
+        help="Temperature of all parts [degC]; sizes of a design hold at 20. Set single parts by --set thermal.disc_c.",
     ),
 ]
 JsonFlag = Annotated[bool, Parameter(name="--json", help="Print one JSON object on stdout, and nothing else.")]
@@ -224,8 +233,10 @@ Values = Sequence[tuple[DesignValue, float | None]]
 """Values of the design that flags set; None where the flag is absent."""
 
 
-def load_design(name_or_file: str, changes: Sequence[str], values: Values) -> Design:
+def load_design(name_or_file: str, changes: Sequence[str], values: Values, temperature: float | None = None) -> Design:
     """Return the design of a command line: file or preset, then ``--set``, then other flags; a preload as an angle.
+
+    A `temperature` [°C] is that of all parts, before ``--set`` changes single ones.
 
     Raises
     ------
@@ -236,6 +247,8 @@ def load_design(name_or_file: str, changes: Sequence[str], values: Values) -> De
     """
     design = resolve(name_or_file)
     try:
+        if temperature is not None:
+            design = override(design, [f"thermal.{part}_c={temperature!r}" for part in HEATED])
         design = override(design, changes)
     except DesignError as error:
         raise UsageError(error.message, error.details) from error
@@ -254,10 +267,11 @@ class DesignOptions:
     design: DesignFlag
     _: KW_ONLY
     set_: SetFlag = ()
+    at_c: TemperatureFlag = None
 
     def resolve(self, values: Values = ()) -> Design:
         """Return the design, with `values` of other flags; see `load_design` for the errors."""
-        return load_design(self.design, self.set_, values)
+        return load_design(self.design, self.set_, values, self.at_c)
 
     def resolve_checked(self, values: Values = ()) -> Design:
         """Return the same; raise DesignError if it fails a check."""

@@ -32,6 +32,7 @@ from cycloid_mj.cli.flags import (
     SetFlag,
     SeveralFlag,
     StudySolverFlag,
+    TemperatureFlag,
     Values,
     out_flag,
     require_distinct,
@@ -356,11 +357,13 @@ def _command(name: str, options: type[MeasureOptions]) -> Callable[..., int]:
         ],
         design: SeveralFlag = (),
         set_: SetFlag = (),
+        at_c: TemperatureFlag = None,
         options: MeasureOptions,
         delivered: MeasureDelivery,
     ) -> int:
         """Measure several designs."""
-        sound = [DesignOptions(one, set_=set_).resolve_checked(options.values()) for one in (*designs, *design) or BOTH]
+        chosen = [DesignOptions(name, set_=set_, at_c=at_c) for name in (*designs, *design) or BOTH]
+        sound = [options_of.resolve_checked(options.values()) for options_of in chosen]
         return _measure(name, sound, options, delivered)
 
     command: Any = many if options is TorqueOptions else one

@@ -16,7 +16,6 @@ from cycloid_mj.base.overwrite_guard import claim, make_folder, require_ending
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-CHUNK = 10_000
 STDOUT = "-"
 
 CsvFlag = Annotated[
@@ -58,16 +57,13 @@ def write_csv(file: str, columns: Columns) -> None:
     CycloidError
         The file cannot be written; one that was there before is as it was.
     """
+    from cycloid_mj.base.frame import write_rows  # which takes NumPy, that no help page needs
+
     if file == STDOUT:
-        sys.stdout.writelines(_lines(columns))
+        write_rows(columns, sys.stdout, "nan")
         return
     with _written(file) as stream:
-        stream.writelines(_lines(columns))
-
-
-def csv_bytes(columns: Columns) -> bytes:
-    """Return the bytes that `write_csv` writes."""
-    return "".join(_lines(columns)).encode()
+        write_rows(columns, stream, "nan")
 
 
 def folder(name: str, what: str, files: Iterable[str], force: bool) -> Path:
@@ -102,20 +98,6 @@ def new_folder(name: str, what: str) -> Path | None:
             f"cannot create the folder {name} for {what}: {reason(problem)}; choose another folder with --out"
         ) from problem
     return path
-
-
-def _lines(columns: Columns) -> Iterator[str]:
-    yield ",".join(columns) + "\n"
-    rows = len(next(iter(columns.values())))
-    for start in range(0, rows, CHUNK):
-        block = (_words(column[start : start + CHUNK]) for column in columns.values())
-        yield from (",".join(row) + "\n" for row in zip(*block, strict=True))
-
-
-def _words(values: "npt.NDArray[Any]") -> list[str]:
-    # the sum turns -0.0 into 0.0
-    numbers = (values + 0.0).tolist() if values.dtype.kind == "f" else values.tolist()
-    return [repr(value) if isinstance(value, float) else str(value) for value in numbers]
 
 
 @contextmanager

@@ -2,7 +2,7 @@
 
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
@@ -40,8 +40,16 @@ StressFlag = Annotated[
         "stress range of each node instead of beam formulas.",
     ),
 ]
+PartsFlag = Annotated[
+    Literal["perfect", "toleranced"] | None,
+    Parameter(
+        help="Parts that are rated: perfect, or samples within [tolerance] at the 95 % percentile of the forces. "
+        "Default: toleranced if the design has tolerances.",
+    ),
+]
 EXAMPLES = """Examples:
   cycloid-mj rate --design pin
+  cycloid-mj rate --design my.toml --parts perfect
   cycloid-mj rate --design my.toml --load-nm 20 --speed-rpm 1000 --life-h 6000
   cycloid-mj rate --design my.toml --duty duty.csv --json
   cycloid-mj stress --design pin --out s && cycloid-mj rate --design pin --stress s --html"""
@@ -56,6 +64,7 @@ def rate(
     life_h: LifeFlag = None,
     peak_nm: PeakFlag = None,
     stress: StressFlag = None,
+    parts: PartsFlag = None,
     delivery: Annotated[Delivery, FLAT] = DELIVERY,
 ) -> int:
     """Rate life, fatigue, wear and heat, the weakest item first.
@@ -64,10 +73,12 @@ def rate(
     values, or over a duty cycle (Miner's rule; a rest has the speed 0). Bearings by ISO 281 and ISO 76; surfaces by
     first yield, shakedown and pitting; shaft, output pins, disc and ring by Goodman with notch, surface, size and
     reliability; wear by Archard; the temperature of the housing in still air by the first limit (grease, seals, a
-    material) and the clearance that it costs; an emergency stop; the cam load on the compliant bearing, which is
-    assumed, next to ideal sharing. Values that are not in the design file are assumed and stated next to the result:
-    [bearing] and [service] take ratings and limits. The exit code is 0 whatever the safety factors are.
+    material) and the clearance that it costs; an emergency stop; joints (screws, dowels, press fits, inserts) at that
+    stop; the cam load on the compliant bearing, which is assumed, next to ideal sharing. Values that are not in the
+    design file are assumed and stated next to the result: [bearing] and [service] take ratings and limits. The exit
+    code is 0 whatever the safety factors are.
     """
+    from cycloid_mj.life.as_built import has_tolerances
     from cycloid_mj.life.items import rate as rated
     from cycloid_mj.life.ranges import read_ranges
 
@@ -85,7 +96,8 @@ def rate(
     cycle = _duty(design, load_nm, speed_rpm, duty, peak_nm)
     ranges = read_ranges(stress, Reducer(design)) if stress else None
     place = claim_destination(delivery, f"{design.name}-rating")
-    rating = rated(design, cycle, life_h or 0.0, ranges, compliance=True)
+    chosen_parts = parts or ("toleranced" if has_tolerances(design) else "perfect")
+    rating = rated(design, cycle, life_h or 0.0, ranges, compliance=True, parts=chosen_parts)
     return deliver(_outcome(rating, place), place, delivery)
 
 
@@ -96,7 +108,7 @@ def _outcome(rating: "Rating", place: Destination) -> Outcome:
     weakest, failing = rating.weakest, rating.failing
     return Outcome(
         title=f"rating: {rating.design}",
-        condition=f"{rating.duty}, for {rating.life:g} h",
+        condition=f"{rating.duty}, for {rating.life:g} h, parts {rating.parts}",
         headline={
             "weakest item": weakest.name,
             "its life" if weakest.safety is None else "its safety": weakest.verdict,

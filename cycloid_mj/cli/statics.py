@@ -28,7 +28,7 @@ HEADLINE = (
 )
 """Keys of the figures that one looks for first; a design's ring has pins or teeth."""
 
-HEADER = ("quantity", "value", "unit", "known difference")
+HEADER = ("quantity", "value", "unit", "known difference", "parts")
 
 SOURCES = {"given": "--load-nm", "load.torque_nm": "load.torque_nm of the design", "rated torque": "the rated torque"}
 
@@ -78,7 +78,9 @@ def _outcome(static: "Sheet", figures: Mapping[str, Quantity]) -> Outcome:
     for quantity in static.quantities.values():
         known = known_difference(quantity)
         value = "-" if quantity.value != quantity.value else f"{quantity.value:.6g}"
-        rows.append((quantity.name, value, quantity.unit, "" if known is None else f"{100.0 * known:g} %"))
+        rows.append(
+            (quantity.name, value, quantity.unit, "" if known is None else f"{100.0 * known:g} %", static.parts)
+        )
     return Outcome(
         title=f"statics: {static.design}",
         condition=static.condition,

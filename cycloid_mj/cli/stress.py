@@ -22,6 +22,7 @@ from cycloid_mj.cli.flags import (
     DesignNames,
     SetFlag,
     SeveralFlag,
+    TemperatureFlag,
     load_design,
     require_distinct,
     within,
@@ -163,6 +164,7 @@ def stress(
     part: PartsFlag = (),
     log: LogsFlag = (),
     set_: SetFlag = (),
+    at_c: TemperatureFlag = None,
     load_nm: LoadFlag = None,
     angle_deg: AngleFlag = None,
     quick: StressQuickFlag = False,
@@ -215,7 +217,7 @@ def stress(
         from cycloid_mj.stress.mounts import read_mounts
 
         told = None if mounts is None else read_mounts(Path(mounts))
-        return _springs([Reducer(load_design(name, set_, ())) for name in asked], load_nm, told, delivery)
+        return _springs([Reducer(load_design(name, set_, (), at_c)) for name in asked], load_nm, told, delivery)
     settings = replace(
         QUICK if quick else StudySettings(),
         solid=solid,
@@ -227,7 +229,7 @@ def stress(
         usual = f"{log[0].removesuffix('.mcap')}-stress"
         place = _place(folder(delivery.out or usual, "the figures", FILES, delivery.force), delivery)
     else:
-        loaded = [for_one_turn(load_design(name, set_, ()), load_nm) for name in asked]
+        loaded = [for_one_turn(load_design(name, set_, (), at_c), load_nm) for name in asked]
         _require_apart(loaded)
         planned = _plan_cost(loaded, part, settings, delivery.quiet)
         names = (*(f"{one.name}.mcap" for one in loaded), *FILES)

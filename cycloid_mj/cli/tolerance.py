@@ -132,7 +132,7 @@ def tolerance(
 
 def _outcome(tolerances: "Tolerances") -> Outcome:
     """Build the outcome of a tolerance study."""
-    from cycloid_mj.cli.outfile import csv_bytes
+    from cycloid_mj.base.frame import csv_text
     from cycloid_mj.design import dump
     from cycloid_mj.plots.save import encode_figure
     from cycloid_mj.plots.tolerance import tolerance_figures
@@ -157,7 +157,7 @@ def _outcome(tolerances: "Tolerances") -> Outcome:
         captions=CAPTIONS,
         files={
             **{f"{name}-worst-{place}.toml": dump(one).encode() for place, one in enumerate(tolerances.worst, 1)},
-            f"{name}-samples.csv": csv_bytes(tolerances.frame.columns),
+            f"{name}-samples.csv": csv_text(tolerances.frame.columns, "nan").encode(),
         },
         result=tolerances.as_json(),
     )

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from cycloid_mj.cli.flags import NAMES, QuietFlag, SetFlag, load_design, within
+from cycloid_mj.cli.flags import NAMES, QuietFlag, SetFlag, TemperatureFlag, load_design, within
 from cycloid_mj.cli.terminal import note
 
 EXAMPLES = """Examples:
@@ -25,7 +25,14 @@ SlowFlag = Annotated[
 ]
 
 
-def view(what: WhatFlag, *, set_: SetFlag = (), slow: SlowFlag = SLOW, _quiet: QuietFlag = False) -> int:
+def view(
+    what: WhatFlag,
+    *,
+    set_: SetFlag = (),
+    at_c: TemperatureFlag = None,
+    slow: SlowFlag = SLOW,
+    _quiet: QuietFlag = False,
+) -> int:
     """Open the MuJoCo viewer on a design, or replay a log in it.
 
     A display is needed; without one, use `cycloid-mj render` or `cycloid-mj animate`.
@@ -39,7 +46,7 @@ def view(what: WhatFlag, *, set_: SetFlag = (), slow: SlowFlag = SLOW, _quiet: Q
         note("close the window to stop")
         show_run(read(what), slow)
         return 0
-    design = load_design(what, set_, ())
+    design = load_design(what, set_, (), at_c)
     from cycloid_mj.base.errors import warn
     from cycloid_mj.dynamics.mjcf import build
     from cycloid_mj.reducer import Reducer

@@ -47,6 +47,9 @@ BOLT_SHARE = 0.25
 PARTS = ("gear", "housing", "pin", "output", "shaft")
 """What may be of a material of its own; sleeves count as pins, rollers as what they turn on."""
 
+REFERENCE_TEMPERATURE = 20.0
+"""Temperature at which the sizes of a design file hold [°C] (ISO 1)."""
+
 PARTNERS = {
     "pin_gear": ("pin", "gear"),
     "pin_socket": ("pin", "housing"),
@@ -741,13 +744,55 @@ class Service(Section):
         1e-9, "volume worn per force and sliding distance (mixed lubrication)", u.WEAR, ge=0.0, le=1.0
     )
     ambient_temperature: float = quantity(20.0, "temperature around the housing", u.CELSIUS, ge=-100.0, le=200.0)
-    film_coefficient: float = quantity(12.0, "heat transfer coefficient to still air", u.FILM, gt=0.0, le=1e4)
+    film_coefficient: float = quantity(
+        12.0,
+        "heat transfer coefficient to still air; 0: convection and radiation by ISO/TR 14179-2",
+        u.FILM,
+        ge=0.0,
+        le=1e4,
+    )
     grease_temperature: float = quantity(
         100.0, "maximum temperature of the grease; 500: no limit", u.CELSIUS, ge=0.0, le=500.0
     )
     seal_temperature: float = quantity(
         100.0, "maximum temperature of the seals; 500: no limit", u.CELSIUS, ge=0.0, le=500.0
     )
+
+
+def _temperature(part: str) -> float:
+    return quantity(REFERENCE_TEMPERATURE, f"temperature of {part}", u.CELSIUS, "ISO 1", ge=-100.0, le=300.0)
+
+
+HEATED = ("disc", "ring", "crank", "output", "housing")
+"""Parts with a temperature of their own."""
+
+
+class Thermal(Section):
+    """Temperatures of the parts; all sizes of a design file hold at 20 °C (ISO 1)."""
+
+    disc: float = _temperature("the cycloid discs")
+    ring: float = _temperature("the ring: its pin circle, or the internal gear, and its pins")
+    crank: float = _temperature("the crank with its cams")
+    output: float = _temperature("the output carrier with its pins")
+    housing: float = _temperature("the covers, on which no clearance of the mechanism depends")
+    applied: bool = switch(
+        False,
+        "true: the clearances and errors of this file already include the thermal expansion, as in a log",
+        "ISO 1",
+    )
+
+    @property
+    def is_reference(self) -> bool:
+        """True if no expansion is to be applied: all parts are at 20 °C, or the sizes are already warm."""
+        return self.applied or not self.words
+
+    @property
+    def words(self) -> str:
+        """Temperatures of the parts as a condition of results; empty at 20 °C."""
+        values = {part: getattr(self, part) for part in ("disc", "ring", "crank", "output")}
+        if len(set(values.values())) > 1:
+            return ", ".join(f"{part} {value:g} °C" for part, value in values.items())
+        return f"{self.disc:g} °C" if self.disc != REFERENCE_TEMPERATURE else ""
 
 
 class Drive(Section):
@@ -844,6 +889,7 @@ class Design(Section, Presented):
     shaft_material: Material | None = _part_material("the shaft, and the rollers on its cam")
     bearing: Bearing = Bearing()
     service: Service = Service()
+    thermal: Thermal = Thermal()
     drive: Drive = Drive()
     load: Load = Load()
     environment: Environment = Environment()
@@ -903,6 +949,22 @@ class Design(Section, Presented):
             return type(self).model_validate(values, strict=True)
         except ValidationError as error:
             raise as_design_error(error, type(self), "but") from error
+
+    @property
+    def at_reference(self) -> Self:
+        """The same design at 20 °C, as its parts are manufactured.
+
+        Raises
+        ------
+        DesignError
+            The sizes are those of warm parts (``thermal.applied``), as in a log.
+        """
+        if self.thermal.applied:
+            raise DesignError(
+                f"{self.name}: the clearances are those of warm parts (thermal.applied = true), but parts are "
+                "manufactured at 20 °C; use the design file of the drive, not that of the log"
+            )
+        return self.but(thermal=dict.fromkeys(HEATED, REFERENCE_TEMPERATURE)) if self.thermal.words else self
 
     def steady(self, settled: float, turns: float, samples: float = 0.0, **changes: Mapping[str, Any]) -> Self:
         """Return the design for a run at full speed from the start, with changes in SI, as in `but`.

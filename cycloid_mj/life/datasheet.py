@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import count
 from typing import Any
 
@@ -52,6 +52,10 @@ DRIVE_FIGURES = {
 """Key of a figure of the complete drive -> name and condition."""
 
 LUBRICANT = "lithium-soap grease, NLGI 2, with PAO base oil for plastic parts (assumed)"
+
+
+BY_GEOMETRY_ALONE = ("ratio", "nominal_torque", "input_speed", "largest_speed_rpm")
+"""Keys of quantities in the groups of loads and motions that do not depend on the errors of the parts."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -142,10 +146,12 @@ def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) 
         "Accuracy and stiffness": _accuracy(reducer, static),
         "Efficiency and heat": _efficiency(reducer, static),
         "Speed": _speeds(reducer),
-        "Mass and size": _mass(reducer),
+        **({"Output bearing": _bearing(reducer)} if has_casing(reducer) else {}),
     }
+    groups = {heading: _with_parts(reducer, group) for heading, group in groups.items()}
+    groups["Mass and size"] = _mass(reducer)
     if has_casing(reducer):
-        groups |= {"Output bearing": _bearing(reducer), "Interfaces": _interfaces(reducer)}
+        groups["Interfaces"] = _interfaces(reducer)
     advance()
     curves = (
         life_curve(reducer, life, momentary, for_life[0], advance),
@@ -162,6 +168,15 @@ def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) 
         notes=_notes(reducer, life, static),
         figures=figures,
         weakest=weakest,
+    )
+
+
+def _with_parts(reducer: Reducer, group: tuple[Quantity, ...]) -> tuple[Quantity, ...]:
+    """Return quantities with the parts, perfect or with errors, in the condition of each that depends on them."""
+    parts = f"parts {reducer.parts_text}" if reducer.deviations.largest else "perfect parts"
+    return tuple(
+        item if item.key in BY_GEOMETRY_ALONE else replace(item, note=f"{item.note}; {parts}" if item.note else parts)
+        for item in group
     )
 
 

@@ -143,6 +143,8 @@ class Rating(Presented):
         Cam load over the stiffness of its bearing, if requested.
     work
         Largest numerical work of a point of the duty, see `Loading`.
+    parts
+        The parts that were rated: perfect, with the errors of the design, or toleranced.
     """
 
     design: str
@@ -152,6 +154,7 @@ class Rating(Presented):
     assumptions: tuple[str, ...]
     cam_compliance: CamCompliance | None = None
     work: float = 0.0
+    parts: str = "perfect"
 
     @property
     def weakest(self) -> RatedItem:
@@ -185,7 +188,10 @@ class Rating(Presented):
 
     def _items_json(self) -> dict[str, dict[str, Any]]:
         """Convert the items to JSON values with their judgements, by key."""
-        return {key: {**item.as_json(), "judgement": item.judgement(self.life)} for key, item in self.items.items()}
+        return {
+            key: {**item.as_json(), "judgement": item.judgement(self.life), "parts": self.parts}
+            for key, item in self.items.items()
+        }
 
     @property
     def line(self) -> str:
@@ -205,12 +211,12 @@ class Rating(Presented):
 
     def table(self) -> Table:
         """Tabulate the items as text."""
-        header = ("item", "load", "limit", "safety or life", "formula and source", "assumptions")
+        header = ("item", "load", "limit", "safety or life", "parts", "formula and source", "assumptions")
         rows = tuple(
-            (item.name, item.load_text, item.limit_text, item.verdict, item.source, item.note)
+            (item.name, item.load_text, item.limit_text, item.verdict, self.parts, item.source, item.note)
             for item in self.items.values()
         )
-        return Table(f"rating: {self.design}, {self.duty}, for {self.life:g} h", header, rows, words=(4, 5))
+        return Table(f"rating: {self.design}, {self.duty}, for {self.life:g} h", header, rows, words=(5, 6))
 
     def as_json(self) -> dict[str, Any]:
         """Convert the rating to JSON values."""
@@ -218,6 +224,7 @@ class Rating(Presented):
             "design": self.design,
             "condition": self.duty,
             "required_life_h": self.life,
+            "parts": self.parts,
             "weakest": self.weakest.key,
             "items": self._items_json(),
             "assumptions": list(self.assumptions),

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from cycloid_mj.base.errors import CycloidWarning, DesignError
 from cycloid_mj.design import Named, material_limits, resolve
+from cycloid_mj.life.as_built import Parts, rated_samples
 from cycloid_mj.life.bearings import rate_bearings
 from cycloid_mj.life.cam import rate_cam_compliance
 from cycloid_mj.life.duty import Duty, constant_duty
@@ -30,6 +31,7 @@ def rate(
     poses: int = POSES,
     stops: bool = True,
     give: bool | None = None,
+    parts: Parts = "perfect",
 ) -> Rating:
     """Rate a design that can be built: life, safety factors, wear and heat of its parts.
 
@@ -51,6 +53,8 @@ def rate(
         Whether emergency stops and joints are rated, which takes half of the time.
     give
         Former name of `compliance`.
+    parts
+        Parts as designed, or samples within the tolerances of the design, see ``life.as_built``.
 
     Raises
     ------
@@ -58,6 +62,8 @@ def rate(
         The crank does not turn.
     RunError
         No static equilibrium was found at a torque of the duty.
+    UsageError
+        The parts are to be toleranced, but the design has no tolerances.
     """
     if give is not None:
         warnings.warn("rate(give=...) is now rate(compliance=...)", CycloidWarning, stacklevel=2)
@@ -66,12 +72,28 @@ def rate(
     reducer = Reducer(design)
     life = life or design.service.life
     duty = duty or constant_duty(design.rated_torque, design.drive.speed)
+    if parts == "toleranced":
+        samples = rated_samples(reducer)
+        ratings = [rate(sample, duty, life, ranges, compliance, poses, stops) for sample in samples.designs]
+        return _weakest_of(design.name, ratings, samples.words)
     items, work = _rated_items(reducer, duty, ranges, poses, stops)
     ordered = sorted(items, key=lambda item: item.margin(life))
     spread = rate_cam_compliance(reducer, duty) if compliance else None
     assumptions = *_assumptions(reducer, duty), *([spread.words] if spread else [])
     by_key = {item.key: item for item in ordered}
-    return Rating(design.name, duty.words, life, by_key, assumptions, spread, work)
+    words = f"{duty.words}, {design.thermal.words}" if design.thermal.words else duty.words
+    return Rating(design.name, words, life, by_key, assumptions, spread, work, reducer.parts_text)
+
+
+def _weakest_of(design: str, ratings: list[Rating], words: str) -> Rating:
+    """Return the rating with the weakest item of each key of some ratings of samples."""
+    first = ratings[0]
+    weakest = [
+        min((rating.items[key] for rating in ratings if key in rating.items), key=lambda item: item.margin(first.life))
+        for key in first.items
+    ]
+    items = {item.key: item for item in sorted(weakest, key=lambda item: item.margin(first.life))}
+    return replace(first, design=design, items=items, assumptions=(words, *first.assumptions), parts="toleranced")
 
 
 def _rated_items(

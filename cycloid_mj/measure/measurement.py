@@ -50,9 +50,11 @@ class Measurement(Presented):
     condition: str = ""
 
     def __post_init__(self) -> None:
-        """Append the effects of time and temperature on the design's materials to the assumptions."""
+        """Append temperatures to the condition, and the limits of the design's materials to the assumptions."""
         sentences = dict.fromkeys((*self.assumptions, *material_limits(self.design)))
         object.__setattr__(self, "assumptions", tuple(sentences))
+        if self.design.thermal.words:
+            object.__setattr__(self, "condition", f"{self.condition}, {self.design.thermal.words}")
 
     def __getitem__(self, key: str) -> float:
         """Return the value of a quantity."""

@@ -51,6 +51,10 @@ class Reducer:
     """
 
     def __init__(self, design: Design) -> None:
+        if not design.thermal.is_reference:
+            from cycloid_mj.geometry.expansion import expand
+
+            design = expand(design)
         self.design = design
         self._kept = _drawer(design)
 
@@ -168,6 +172,11 @@ class Reducer:
         from cycloid_mj.geometry.deviations import deviations
 
         return self.kept("deviations", lambda: deviations(self.design))
+
+    @property
+    def parts_text(self) -> str:
+        """Manufacturing errors of the parts in words, for figures that depend on them."""
+        return "with the errors of the design" if self.deviations.largest else "perfect"
 
     @property
     def is_ideal(self) -> bool:

@@ -112,6 +112,8 @@ class Sheet(Presented):
         Quantities by key; keys are those of the measures.
     assumptions
         Assumptions, a sentence each.
+    parts
+        Whether the parts are perfect or have the errors of the design.
     """
 
     design: str
@@ -119,6 +121,7 @@ class Sheet(Presented):
     load_source: LoadSource
     quantities: dict[str, Quantity]
     assumptions: tuple[str, ...]
+    parts: str
 
     @property
     def frame(self) -> Frame:
@@ -140,7 +143,7 @@ class Sheet(Presented):
             "condition": self.condition,
             "load_source": self.load_source,
             "quantities": {
-                key: {**quantity.as_json(), "known_difference": known_difference(quantity)}
+                key: {**quantity.as_json(), "known_difference": known_difference(quantity), "parts": self.parts}
                 for key, quantity in self.quantities.items()
             },
             "known_difference_from": COMPARED,
@@ -183,10 +186,16 @@ def _sheet(reducer: Reducer, load: float | None, parts: Iterable[Part]) -> Sheet
     design, quantities = reducer.design, by_key(*(part(reducer, load) for part in parts))
     return Sheet(
         design=design.name,
-        condition=f"{load:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, quasi-static with disc centrifugal force",
+        condition=", ".join(
+            [
+                f"{load:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, quasi-static with disc centrifugal force",
+                *([design.thermal.words] if design.thermal.words else []),
+            ]
+        ),
         load_source=source,
         quantities=quantities,
         assumptions=_assumptions(reducer),
+        parts=reducer.parts_text,
     )
 
 

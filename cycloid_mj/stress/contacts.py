@@ -259,32 +259,81 @@ def _in(seat: PartFrame, action: Action) -> Action:
 
 
 def _of_gear(turn: Turn, disc: int) -> list[PartContact]:
-    return [
-        *_teeth(turn, turn.reducer.gears[disc], disc),
-        _cam_in_bore(turn, disc),
-        *_holes(turn, disc),
+    """List the contacts of a disc: teeth, the cam in its bore, and the output pins in its holes."""
+    seat = _disc(turn, disc)
+    cam = _in_hole(turn, _pair_name(turn, CAM, disc), "cam", _in(seat, _on_gear(turn, CAM, disc)), np.zeros(2))
+    centres = output_centres(turn.reducer) + turn.reducer.deviations.hole_place[disc]
+    names = [numbered(OUTPUT_PIN, number) for number in range(1, len(centres) + 1)]
+    holes = [
+        _in_hole(turn, _pair_name(turn, name, disc), "output", _in(seat, _on_gear(turn, name, disc)), centre)
+        for name, centre in zip(names, centres, strict=True)
     ]
+    return [*_teeth(turn, turn.reducer.gears[disc], disc), cam, *holes]
 
 
 def _of_ring(turn: Turn) -> list[PartContact]:
+    """List the contacts of the ring: lobes, or the sockets of its pins."""
     design = turn.reducer.design
     if design.ring.kind == "nonpin":
         return [contact for disc in _discs(turn) for contact in _teeth(turn, "ring", disc)]
-    # a pin that is free presses on its socket as one, wherever discs press on it
-    discs = range(1) if design.ring.has_sockets and design.ring.has_pin_bodies else _discs(turn)
+    # a free pin presses on its socket as a whole, wherever discs press on it
+    discs = range(1) if _has_free_pins(turn) else _discs(turn)
     return [_socket(turn, pin, disc) for disc in discs for pin in range(design.ring.teeth)]
+
+
+def _of_output(turn: Turn) -> list[PartContact]:
+    """List the output pins' contacts: on the pins themselves, or on the cores by the bores of rollers."""
+    output, seat = turn.reducer.design.output, part_frame(turn, "output")
+    contacts = []
+    for disc, (number, centre) in product(_discs(turn), enumerate(output_centres(turn.reducer), start=1)):
+        name = numbered(OUTPUT_PIN, number)
+        action = _in(seat, _on_gear(turn, name, disc).reaction())
+        wide = np.full_like(action.size, MAX_HALF_ANGLE * output.root_radius)
+        width = wide if output.rollers else _round_width(turn, "output", action)
+        place = action.on_disc(centre, output.root_radius, width)
+        contacts.append(_contact(turn, _pair_name(turn, name, disc), "output", action, place, width))
+    return contacts
+
+
+def _of_shaft(turn: Turn) -> list[PartContact]:
+    """List the contacts of the shaft: its cams in the bores of the discs."""
+    gear, seat, errors = turn.reducer.design.gear, part_frame(turn, "shaft"), turn.reducer.deviations
+    contacts = []
+    for disc, phase in enumerate(turn.reducer.phases):
+        action = _in(seat, _on_gear(turn, CAM, disc).reaction())
+        width = _round_width(turn, "cam", action)
+        centre = (gear.eccentricity + errors.eccentricity) * unit(-phase) + errors.cam_place[disc]
+        place = action.on_disc(centre, gear.bore_radius, width)
+        contacts.append(_contact(turn, _pair_name(turn, CAM, disc), "cam", action, place, width))
+    return contacts
+
+
+def _of_pin(turn: Turn) -> list[PartContact]:
+    """List the contacts of pin 1: each disc, and its socket, a single contact if the pin is free."""
+    gear, seat, centre = turn.reducer.gear_profile, part_frame(turn, "pin_1"), np.zeros(2)
+    contacts, sockets = [], []
+    for disc, name in enumerate(turn.reducer.gears):
+        action = _in(seat, _on_gear(turn, "pin_1", disc).reaction())
+        curvature = _pin_curvature(gear, 0, _tooth_frame(turn, disc).angle, turn.reducer.profile_offset)
+        width = half_width(turn.reducer, "pin_gear", action.size, curvature, gear.pin_radius)
+        place = action.on_disc(centre, gear.pin_radius, width)
+        contacts.append(_contact(turn, name, "pin_gear", action, place, width, curvature))
+        sockets.append(_in(seat, _socket_force(turn, 0, disc)))
+    for disc, action in enumerate(sockets[:1] if _has_free_pins(turn) else sockets):
+        width = _round_width(turn, "pin_socket", action)
+        name = SOCKET if _has_free_pins(turn) else _pair_name(turn, SOCKET, disc)
+        place = action.on_disc(centre, gear.pin_radius, width)
+        contacts.append(_contact(turn, name, "pin_socket", action, place, width))
+    return contacts
 
 
 def _teeth(turn: Turn, part: str, disc: int) -> list[PartContact]:
     """List the contacts of a disc and the ring, on either of the two."""
-    if turn.reducer.design.ring.kind == "pin":
-        return [_pin_on_gear(turn, pin, disc) for pin in range(turn.reducer.design.ring.teeth)]
-    gear, flank, offset = (
-        turn.reducer.tooth_profile,
-        turn.reducer.gear_profile,
-        turn.reducer.profile_offset,
-    )
-    on_teeth, seat, phase = _tooth_frame(turn, disc), part_frame(turn, part), turn.reducer.phases[disc]
+    reducer = turn.reducer
+    if reducer.design.ring.kind == "pin":
+        return [_pin_on_gear(turn, pin, disc) for pin in range(reducer.design.ring.teeth)]
+    gear, flank, offset = reducer.tooth_profile, reducer.gear_profile, reducer.profile_offset
+    on_teeth, seat, phase = _tooth_frame(turn, disc), part_frame(turn, part), reducer.phases[disc]
     lines, curvatures = lobe_lines(gear, turn["crank_angle"] + phase)
     ahead = on_teeth.angle + (turn["crank_angle"] + phase) / gear.lobes
     contacts = []
@@ -298,9 +347,9 @@ def _teeth(turn: Turn, part: str, disc: int) -> list[PartContact]:
         place = rotate_vectors(place, on_teeth.angle - seat.angle)
         if part == "ring":
             place, action = place + on_teeth.origin, action.reaction()
-        width = half_width(turn.reducer, "tooth", action.size, curvature, gear.pin_radius)
-        pressed = line_contact(turn.reducer, "tooth", action.size, curvature)
-        contacts.append(PartContact(_pair_name(turn, name, disc), _in(seat, action), place, width, pressed))
+        width = half_width(reducer, "tooth", action.size, curvature, gear.pin_radius)
+        name = _pair_name(turn, name, disc)
+        contacts.append(_contact(turn, name, "tooth", _in(seat, action), place, width, curvature))
     return contacts
 
 
@@ -311,127 +360,62 @@ def _pin_on_gear(turn: Turn, pin: int, disc: int) -> PartContact:
     place = action.on_hole(seat.sees(pin_centre(turn, pin)), gear.pin_radius + turn.reducer.deviations.pin_radius[pin])
     curvature = _pin_curvature(gear, pin, _tooth_frame(turn, disc).angle, turn.reducer.profile_offset)
     width = half_width(turn.reducer, "pin_gear", action.size, curvature, gear.pin_radius)
-    pressed = line_contact(turn.reducer, "pin_gear", action.size, curvature)
-    return PartContact(_pair_name(turn, name, disc), action, place, width, pressed)
-
-
-def _cam_in_bore(turn: Turn, disc: int) -> PartContact:
-    """Return the contact of the cam in the bore of the disc."""
-    action = _in(_disc(turn, disc), _on_gear(turn, CAM, disc))
-    radius = turn.reducer.design.gear.bore_radius + turn.reducer.design.clearance.cam
-    width = _cam_width(turn, action)
-    place = action.on_hole(np.zeros(2), radius, width)
-    return PartContact(
-        _pair_name(turn, CAM, disc), action, place, width, line_contact(turn.reducer, "cam", action.size)
-    )
-
-
-def _holes(turn: Turn, disc: int) -> list[PartContact]:
-    """List the output pins in a disc's holes."""
-    output, seat = turn.reducer.design.output, _disc(turn, disc)
-    radius = output.hole_radius + turn.reducer.design.clearance.output
-    contacts = []
-    centres = output_centres(turn.reducer) + turn.reducer.deviations.hole_place[disc]
-    for number, centre in enumerate(centres, start=1):
-        name = numbered(OUTPUT_PIN, number)
-        action = _in(seat, _on_gear(turn, name, disc))
-        width = _hole_width(turn, action)
-        place, pressed = action.on_hole(centre, radius, width), line_contact(turn.reducer, "output", action.size)
-        contacts.append(PartContact(_pair_name(turn, name, disc), action, place, width, pressed))
-    return contacts
-
-
-def _of_output(turn: Turn) -> list[PartContact]:
-    """List the output pins' contacts: on the pins themselves, or handed on by the bores of rollers to their cores."""
-    output, seat = turn.reducer.design.output, part_frame(turn, "output")
-    radius = output.root_radius
-    contacts = []
-    for disc, (number, centre) in product(_discs(turn), enumerate(output_centres(turn.reducer), start=1)):
-        name = numbered(OUTPUT_PIN, number)
-        action = _in(seat, _on_gear(turn, name, disc).reaction())
-        width = np.full_like(action.size, MAX_HALF_ANGLE * radius) if output.rollers else _hole_width(turn, action)
-        place, pressed = action.on_disc(centre, radius, width), line_contact(turn.reducer, "output", action.size)
-        contacts.append(PartContact(_pair_name(turn, name, disc), action, place, width, pressed))
-    return contacts
-
-
-def _of_shaft(turn: Turn) -> list[PartContact]:
-    """List the contacts of the shaft: its cams in the bores of the discs."""
-    gear, seat, errors = turn.reducer.design.gear, part_frame(turn, "shaft"), turn.reducer.deviations
-    contacts = []
-    for disc, phase in enumerate(turn.reducer.phases):
-        action = _in(seat, _on_gear(turn, CAM, disc).reaction())
-        width = _cam_width(turn, action)
-        centre = (gear.eccentricity + errors.eccentricity) * unit(-phase) + errors.cam_place[disc]
-        place, pressed = action.on_disc(centre, gear.bore_radius, width), line_contact(turn.reducer, "cam", action.size)
-        contacts.append(PartContact(_pair_name(turn, CAM, disc), action, place, width, pressed))
-    return contacts
-
-
-def _of_pin(turn: Turn) -> list[PartContact]:
-    """List the contacts of pin 1: each disc, and its socket, which carries all of them where the pin is pressed in."""
-    gear, seat, centre = turn.reducer.gear_profile, part_frame(turn, "pin_1"), np.zeros(2)
-    radius, contacts, sockets = gear.pin_radius, [], []
-    for disc, name in enumerate(turn.reducer.gears):
-        pushed = _in(seat, _on_gear(turn, "pin_1", disc).reaction())
-        curvature = _pin_curvature(gear, 0, _tooth_frame(turn, disc).angle, turn.reducer.profile_offset)
-        narrow = half_width(turn.reducer, "pin_gear", pushed.size, curvature, radius)
-        pressed = line_contact(turn.reducer, "pin_gear", pushed.size, curvature)
-        contacts.append(PartContact(name, pushed, pushed.on_disc(centre, radius, narrow), narrow, pressed))
-        sockets.append(_in(seat, _socket_force(turn, 0, disc)))
-    free = turn.reducer.design.ring.has_sockets and turn.reducer.design.ring.has_pin_bodies
-    for disc, held in enumerate(sockets[:1] if free else sockets):
-        wide, pressed = _socket_width(turn, held), line_contact(turn.reducer, "pin_socket", held.size)
-        name = SOCKET if free else _pair_name(turn, SOCKET, disc)
-        contacts.append(PartContact(name, held, held.on_disc(centre, radius, wide), wide, pressed))
-    return contacts
+    return _contact(turn, _pair_name(turn, name, disc), "pin_gear", action, place, width, curvature)
 
 
 def _socket(turn: Turn, pin: int, disc: int) -> PartContact:
     """Return the contact of a pin and the wall of its socket, which is open towards the gear.
 
-    What a closed socket carries where the ring has no wall is left out: that is in its end plates.
+    The force of a closed socket where the ring has no wall is left out: it is in its end plates.
     """
     ring = turn.reducer.design.ring
     action = _socket_force(turn, pin, disc).reaction()
-    centre, radius = ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth), ring.pin_radius
-    centre = centre + turn.reducer.deviations.pin_place[pin]
-    wall = radius + turn.reducer.design.socket_play
-    out = np.linalg.norm(action.on_hole(centre, wall), axis=-1)
-    action = action.where(out > wall_radius(turn.reducer.design) * (1.0 - 1e-9))
-    width = _socket_width(turn, action)
-    place = action.on_hole(centre, wall, width)
-    full = ring.has_sockets and ring.has_pin_bodies
-    name = numbered(SOCKET, pin + 1) if full else _pair_name(turn, numbered(SOCKET, pin + 1), disc)
-    return PartContact(name, action, place, width, line_contact(turn.reducer, "pin_socket", action.size))
+    centre = ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth) + turn.reducer.deviations.pin_place[pin]
+    radius = np.linalg.norm(action.on_hole(centre, _round_radii(turn, "pin_socket")[1]), axis=-1)
+    action = action.where(radius > wall_radius(turn.reducer.design) * (1.0 - 1e-9))
+    name = numbered(SOCKET, pin + 1)
+    return _in_hole(turn, name if _has_free_pins(turn) else _pair_name(turn, name, disc), "pin_socket", action, centre)
 
 
 def _socket_force(turn: Turn, pin: int, disc: int) -> Action:
     """Compute the force of a socket on its pin, about the reducer's axis; of a fixed pin, that of a disc."""
-    if turn.reducer.design.ring.has_sockets and turn.reducer.design.ring.has_pin_bodies:
+    if _has_free_pins(turn):
         return _read_action(turn, numbered(SOCKET, pin + 1), pin_centre(turn, pin))
     return _on_gear(turn, numbered(PIN, pin + 1), disc)
 
 
-def _cam_width(turn: Turn, action: Action) -> Array:
-    radius = turn.reducer.design.gear.bore_radius
-    return _nested_width(turn, "cam", action, radius, radius + turn.reducer.design.clearance.cam)
+def _has_free_pins(turn: Turn) -> bool:
+    """Return whether the ring's pins are bodies of their own in sockets."""
+    return turn.reducer.design.ring.has_sockets and turn.reducer.design.ring.has_pin_bodies
 
 
-def _hole_width(turn: Turn, action: Action) -> Array:
-    output = turn.reducer.design.output
-    return _nested_width(
-        turn, "output", action, output.pin_radius, output.hole_radius + turn.reducer.design.clearance.output
-    )
+def _in_hole(turn: Turn, name: str, kind: str, action: Action, centre: Array) -> PartContact:
+    """Return the contact of a round part on the wall of its hole about a centre [m]."""
+    width = _round_width(turn, kind, action)
+    return _contact(turn, name, kind, action, action.on_hole(centre, _round_radii(turn, kind)[1], width), width)
 
 
-def _socket_width(turn: Turn, action: Action) -> Array:
-    """Compute the half width of the patch of a pin in its socket [m], (k,); the widest where the pin is pressed in."""
-    radius = turn.reducer.design.ring.pin_radius
-    return _nested_width(turn, "pin_socket", action, radius, radius + turn.reducer.design.socket_play)
+def _contact(
+    turn: Turn, name: str, kind: str, action: Action, place: Array, width: Array, curvature: Array | None = None
+) -> PartContact:
+    """Return a contact of a kind, with its Hertz line; `curvature` [1/m] is that of a tooth."""
+    return PartContact(name, action, place, width, line_contact(turn.reducer, kind, action.size, curvature))
 
 
-def _nested_width(turn: Turn, kind: str, action: Action, inner: float, outer: float) -> Array:
+def _round_radii(turn: Turn, kind: str) -> tuple[float, float]:
+    """Return the radii of a round part and of its hole with clearance [m] in pairs of a kind."""
+    design = turn.reducer.design
+    inner, outer = {
+        "cam": (design.gear.bore_radius, design.gear.bore_radius + design.clearance.cam),
+        "output": (design.output.pin_radius, design.output.hole_radius + design.clearance.output),
+        "pin_socket": (design.ring.pin_radius, design.ring.pin_radius + design.socket_play),
+    }[kind]
+    return inner, outer
+
+
+def _round_width(turn: Turn, kind: str, action: Action) -> Array:
+    """Compute the half width of the patch of a round part in its hole [m], (k,); the widest without clearance."""
+    inner, outer = _round_radii(turn, kind)
     return half_width(turn.reducer, kind, action.size, 1.0 / inner - 1.0 / outer, inner)
 
 

@@ -18,9 +18,10 @@ from commands import told
 
 import cycloid_mj.dynamics.run
 from cycloid_mj import __version__
+from cycloid_mj.base import frame
 from cycloid_mj.base.errors import DesignError, LogError, RunError
 from cycloid_mj.base.interrupt import Stopped, defer_signals
-from cycloid_mj.cli import flags, main, outfile, terminal
+from cycloid_mj.cli import flags, main, terminal
 from cycloid_mj.cli.app import FOLDED, application
 from cycloid_mj.cli.process import BLAS_THREADS, LOADED, first_start
 from cycloid_mj.cli.progress import Progress
@@ -646,12 +647,12 @@ def test_csv_is_replaced_only_when_it_is_whole(tmp_path, monkeypatch):
     file = tmp_path / "gear.csv"
     file.write_text("old")
 
-    def broken(columns):
-        yield "new"
+    def broken(columns, stream, missing):
+        stream.write("new")
         raise OSError(28, "No space left on device")
 
     with monkeypatch.context() as patch:
-        patch.setattr(outfile, "_lines", broken)
+        patch.setattr(frame, "write_rows", broken)
         code, message = rejected("design", "profile", "--design", "pin", "--csv", str(file), "--force")
     assert (code, "No space left" in message) == (1, True)
     assert file.read_text() == "old"

@@ -208,6 +208,7 @@ def test_the_file_has_every_key_and_says_what_is_assumed() -> None:
         *kinds,
         {"tolerance": set(Tolerance.model_fields)},
         {"material": {"name"}},
+        {"thermal": lines_noted(text, "ISO 1")["thermal"]},
     )  # of an entry of the library, which says where each is from
     told = set().union(*kinds) - {""}
     assert tables == {t: set().union(*(kind.get(t, set()) for kind in kinds)) for t in told}

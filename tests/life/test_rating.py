@@ -620,3 +620,17 @@ def test_a_life_beyond_its_law_is_unlimited() -> None:
         words = " ".join((item.load_text, item.limit_text, item.verdict, item.note))
         assert max((len(digits) for digits in re.findall(r"\d+", words)), default=0) < 12
     assert format_life(242507.3) == "242500 h"
+
+
+def test_toleranced_parts_are_rated_by_the_loads_of_the_tolerance_study() -> None:
+    """Pins placed to 1 um have larger forces on teeth: the item is that of a sample at the stated percentile."""
+    design = override(PIN, {"tolerance.pin_position": "normal 1"})
+    perfect, toleranced = rate(design), rate(design, parts="toleranced")
+    assert (perfect.parts, toleranced.parts) == ("perfect", "toleranced")
+    assert toleranced.items.keys() == perfect.items.keys()
+    pressure = {rating.parts: rating.items["pin_gear_yield"].value for rating in (perfect, toleranced)}
+    assert pressure["toleranced"] > 1.5 * pressure["perfect"]
+    assert "95 % percentile" in toleranced.assumptions[0]
+    assert {item["parts"] for item in toleranced.as_json()["items"].values()} == {"toleranced"}
+    with pytest.raises(UsageError, match="no tolerances"):
+        rate("pin", parts="toleranced")

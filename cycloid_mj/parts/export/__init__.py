@@ -145,7 +145,7 @@ def export(
     CycloidError
         The extra for DXF or STEP is not installed.
     """
-    design = resolve(design)
+    design = resolve(design).at_reference
     encoding = _Encoding(file_format, chord_error, polylines)
     reducer = Reducer(design)
     require_drawn(reducer.design, "files of its parts")

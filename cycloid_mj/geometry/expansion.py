@@ -1,0 +1,123 @@
+"""Thermal expansion: the design whose clearances are those of warm parts.
+
+Each part expands uniformly by 1 + alpha (T - 20 °C). Angles and clearances depend on the ratios of these factors only,
+so all lengths are divided by the factor of the ring: its pin circle and every nominal size stay as drawn, and the
+differences appear as clearances, as a modification of the flanks and as errors of eccentricity and holes. Forces and
+stiffnesses change by the neglected common factor, about 1e-3 at 100 K of steel.
+"""
+
+import math
+from collections.abc import Mapping
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.design import Design
+from cycloid_mj.design.model import PARTNERS, REFERENCE_TEMPERATURE
+
+BODY_OF = {"gear": "disc", "pin": "ring", "housing": "ring", "output": "output", "shaft": "crank"}
+"""Part of a material -> key of its temperature in ``[thermal]``."""
+
+
+def strain(design: Design, part: str) -> float:
+    """Compute the expansion of a part of `design.PARTS` relative to that of the ring's circle [1]."""
+    return (1.0 + _expansion(design, part)) / (1.0 + _expansion(design, "housing")) - 1.0
+
+
+def _expansion(design: Design, part: str) -> float:
+    """Compute the thermal strain of a part relative to 20 °C [1]."""
+    temperature: float = getattr(design.thermal, BODY_OF[part])
+    return design.material_of(part).expansion * (temperature - REFERENCE_TEMPERATURE)
+
+
+def warm_clearances(design: Design) -> dict[str, float]:
+    """Compute the clearance of each mating pair at the temperatures of ``[thermal]`` [m]; negative where it is lost.
+
+    With strains s relative to the ring, pin radius rho, hole radius r, radius of cam or output pin b, eccentricity c
+    and offset q of the flanks beyond rho: mesh q + (rho + q) s_disc - rho s_pin, socket c_s - rho s_pin, cam
+    c_c + (b + c_c) s_disc - b s_shaft, output c_o + (r + c_o - c) s_disc - b s_output.
+    """
+    ring, gear, output, clearance = design.ring, design.gear, design.output, design.clearance
+    pin = strain(design, "pin") if ring.kind == "pin" else 0.0
+    disc, crank, carrier = (strain(design, part) for part in ("gear", "shaft", "output"))
+    mesh = getattr(clearance, design.tooth_pair)
+    flank = ring.pin_radius + mesh + design.modification.equidistant
+    warm = {
+        design.tooth_pair: mesh + flank * disc - ring.pin_radius * pin,
+        "cam": clearance.cam + (gear.bore_radius + clearance.cam) * disc - gear.bore_radius * crank,
+        "output": clearance.output
+        + (output.hole_radius + clearance.output - gear.eccentricity) * disc
+        - output.pin_radius * carrier,
+    }
+    if ring.has_sockets:
+        warm["pin_socket"] = clearance.pin_socket - ring.pin_radius * pin
+    return warm
+
+
+def expand(design: Design) -> Design:
+    """Return the design with the clearances that its parts have at the temperatures of ``[thermal]``.
+
+    Without temperatures other than 20 °C the design itself is returned.
+
+    Raises
+    ------
+    DesignError
+        A clearance is lost: the parts jam.
+    """
+    if design.thermal.is_reference:
+        return design
+    warm = warm_clearances(design)
+    tightest = min(warm, key=warm.__getitem__)
+    if warm[tightest] <= 0.0:
+        raise DesignError(_describe_jam(design, tightest, warm[tightest]))
+    ring, gear, output = design.ring, design.gear, design.output
+    disc, crank = strain(design, "gear"), strain(design, "shaft")
+    generating = (ring.pin_circle_radius + design.modification.pin_circle) * (1.0 + disc)
+    return design.but(
+        clearance=warm,
+        modification={"pin_circle": generating - ring.pin_circle_radius},
+        gear={"eccentricity": gear.eccentricity * (1.0 + disc)},
+        output={"hole_radius": output.hole_radius + gear.eccentricity * disc},
+        errors={
+            "eccentricity": design.errors.eccentricity + gear.eccentricity * (crank - disc),
+            **_hole_errors(design, output.pin_circle_radius * (disc - strain(design, "output"))),
+        },
+        thermal={"applied": True},
+    )
+
+
+def _hole_errors(design: Design, outward: float) -> Mapping[str, tuple[float, ...]]:
+    """Return the lists of hole positions [m] with all holes moved outward from the centre of the disc [m]."""
+    if outward == 0.0:
+        return {}
+    import numpy as np
+
+    from cycloid_mj.geometry.deviations import deviations
+    from cycloid_mj.geometry.profile import unit
+
+    angles = 2.0 * math.pi * np.arange(design.output.pins) / design.output.pins
+    places = deviations(design).hole_place + outward * unit(angles)
+    return {f"hole_{axis}": tuple(places[..., index].ravel().tolist()) for index, axis in enumerate("xy")}
+
+
+def _describe_jam(design: Design, pair: str, clearance: float) -> str:
+    """Return the message for a clearance [m] that is lost at the temperatures of the parts."""
+    one, other = (BODY_OF[part] for part in PARTNERS[pair])
+    cold = getattr(design.clearance, pair)
+    temperatures = f"{one} at {getattr(design.thermal, one):g} °C"
+    if other != one:
+        temperatures += f", {other} at {getattr(design.thermal, other):g} °C"
+    return (
+        f"the parts jam: thermal expansion reduces clearance.{pair}_um from {1e6 * cold:.4g} to "
+        f"{1e6 * clearance:.4g} um ({temperatures}). Increase the clearance or reduce the difference of temperatures"
+    )
+
+
+def jam_difference(design: Design) -> float:
+    """Compute by how much a disc warmer than its ring closes the clearance of the teeth [K]; inf without expansion.
+
+    dT = play/(alpha (E - rho)): the flanks at the valleys expand towards the pins, which recede by their play in the
+    sockets. Errors of the parts are not included.
+    """
+    ring, alpha = design.ring, design.material_of("gear").expansion
+    play = getattr(design.clearance, design.tooth_pair) + design.modification.equidistant + design.pin_play
+    closing = alpha * (ring.pin_circle_radius - ring.pin_radius)
+    return play / closing if closing else math.inf
