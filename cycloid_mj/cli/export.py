@@ -1,6 +1,9 @@
 """``cycloid-mj export``: the parts of a design as files for CAD and printing."""
 
+import math
+from collections import Counter
 from dataclasses import asdict, dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
@@ -16,7 +19,7 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import require_one_ring
 
 if TYPE_CHECKING:
-    from cycloid_mj.parts.export import Casing, Motor
+    from cycloid_mj.parts.export import Casing, Export, Motor, PrintPlate
 
 EXAMPLES = """Examples:
   cycloid-mj export --design pin --format stl
@@ -24,7 +27,7 @@ EXAMPLES = """Examples:
   cycloid-mj export --design my.toml --set clearance.tooth_um=20 --format step
   cycloid-mj export --design printed --plate --offset-um 80 --out print"""
 
-PLATE, NAMED_PLATE, BILL = "plate.stl", "plate.3mf", "bom.csv"
+PLATE, BILL = "plate", "bom.csv"
 ASSEMBLY, ORDER, EXPLODED = "assembly.step", "assembly.txt", "exploded"
 
 FormatFlag = Annotated[
@@ -110,6 +113,42 @@ CamFlag = Annotated[
 ]
 
 
+BedFlag = Annotated[
+    str | None,
+    Parameter(
+        metavar="LxW",
+        help="Size of the printer's bed [mm], such as 220x220: with --plate, as many plates as the parts need, "
+        "plate_1, plate_2, ...; a part that is larger is an error. Default: one plate, as large as needed.",
+    ),
+]
+CoverMaterialFlag = Annotated[
+    str,
+    Parameter(
+        metavar="NAME",
+        help="Metal of both covers, of the library of materials, such as 'aluminium 7075' or 'tempered steel', for a "
+        "ring of a metal. Default: auto, aluminium 6061 on a ring of steel; plastic as the ring.",
+    ),
+]
+ArcsFlag = Annotated[
+    float | None,
+    Parameter(
+        name="--arcs",
+        metavar="TOL",
+        validator=within(*RANGES.chord_error_um),
+        help="With --format dxf: arcs within this distance of the outline [um] instead of splines, for machines that "
+        "mill arcs only. Default: splines.",
+    ),
+]
+DrawingsFlag = Annotated[
+    bool,
+    Parameter(
+        negative=(),
+        help="Also write drawings.pdf, a page for each manufactured part with its section, dimensions, fits, threads, "
+        "roughness, hardness and datums, and NAME-drawing.dxf of each.",
+    ),
+]
+
+
 def _motor_flag(what: str) -> Parameter:
     return Parameter(metavar="X", validator=within(*RANGES.motor_mm), help=f"{what} [mm]. Default: that of --motor.")
 
@@ -181,6 +220,10 @@ def export(
     offset_um: OffsetFlag = 0.0,
     interface: Annotated[MotorInterface, FLAT] = MOTOR,
     cam_bearing_bore_mm: CamFlag = None,
+    bed: BedFlag = None,
+    cover_material: CoverMaterialFlag = "auto",
+    arcs: ArcsFlag = None,
+    drawings: DrawingsFlag = False,
     delivery: Annotated[CommonFlags, FLAT] = COMMON,
 ) -> int:
     """Write the parts of a design for CAD or 3-D printing.
@@ -202,104 +245,204 @@ def export(
     faces that cannot be supported are warnings.
 
     JSON: files, clearances (pair, asked, least, most [m]), offset [m]; with --plate also plate (file, size [m],
-    parts: name -> count) and bom (item, count, size, material, made_or_bought, designation, fit).
+    parts: name -> count), plates (the same of each), bom (item, count, size, material, made_or_bought, designation,
+    fit) and consumables.
     """
     from cycloid_mj.base.units import MILLIMETRES
-    from cycloid_mj.parts import mesh
-    from cycloid_mj.parts.export import (
-        bill,
-        bill_csv,
-        cam_bearing,
-        drive_files,
-        stl_bytes,
-        threemf_bytes,
-        widen_clearances,
-    )
+    from cycloid_mj.parts.export import cam_bearing, drive_files, widen_clearances
     from cycloid_mj.parts.export import export as exported
-    from cycloid_mj.parts.export import plate as laid_out
-    from cycloid_mj.parts.export.casing import is_plastic
-    from cycloid_mj.parts.export.printable import coupon, coupon_words, print_warnings
 
-    if cam_bearing_bore_mm is not None and not plate:
-        raise UsageError("--cam-bearing-bore-mm applies to the parts of the plate only: add --plate")
-    if polylines and format_ != "dxf":
-        raise UsageError(f"--polylines is an option of --format dxf, not of {format_}: remove it, or use --format dxf")
+    _require_flags(format_, polylines=polylines, arcs=arcs, plate=plate, bore=cam_bearing_bore_mm, bed=bed)
     design, offset, chord_error = chosen.resolve_checked().at_reference, offset_um * 1e-6, chord_error_um * 1e-6
     reducer, motor = Reducer(design), interface.chosen()
-    if plate or assembly:
-        require_one_ring(reducer, "print plates and assemblies")
+    drive = plate or assembly or drawings
+    if drive:
+        require_one_ring(reducer, "print plates, assemblies and drawings")
     in_stock = cam_bearing(reducer)
     bore = cam_bearing_bore_mm or (MILLIMETRES * in_stock[0].bore if in_stock else 0.0)
     seat = round(bore / 2.0 / MILLIMETRES, 9)
-    files_and_clearances = exported(design, format_, chord_error, offset, motor, polylines=polylines)
-    sizes = _casing(reducer, motor) if plate or assembly else None
-    printed = laid_out(widen_clearances(reducer, offset), chord_error, seat, sizes) if plate else None
-    items = bill(reducer, seat, sizes) if plate else ()
-    parts = dict(files_and_clearances.files)
+    arc_error = None if arcs is None else arcs * 1e-6
+    outlines = exported(
+        design,
+        format_,
+        chord_error,
+        offset,
+        motor,
+        polylines=polylines,
+        cover_material=cover_material,
+        arcs=arc_error,
+    )
+    sizes = _casing(reducer, motor, cover_material) if drive else None
+    parts = dict(outlines.files)
     if sizes:
-        parts |= drive_files(widen_clearances(reducer, offset), format_, sizes, chord_error, seat, polylines=polylines)
+        wide = widen_clearances(reducer, offset)
+        parts |= drive_files(wide, format_, sizes, chord_error, seat, polylines=polylines, arcs=arc_error)
+    printed = _plate(reducer, sizes, (offset, chord_error, seat), _bed_size(bed)) if plate else None
     if printed:
-        parts |= {PLATE: stl_bytes(printed.mesh, MILLIMETRES), NAMED_PLATE: threemf_bytes(printed)}
-        parts |= {BILL: bill_csv(items)}
-        if is_plastic(reducer):
-            parts |= {f"{name}.stl": stl_bytes(mesh(one), MILLIMETRES) for name, one in coupon(chord_error).items()}
-            warn(design.name, print_warnings(reducer, printed, chord_error, sizes))
+        parts |= printed.files
     if assembly:
         parts |= _assembly(reducer, sizes)
+    if drawings and sizes:
+        parts |= _drawings(reducer, sizes)
     into = folder(f"{design.name}-{format_}" if out is None else out, "the parts", parts, delivery.force)
     stem = f"{design.name}-parts"
     place = Destination(stem, into, claim_page(delivery, stem, into))
-    result = {
-        "files": place.paths(parts),
-        "clearances": [asdict(clearance) for clearance in files_and_clearances.clearances],
-        "offset": offset,
-    }
-    rows = tuple(
-        (
-            clearance.pair,
-            *(f"{1e6 * value:.4f}" for value in (clearance.asked, offset, clearance.least, clearance.most)),
-        )
-        for clearance in files_and_clearances.clearances
-    )
-    tables = [Table("clearance in the outlines [um]", ("pair", "asked for", "offset", "least", "most"), rows)]
-    notes = []
-    if printed:
-        result["plate"] = {"file": str(into / PLATE), "size": printed.size, "parts": printed.counts}
-        result["bom"] = [asdict(item) for item in items]
-        notes = [f"plate of {' x '.join(f'{MILLIMETRES * length:.1f}' for length in printed.size)} mm"]
-        if is_plastic(reducer):
-            notes.append(coupon_words())
-        held = [place.part for place, one in zip(printed.places, printed.supports, strict=True) if one]
-        if held:
-            parts_held = ", ".join(dict.fromkeys(held))
-            notes.append(f"supports that break away, a layer below the faces that they hold: {parts_held}")
-        counts = tuple((part, str(number)) for part, number in printed.counts.items())
-        columns = ("item", "count", "size", "material", "made or bought", "designation")
-        lines = tuple(tuple(str(value) for value in asdict(item).values())[:-1] for item in items)
-        tables += [
-            Table("parts on the plate", ("part", "count"), counts),
-            Table("bill of materials", columns, lines, words=(2, 3, 4, 5)),
-        ]
+    clearances = [asdict(clearance) for clearance in outlines.clearances]
+    result = {"files": place.paths(parts), "clearances": clearances, "offset": offset}
     outcome = Outcome(
         title=f"parts: {design.name}",
         text=place.paths(parts),
-        tables=tables,
-        summary=notes,
+        tables=[_clearance_table(outlines, offset), *(printed.tables if printed else ())],
+        summary=printed.notes if printed else [],
         files=parts,
-        result=result,
+        result=result | (printed.result(into) if printed else {}),
         filed=False,
     )
     return deliver(outcome, place, delivery)
 
 
-def _casing(reducer: Reducer, motor: "Motor") -> "Casing | None":
-    """Return the sizes of covers and flanges; warn if they do not fit."""
-    from cycloid_mj.parts.export import casing_or_none
+def _require_flags(
+    file_format: str, *, polylines: bool, arcs: float | None, plate: bool, bore: float | None, bed: str | None
+) -> None:
+    """Raise an error of usage for options that the others rule out."""
+    if bore is not None and not plate:
+        raise UsageError("--cam-bearing-bore-mm applies to the parts of the plate only: add --plate")
+    if bed is not None and not plate:
+        raise UsageError("--bed applies to the plate only: add --plate")
+    if (polylines or arcs is not None) and file_format != "dxf":
+        name = "--polylines" if polylines else "--arcs"
+        raise UsageError(f"{name} is an option of --format dxf, not of {file_format}: remove it, or use --format dxf")
+    if polylines and arcs is not None:
+        raise UsageError("--polylines and --arcs exclude each other: choose one of them")
 
-    sizes, reason = casing_or_none(reducer, motor)
-    if not sizes:
+
+def _bed_size(text: str | None) -> tuple[float, float] | None:
+    """Return length and width of a bed [m].
+
+    Raises
+    ------
+    UsageError
+        The text is not two positive numbers with an x between them.
+    """
+    if text is None:
+        return None
+    try:
+        length, width = (1e-3 * float(side) for side in text.lower().split("x"))
+    except ValueError:
+        length = width = 0.0
+    if not (0.0 < length < math.inf and 0.0 < width < math.inf):
+        raise UsageError(f"--bed {text} is not a size: give length and width in mm, such as 220x220")
+    return length, width
+
+
+def _clearance_table(outlines: "Export", offset: float) -> Table:
+    rows = tuple(
+        (
+            clearance.pair,
+            *(f"{1e6 * value:.4f}" for value in (clearance.asked, offset, clearance.least, clearance.most)),
+        )
+        for clearance in outlines.clearances
+    )
+    return Table("clearance in the outlines [um]", ("pair", "asked for", "offset", "least", "most"), rows)
+
+
+@dataclass(frozen=True)
+class _Printed:
+    """What --plate adds: plates by file, files, notes, tables and entries of the JSON object."""
+
+    plates: "dict[str, PrintPlate]"
+    files: dict[str, bytes]
+    notes: list[str]
+    tables: tuple[Table, ...]
+    entries: dict[str, Any]
+
+    def result(self, into: Path) -> dict[str, Any]:
+        """Return the entries of the JSON object for files in a folder."""
+        each = [{"file": str(into / file), "size": one.size, "parts": one.counts} for file, one in self.plates.items()]
+        return {"plate": each[0], "plates": each, **self.entries}
+
+
+def _plate(
+    reducer: Reducer,
+    sizes: "Casing | None",
+    drawn: tuple[float, float, float],
+    bed: tuple[float, float] | None,
+) -> _Printed:
+    """Lay out the plates and the bill; `drawn` are offset, chord error and radius of the cam's seat [m]."""
+    from cycloid_mj.base.units import MILLIMETRES
+    from cycloid_mj.parts import mesh
+    from cycloid_mj.parts.export import bill, bill_csv, plates, stl_bytes, threemf_bytes, widen_clearances
+    from cycloid_mj.parts.export.assembly import printed_materials
+    from cycloid_mj.parts.export.bill import consumables, out_of_stock
+    from cycloid_mj.parts.export.casing import is_plastic
+    from cycloid_mj.parts.export.printable import coupon, coupon_words, print_warnings
+
+    offset, chord_error, seat = drawn
+    laid = plates(widen_clearances(reducer, offset), chord_error, seat, sizes, bed)
+    stems = [PLATE] if len(laid) == 1 else [f"{PLATE}_{number}" for number in range(1, len(laid) + 1)]
+    items = bill(reducer, seat, sizes, _tightening_torques(reducer) if sizes else None)
+    files = {BILL: bill_csv(items)}
+    materials = printed_materials(reducer, sizes, {part for one in laid for part in one.counts})
+    for stem, one in zip(stems, laid, strict=True):
+        files |= {f"{stem}.stl": stl_bytes(one.mesh, MILLIMETRES), f"{stem}.3mf": threemf_bytes(one, materials)}
+    notes = [
+        f"{stem} of {' x '.join(f'{MILLIMETRES * length:.1f}' for length in one.size)} mm"
+        for stem, one in zip(stems, laid, strict=True)
+    ]
+    needed = consumables(reducer, sizes) if sizes else ()
+    notes += [f"also needed: {text}" for text in needed]
+    warn(reducer.design.name, out_of_stock(items))
+    if is_plastic(reducer):
+        files |= {f"{name}.stl": stl_bytes(mesh(one), MILLIMETRES) for name, one in coupon(chord_error).items()}
+        hanging = {name: faces for one in laid for name, faces in one.hanging.items()}
+        warn(reducer.design.name, print_warnings(reducer, hanging, chord_error, sizes))
+        notes.append(coupon_words())
+    held = [place.part for one in laid for place, props in zip(one.places, one.supports, strict=True) if props]
+    if held:
+        notes.append(
+            f"supports that break away, a layer below the faces that they hold: {', '.join(dict.fromkeys(held))}"
+        )
+    counts: Counter[str] = sum((Counter(one.counts) for one in laid), Counter())
+    columns = ("item", "count", "size", "material", "made or bought", "designation")
+    lines = tuple(tuple(str(value) for value in asdict(item).values())[:-1] for item in items)
+    tables = (
+        Table("parts on the plate", ("part", "count"), tuple((part, str(count)) for part, count in counts.items())),
+        Table("bill of materials", columns, lines, words=(2, 3, 4, 5)),
+    )
+    entries = {"bom": [asdict(item) for item in items], "consumables": list(needed)}
+    return _Printed({f"{stem}.stl": one for stem, one in zip(stems, laid, strict=True)}, files, notes, tables, entries)
+
+
+def _tightening_torques(reducer: Reducer) -> dict[str, float]:
+    """Return the tightening torque [N m] of the screws in the bill, by item."""
+    from cycloid_mj.life.joints import screwed_joints
+
+    return {
+        part.item: each.tightening_torque
+        for each in screwed_joints(reducer)
+        for part in each.joint.bought
+        if "thread" in dict(part.dimensions)
+    }
+
+
+def _casing(reducer: Reducer, motor: "Motor", cover_material: str) -> "Casing | None":
+    """Return the sizes of covers and flanges; warn if they do not fit, and of what their joints do not allow."""
+    from cycloid_mj.parts.export import casing_or_none
+    from cycloid_mj.parts.export.rules import broken_rules
+
+    sizes, reason = casing_or_none(reducer, motor, cover_material)
+    if sizes:
+        warn(reducer.design.name, broken_rules(reducer, sizes))
+    else:
         warn(reducer.design.name, (f"without covers: {reason}",))
     return sizes
+
+
+def _drawings(reducer: Reducer, sizes: "Casing") -> dict[str, bytes]:
+    """Draw all manufactured parts: one PDF, and a DXF of each."""
+    from cycloid_mj.plots.drawings import drawing_files
+
+    return drawing_files(reducer, sizes)
 
 
 def _assembly(reducer: Reducer, sizes: "Casing | None") -> dict[str, bytes]:

@@ -34,7 +34,7 @@ from cycloid_mj.parts.export.casing import (
 from cycloid_mj.parts.export.drive import has_casing
 from cycloid_mj.parts.export.joint import BoughtPart, Joint, JointKind
 from cycloid_mj.parts.export.joints import FLANGE_CLASS, LOAD, MOTOR, USUAL_CLASS, drive_joints
-from cycloid_mj.parts.export.printing import material_part
+from cycloid_mj.parts.export.printing import part_material
 from cycloid_mj.reducer import Reducer
 
 PLASTIC_PRELOAD = 0.5
@@ -243,7 +243,7 @@ def _face_limits(reducer: Reducer, each: ScrewedJoint, screw: BoughtPart | None)
     top = screw.origins[0][2] if screw else math.inf
     bottom = top - dict(screw.dimensions)["length"] if screw else -math.inf
     for part, (_, radius, low, high) in joint.holes:
-        material = reducer.design.material_of(material_part(reducer, part))
+        material = _material(reducer, part)
         if math.isclose(radius, 0.5 * stock.bolt_hole(nominal)) and math.isclose(high, top, abs_tol=1e-9):
             yield _head_limit(each, part, material)
         elif math.isclose(radius, core_radius(reducer, nominal)):
@@ -463,7 +463,7 @@ def fit_code(words: str) -> str:
 
 
 def _material(reducer: Reducer, part: str) -> Material:
-    return reducer.design.material_of(material_part(reducer, part))
+    return part_material(reducer, part, casing(reducer) if has_casing(reducer) else None)
 
 
 def _slug(joint: Joint) -> str:

@@ -3,6 +3,7 @@
 Housing, shaft, cams and output are in the frame of the reducer axis, other parts in frames of their own.
 """
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -20,15 +21,17 @@ from cycloid_mj.parts.curve import Arc, Circle, Curve, LineSegment, Spline
 from cycloid_mj.parts.export.assembly import assembly_parts, assembly_sections, assembly_step, places
 from cycloid_mj.parts.export.bearings import shaft_bearing
 from cycloid_mj.parts.export.bill import BillLine, bill, bill_csv
-from cycloid_mj.parts.export.casing import Casing, Motor, casing, casing_or_none
+from cycloid_mj.parts.export.casing import Casing, Motor, casing, casing_or_none, core_radius
 from cycloid_mj.parts.export.casing_parts import bored_shaft
 from cycloid_mj.parts.export.clearance import OutlineClearance, measure_all
-from cycloid_mj.parts.export.dxf import dxf_bytes
+from cycloid_mj.parts.export.dxf import DrilledThread, dxf_bytes
 from cycloid_mj.parts.export.joint import PRESSED_PIN
+from cycloid_mj.parts.export.joints import drive_joints
 from cycloid_mj.parts.export.order import assembly_order
-from cycloid_mj.parts.export.plate import PrintPlate, plate
-from cycloid_mj.parts.export.polylines import dxf_polylines, polyline_sections, svg_bytes
+from cycloid_mj.parts.export.plate import PrintPlate, plate, plates
+from cycloid_mj.parts.export.polylines import polyline_sections, svg_bytes
 from cycloid_mj.parts.export.printing import manufactured_parts, widen_clearances
+from cycloid_mj.parts.export.round_part import SAME_FACE
 from cycloid_mj.parts.export.step import SPLINES, Place, read_volume, step_part
 from cycloid_mj.parts.export.threemf import threemf_bytes
 from cycloid_mj.parts.export.triangles import obj_bytes, read_stl, stl_bytes
@@ -66,6 +69,7 @@ __all__ = [
     "part_sections",
     "places",
     "plate",
+    "plates",
     "read_stl",
     "read_volume",
     "shaft_bearing",
@@ -117,6 +121,8 @@ def export(
     motor: Motor = "auto",
     *,
     polylines: bool = False,
+    cover_material: str = "auto",
+    arcs: float | None = None,
 ) -> Export:
     """Export all parts of a design in a format, one file per part.
 
@@ -136,6 +142,10 @@ def export(
     polylines
         For ``dxf``: closed polylines within the chord error in place of splines, arcs and lines, for programs that
         ignore splines. Full circles stay circles.
+    cover_material
+        Material of the covers, see ``casing.casing``.
+    arcs
+        For ``dxf``: tolerance of arcs that replace the splines [m]; None: splines.
 
     Raises
     ------
@@ -146,12 +156,12 @@ def export(
         The extra for DXF or STEP is not installed.
     """
     design = resolve(design).at_reference
-    encoding = _Encoding(file_format, chord_error, polylines)
+    encoding = _Encoding(file_format, chord_error, polylines, arcs)
     reducer = Reducer(design)
     require_drawn(reducer.design, "files of its parts")
     if reducer.design.gear.discs > 1:
         require_one_ring(reducer, "files of its parts with several discs")
-    sizes = casing_or_none(reducer, motor)[0]
+    sizes = casing_or_none(reducer, motor, cover_material)[0]
     exported = _with_halves(widen_clearances(reducer, offset), encoding, sizes)
     return Export(
         exported.files,
@@ -170,6 +180,7 @@ def drive_files(
     cam_seat: float = 0.0,
     *,
     polylines: bool = False,
+    arcs: float | None = None,
 ) -> dict[str, bytes]:
     """Export all manufactured parts of an assembled drive, one file per part, by name.
 
@@ -183,28 +194,47 @@ def drive_files(
     CycloidError
         The extra for DXF or STEP is not installed.
     """
-    encoding = _Encoding(file_format, chord_error, polylines)
+    encoding = _Encoding(file_format, chord_error, polylines, arcs)
     manufactured = manufactured_parts(reducer, chord_error, cam_seat, sizes)
     if encoding.is_mesh:
         return {f"{name}.{file_format}": encoding.mesh(name, mesh(part.solid)) for name, part in manufactured.items()}
     if encoding.is_polylines:
         laid = assembly_parts(reducer, sizes)
-        return {f"{name}.{file_format}": encoding.polylines_of(laid[name]) for name in manufactured}
+        return {
+            f"{name}.{file_format}": encoding.polylines_of(laid[name], drilled_threads(reducer, sizes, name))
+            for name in manufactured
+        }
     sections = assembly_sections(reducer, sizes, SPLINES if file_format == "step" else 1)
     if file_format == "dxf":
-        return {f"{name}.dxf": dxf_bytes(sections[name]) for name in manufactured}
+        return {
+            f"{name}.dxf": dxf_bytes(sections[name], drilled_threads(reducer, sizes, name), encoding.arcs)
+            for name in manufactured
+        }
     return {f"{name}.step": step_part(name, sections[name]) for name in manufactured}
+
+
+def drilled_threads(reducer: Reducer, sizes: Casing, part: str) -> Iterator[DrilledThread]:
+    """Yield the tapped holes of a part, as its drawing names them."""
+    for joint in drive_joints(reducer, sizes):
+        for thread in joint.threads:
+            radius = core_radius(reducer, thread.thread)
+            for centres, drilled, *_ in joint.holes_in(part):
+                if thread.part == part and abs(drilled - radius) < SAME_FACE:
+                    yield DrilledThread(f"M{MILLIMETRES * thread.thread:g}", centres, radius)
 
 
 @dataclass(frozen=True)
 class _Encoding:
-    """Encoding of parts: format, chord error [m], and whether DXF has polylines instead of splines."""
+    """Encoding of parts: format, chord error [m], whether DXF has polylines or `arcs` [m] instead of splines."""
 
     file_format: Format
     chord_error: float
     polylines: bool
+    arcs: float | None = None
 
     def __post_init__(self) -> None:
+        if self.arcs is not None and (self.polylines or self.file_format != "dxf"):
+            raise UsageError("arcs are an option of dxf without polylines: choose dxf, or omit them")
         if self.polylines and self.file_format != "dxf":
             raise UsageError(f"polylines are an option of dxf, not of {self.file_format}: choose dxf, or omit them")
 
@@ -222,10 +252,10 @@ class _Encoding:
             return stl_bytes(shape, MILLIMETRES)
         return obj_bytes(shape, name, MILLIMETRES)
 
-    def polylines_of(self, part: Part) -> bytes:
+    def polylines_of(self, part: Part, threads: Iterable[DrilledThread] = ()) -> bytes:
         """Encode the sections of a part as SVG or DXF of polylines."""
         sections = polyline_sections(part, self.chord_error)
-        return svg_bytes(sections) if self.file_format == "svg" else dxf_polylines(sections)
+        return svg_bytes(sections) if self.file_format == "svg" else dxf_bytes(sections, threads)
 
 
 def _with_halves(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -> Export:
@@ -258,7 +288,9 @@ def _encode_parts(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -
     discs = [[_loop_points(loop) for loop in sections[gear][0].loops] for gear in reducer.gears]
     clearances = measure_all(reducer, discs, _loop_points(sections["housing"][0].loops[1]))
     if file_format == "dxf":
-        return Export({f"{name}.dxf": dxf_bytes(stretches) for name, stretches in sections.items()}, clearances)
+        return Export(
+            {f"{name}.dxf": dxf_bytes(stretches, (), encoding.arcs) for name, stretches in sections.items()}, clearances
+        )
     solids = parts(reducer) | {names.SHAFT: shaft.solid(mass_chord_error(reducer))}
     return Export({f"{name}.step": _step(reducer, solids[name], sections[name]) for name in sections}, clearances)
 

@@ -1,6 +1,6 @@
 """The assembled reducer: all parts in place, and one STEP file with names and colours (AP 214)."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
@@ -32,7 +32,7 @@ from cycloid_mj.parts.export.casing_parts import casing_places
 from cycloid_mj.parts.export.crank_joints import KEY
 from cycloid_mj.parts.export.crank_rings import CRANK_RING
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT
-from cycloid_mj.parts.export.printing import STEEL, separate_parts
+from cycloid_mj.parts.export.printing import STEEL, part_material, separate_parts
 from cycloid_mj.parts.export.round_part import tube, with_holes
 from cycloid_mj.parts.export.step import SPLINES, Place, step_assembly
 from cycloid_mj.parts.parts import Colour, roller_places, tint
@@ -173,3 +173,11 @@ def assembly_parts(reducer: Reducer, sizes: Casing | None = None) -> dict[str, P
     width = in_stock[0].width if in_stock else gear.face_width
     laid[CAM_BEARING] = Part(CAM_BEARING, with_holes(CAM_BEARING, tube(seat, gear.bore_radius, width)), STEEL)
     return laid
+
+
+def printed_materials(reducer: Reducer, sizes: Casing | None, parts: Iterable[str]) -> dict[str, tuple[str, Colour]]:
+    """Return the name of the material and the colour of each part."""
+    return {
+        part: (part_material(reducer, part, sizes).name or "own", tint(COLOURS[names.family(part)], part))
+        for part in parts
+    }

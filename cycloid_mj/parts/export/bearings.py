@@ -18,8 +18,8 @@ RETAINED_FIT, FREE_FIT = "m6 in H7, glued: its socket is open", "0/-2 um, free i
 ROLLER_FIT = "E8/m6"
 """Fit of a roller that turns on a dowel: 8 to 34 um of play on 5 mm; F8/m6 may be tight."""
 
-HUB_BEARING_FIT = "H7 outside, k6 on the hub"
-"""Fit of the ball bearings of the output."""
+HUB_BEARING_FIT = "H7 outside, k6 on the hub, sealed (2RS1)"
+"""Fit of the ball bearings of the output, whose seals keep the grease in."""
 
 LIGHT_BORE = 18e-3
 """Bore up to which inner rings of ball bearings have the fit j5, above it k5 [m] (SKF, Rolling bearings, 2018)."""

@@ -2,18 +2,22 @@
 
 import csv
 import io
-from collections.abc import Iterable, Iterator
-from dataclasses import asdict, dataclass, fields
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass, fields, replace
 from typing import Literal
 
 import numpy as np
 
 from cycloid_mj.base import names
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import MILLIMETRES
-from cycloid_mj.design import stock
-from cycloid_mj.parts import parts, sleeve_core_radius
+from cycloid_mj.design import Material, stock
+from cycloid_mj.parts import Part, parts, sleeve_core_radius
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
 from cycloid_mj.parts.cam_bearing import cam_bearing
+from cycloid_mj.parts.contour import Contour, circle_of
+from cycloid_mj.parts.export.assembly import assembly_parts, places
 from cycloid_mj.parts.export.bearings import (
     FREE_FIT,
     PIN_FIT,
@@ -25,6 +29,7 @@ from cycloid_mj.parts.export.bearings import (
     pin_pieces,
     shaft_bearing,
     shaft_bearing_fit,
+    sleeve_pin_depth,
 )
 from cycloid_mj.parts.export.bearings import (
     cam_seat as full_cam_seat,
@@ -40,10 +45,15 @@ from cycloid_mj.parts.export.casing import (
     motor_bore,
     seat_radius,
 )
-from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN
+from cycloid_mj.parts.export.crank_joints import cam_key
+from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, Joint, JointKind, TappedHole
 from cycloid_mj.parts.export.joints import ITEMS, bearing_dimensions, bought_parts, drive_joints
-from cycloid_mj.parts.export.printing import PrintedPart, manufactured_parts, material_part, output_pin_length
+from cycloid_mj.parts.export.printing import manufactured_parts, output_pin_length, part_material
+from cycloid_mj.parts.inertia import region_moments
 from cycloid_mj.reducer import Reducer
+
+GREASE_FILL = 1.0 / 3.0
+"""Share of the free space that is filled with grease (SKF, Rolling bearings, 2018: 30 to 50 %)."""
 
 
 @dataclass(frozen=True)
@@ -62,21 +72,62 @@ class BillLine:
     fit: str = ""
 
 
-def bill(reducer: Reducer, cam_seat: float = 0.0, sizes: Casing | None = None) -> tuple[BillLine, ...]:
+def bill(
+    reducer: Reducer,
+    cam_seat: float = 0.0,
+    sizes: Casing | None = None,
+    torques: Mapping[str, float] | None = None,
+) -> tuple[BillLine, ...]:
     """Return the bill of materials of a design: manufactured parts (`printing.manufactured_parts`), then bought parts.
 
     `cam_seat` is the radius of the bore of the cam bearing [m]; 0: not chosen yet. `sizes` are those of the casing;
-    None: the mechanism only.
+    None: the mechanism only. `torques` are tightening torques [N m] by item.
 
-    Seals, motor and lubricant are not part of the design. A bearing has the diameter of its seat in the design; the
-    other diameter is that of the catalogue.
+    Motor and lubricant are not part of the design, see `consumables`; the bearings of the output are sealed. Bearings
+    out of stock have the sizes of their seats.
 
     Raises
     ------
     DesignError
         A part cannot be manufactured.
     """
-    return (*_manufactured(reducer, cam_seat, sizes), *_bought(reducer, cam_seat, sizes))
+    lines = (*_manufactured(reducer, cam_seat, sizes), *_bought(reducer, cam_seat, sizes))
+    return (
+        tuple(
+            replace(line, fit=f"tighten with {torques[line.item]:.2g} N m") if line.item in torques else line
+            for line in lines
+        )
+        if torques
+        else lines
+    )
+
+
+def consumables(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
+    """Describe what a drive needs in addition to its parts: grease for a third of its free space, and adhesive."""
+    laid, placed = assembly_parts(reducer, sizes), places(reducer, 0.0, sizes)
+    inside = [place for place in placed if place.body != names.HOUSING and sizes.floor <= place.origin[2] <= sizes.top]
+    solid = sum(_inner_volume(laid[place.part], place.origin[2], sizes) for place in inside)
+    wall = reducer.design.ring_root_radius
+    room = math.pi * (
+        2.0 * sizes.end * wall**2
+        + (-sizes.end - sizes.floor) * sizes.cavity**2
+        + (sizes.bearings[0][0] - sizes.end) * sizes.output_cavity**2
+    )
+    grease = GREASE_FILL * max(room - solid, 0.0)
+    lines = [f"grease NLGI 1 with EP additives: {1e6 * grease:.2g} cm3, a third of the free space"]
+    glued = [joint.name for joint in drive_joints(reducer, sizes) if joint.kind is JointKind.GLUED]
+    if sizes.motor.shaft:
+        glued.append("motor shaft in the crank")
+    return (*lines, *(f"retaining compound (ISO 10123, 25 MPa): {name}" for name in glued))
+
+
+def _inner_volume(part: Part, z: float, sizes: Casing) -> float:
+    """Compute the volume of a part at a height between the cavities [m3]."""
+    solid = part.solid(VISUAL_CHORD_ERROR)
+    low, high = sizes.floor - z, sizes.bearings[0][0] - z
+    return sum(
+        abs(region_moments(prism).area) * max(min(prism.z1, high) - max(prism.z0, low), 0.0) for prism in solid.prisms
+    )
 
 
 def bill_csv(items: tuple[BillLine, ...]) -> bytes:
@@ -88,12 +139,37 @@ def bill_csv(items: tuple[BillLine, ...]) -> bytes:
     return text.getvalue().encode()
 
 
+def out_of_stock(items: Iterable[BillLine]) -> Iterator[str]:
+    """Yield a warning for each part to be bought of which none in stock has the size."""
+    for item in items:
+        if item.made_or_bought == "bought" and not item.designation:
+            yield f"{item.item}: none in stock has {item.size}; choose other sizes, or order it to measure"
+
+
 def _manufactured(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:
+    joints = drive_joints(reducer, sizes) if sizes else ()
     for name, part in manufactured_parts(reducer, VISUAL_CHORD_ERROR, cam_seat, sizes).items():
-        item = names.SLEEVE if name == names.PIN and reducer.design.ring.has_sleeves else name
         bored = _format_bore(reducer, sizes) if name == names.SHAFT else ""
-        material = _material(reducer, material_part(reducer, name))
-        yield BillLine(item, part.count, _extent(part) + bored, material, "made")
+        material = _material_name(part_material(reducer, name, sizes))
+        yield BillLine(name, part.count, _extent(part.drawn) + bored, material, "made", fit=_machining(joints, name))
+
+
+def _machining(joints: Iterable[Joint], part: str) -> str:
+    """Describe the threads of a part, and its seats with their fits."""
+    threads, seats = [], []
+    for joint in joints:
+        threads += [_thread(thread) for thread in joint.threads if thread.part == part]
+        if part in joint.parts and joint.fit and joint.diameter:
+            seats.append(f"{joint.name} {_mm(joint.diameter)} mm: {joint.fit}")
+    return "; ".join((*threads, *seats))
+
+
+def _thread(tapped: TappedHole) -> str:
+    """Describe equal tapped holes, or holes for inserts."""
+    size = f"{tapped.count} x M{_mm(tapped.thread)}, {_mm(tapped.depth)} mm deep"
+    if tapped.insert:
+        return f"{size}, insert {tapped.insert}"
+    return f"{size}, drilled {_mm(tapped.thread - stock.pitch(tapped.thread))} mm"
 
 
 def _bought(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:
@@ -132,21 +208,29 @@ def _pins(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLine]:
         if ring.has_sleeves:
             diameters = ("outside diameter", ring.pin_radius), ("bore", ring.sleeve_bore_radius)
             size = _round(*diameters, length=pin_pieces(reducer)[1])
-            yield BillLine(names.SLEEVE, ring.teeth, size, material, "bought")
+            yield BillLine(names.PIN, ring.teeth, size, material, "bought", "sleeve to measure", "F7 on its pin")
             core = sleeve_core_radius(reducer)
-            yield _pin(PRESSED_PIN, ring.teeth, core, gear.stack_width, material, PIN_FIT)
+            reach = 2.0 * (sizes.end + sleeve_pin_depth(reducer)) if sizes else gear.stack_width
+            yield _pin(PRESSED_PIN, ring.teeth, core, reach, material, PIN_FIT)
         elif ring.has_sockets:
             yield _free_pin(reducer, material)
-        else:
+        elif stock.pins(2.0 * ring.pin_radius, gear.stack_width) or not free_pin(reducer):
             yield _pin(names.PIN, ring.teeth, ring.pin_radius, gear.stack_width, material, RETAINED_FIT)
+        else:
+            line = _free_pin(reducer, material)
+            yield replace(line, fit=line.fit.replace(FREE_FIT.rpartition(", ")[2], "glued: its socket is open"))
     if not in_one_piece(reducer) and not is_printed(reducer, names.OUTPUT):
         length = output_pin_length(reducer)
         yield _pin(OUTPUT_PIN, output.pins, output.root_radius, length, _material(reducer, names.OUTPUT), PIN_FIT)
     if gear.discs > 1 and not is_printed(reducer, names.SHAFT):
         (drawn,) = parts(reducer)[names.SHAFT].prisms
         size = _round(("diameter", shaft.radius), length=drawn.height) + _format_bore(reducer, sizes)
+        key = cam_key(reducer, sizes) if sizes else None
+        fit = (
+            f"keyway {_mm(key.bought.width)} x {_mm(key.bought.in_shaft)} x {_mm(key.bought.length)} mm" if key else ""
+        )
         bar = f"ground bar {_mm(2.0 * shaft.radius)} h6" if 2.0 * shaft.radius in stock.bar_diameters() else ""
-        yield BillLine(names.SHAFT, 1, size, _material(reducer, names.SHAFT), "bought", bar)
+        yield BillLine(names.SHAFT, 1, size, _material(reducer, names.SHAFT), "bought", bar, fit)
 
 
 def _format_bore(reducer: Reducer, sizes: Casing | None) -> str:
@@ -172,13 +256,13 @@ def _pin(item: str, count: int, radius: float, reach: float, material: str, fit:
 
 def _free_pin(reducer: Reducer, material: str) -> BillLine:
     """Return the line of ring pins that move in their sockets: needle rollers, gauges, or ground to their size."""
-    ring, roller, (count, length) = reducer.design.ring, free_pin(reducer), pin_pieces(reducer)
+    ring, roller = reducer.design.ring, free_pin(reducer)
     if not roller:
-        size = _round(("diameter", ring.pin_radius), length=length)
+        size = _round(("diameter", ring.pin_radius), length=reducer.design.gear.stack_width)
         return BillLine(names.PIN, ring.teeth, size, material, "bought", fit=f"ground {FREE_FIT}")
     fit = f"{roller.tolerance}, free in its socket" + (f", cut to {_mm(roller.cut)} mm" if roller.cut else "")
     size = _round(("diameter", ring.pin_radius), length=roller.length)
-    return BillLine(names.PIN, ring.teeth * count, size, material, "bought", roller.designation, fit)
+    return BillLine(names.PIN, ring.teeth * roller.count, size, material, "bought", roller.designation, fit)
 
 
 def _rollers(reducer: Reducer) -> Iterator[BillLine]:
@@ -217,16 +301,28 @@ def _bearings(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
 
 
 def _material(reducer: Reducer, part: str) -> str:
-    """Return the name of the material of a part, or its stiffness and density if it has no name."""
-    material = reducer.design.material_of(part)
+    return _material_name(reducer.design.material_of(part))
+
+
+def _material_name(material: Material) -> str:
+    """Return the name of a material, or its stiffness and density if it has no name."""
     return material.name or f"E {material.youngs_modulus / 1e6:g} MPa, {material.density:g} kg/m3"
 
 
-def _extent(part: PrintedPart) -> str:
-    """Format length x width x height of a manufactured part."""
-    outlines = np.concatenate([prism.outline for prism in part.solid.prisms])
-    height = max(prism.z1 for prism in part.solid.prisms) - min(prism.z0 for prism in part.solid.prisms)
-    return " x ".join(f"{MILLIMETRES * length:.4g}" for length in (*np.ptp(outlines, axis=0), height)) + " mm"
+def _extent(part: Part) -> str:
+    """Format length x width x height of a manufactured part, exactly where its outlines are circles."""
+    corners = np.array([_box(stretch.outline) for stretch in part.stretches])
+    sides = corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0)
+    height = max(stretch.z1 for stretch in part.stretches) - min(stretch.z0 for stretch in part.stretches)
+    return " x ".join(_mm(float(length)) for length in (*sides, height)) + " mm"
+
+
+def _box(contour: Contour) -> tuple[Array, Array]:
+    """Return the corners of the bounding box of a contour [m]."""
+    if circle := circle_of(contour):
+        return np.array(circle.centre) - circle.radius, np.array(circle.centre) + circle.radius
+    points = contour.polygon(VISUAL_CHORD_ERROR)
+    return points.min(axis=0), points.max(axis=0)
 
 
 def _round(*radii: tuple[str, float], length: float) -> str:

@@ -14,7 +14,8 @@ import numpy as np
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.design import stock
+from cycloid_mj.design import Material, stock
+from cycloid_mj.design.materials import MATERIALS, material_name
 from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import crank_stretches
 from cycloid_mj.parts.export.motors import MOTORS, MotorFlange, MotorName, frames_for
@@ -53,6 +54,9 @@ ENGAGEMENT = 1.5
 
 HEAD_PLAY = 0.2e-3
 """Radial play of a screw head in its counterbore [m] (assumed; DIN 974-1 has 0.5 mm, for which walls are too thin)."""
+
+LIGHT_METAL = "aluminium 6061"
+"""Material of covers on a ring of a heavier metal, unless another is chosen: a third of the mass of steel."""
 
 FLANGE_SCREWS, FLANGE_CIRCLE, FLANGE_THREAD = (8, 6), 0.8, 0.16
 """Numbers of screws of the output flange, of which the first that fits is taken; their circle radius and thread
@@ -121,6 +125,8 @@ class Casing:
         by the play at both ends, so that they turn freely between the covers.
     flange_bolt, flange_thickness, flange_screws, flange_circle
         Screws of the output flange, its thickness, and number and circle radius of the screws.
+    cover_material
+        Material of both covers, a name of the library; empty: that of the ring.
     """
 
     outer: float
@@ -146,6 +152,7 @@ class Casing:
     flange_thickness: float
     flange_screws: int
     flange_circle: float
+    cover_material: str = ""
 
     @property
     def bearings(self) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -180,8 +187,10 @@ class Casing:
 
 
 @once
-def casing(reducer: Reducer, motor: Motor = "auto") -> Casing:
+def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto") -> Casing:
     """Choose the sizes of covers, bearings, screws and flanges around a mechanism, for a motor.
+
+    `cover_material` is a metal of the library, ``auto``: `LIGHT_METAL` for a ring of a heavier metal.
 
     Raises
     ------
@@ -243,7 +252,28 @@ def casing(reducer: Reducer, motor: Motor = "auto") -> Casing:
         flange_thickness=hole_depth(reducer, bolt.thread, bolt.head_height + max(bolt.thread, wall)),
         flange_screws=flange_screws,
         flange_circle=flange_circle,
+        cover_material=_cover_material(reducer, cover_material),
     )
+
+
+def _cover_material(reducer: Reducer, asked: str) -> str:
+    """Return the material of the covers by name, or an empty string for that of the ring.
+
+    Raises
+    ------
+    DesignError
+        It is not a metal of the library, or the ring is of a plastic.
+    """
+    ring = reducer.design.material_of(names.HOUSING)
+    if asked == "auto":
+        return "" if ring.is_plastic or ring.density <= 2.0 * MATERIALS[LIGHT_METAL].density else LIGHT_METAL
+    name = material_name(asked)
+    if name not in MATERIALS or ring.is_plastic or Material(name=name).is_plastic:
+        raise DesignError(
+            f"covers of {asked!r} are not possible: covers of another material than the ring are of a metal, on a ring "
+            f"of a metal; choose one of {', '.join(one for one in MATERIALS if not Material(name=one).is_plastic)}"
+        )
+    return name
 
 
 def ring_end(reducer: Reducer) -> float:
@@ -256,7 +286,7 @@ def axial_play(reducer: Reducer) -> float:
     return PRINTED_AXIAL_PLAY if is_plastic(reducer) else AXIAL_PLAY
 
 
-def casing_or_none(reducer: Reducer, motor: Motor = "auto") -> tuple[Casing | None, str]:
+def casing_or_none(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto") -> tuple[Casing | None, str]:
     """Return the casing, or None and the reason why covers, bearings or screws do not fit.
 
     Raises
@@ -265,9 +295,9 @@ def casing_or_none(reducer: Reducer, motor: Motor = "auto") -> tuple[Casing | No
         The chosen motor does not fit.
     """
     try:
-        return casing(reducer, motor), ""
+        return casing(reducer, motor, cover_material), ""
     except DesignError as error:
-        if motor != "auto":
+        if motor != "auto" or cover_material != "auto":
             raise
         return None, str(error)
 

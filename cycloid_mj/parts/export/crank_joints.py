@@ -120,7 +120,7 @@ def _cam_bearings(reducer: Reducer) -> Iterator[Joint]:
     if gear.bearing != "rolling":
         return
     kind = JointKind.PRESSED if bought else JointKind.BEARING
-    fit = cup_fit(reducer, names.GEAR) if bought else "rollers in the bore of the disc"
+    fit = cup_fit(reducer, names.GEAR) if bought else "H6, rollers in the bore of the disc"
     seats = gear.discs, 2.0 * gear.bore_radius, gear.face_width
     yield Joint("cam bearings in the discs", kind, (CAM_BEARING, *reducer.gears), (), (), fit, *seats)
 

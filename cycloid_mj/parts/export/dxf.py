@@ -2,25 +2,121 @@
 
 import io
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from itertools import chain
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.extras import extra
 from cycloid_mj.base.units import MILLIMETRES
-from cycloid_mj.parts import PartSection
+from cycloid_mj.parts.biarcs import arcs_of
 from cycloid_mj.parts.curve import Arc, Circle, Curve, LineSegment, Spline
+from cycloid_mj.parts.export.round_part import SAME_FACE
 
 _FORMAT = "R2000"
 
 
-def dxf_bytes(sections: tuple[PartSection, ...]) -> bytes:
-    """Encode the sections of a part as DXF, each on a layer of its name, [mm]; equal sections give equal bytes."""
-    return encode_layers((section.name, chain.from_iterable(section.loops)) for section in sections)
+@dataclass(frozen=True, eq=False)
+class DrilledThread:
+    """Tapped holes in a drawing: the thread in words, and centres (n, 2) and radius of the drilled holes [m]."""
+
+    words: str
+    centres: Array
+    radius: float
+
+
+class Section(Protocol):
+    """A section of a part with closed loops, from `z0` to `z1` [m]."""
+
+    @property
+    def name(self) -> str: ...  # noqa: D102
+
+    @property
+    def loops(self) -> "Sequence[Loop]": ...  # noqa: D102
+
+    @property
+    def z0(self) -> float: ...  # noqa: D102
+
+    @property
+    def z1(self) -> float: ...  # noqa: D102
+
+
+Loop = tuple[Curve, ...] | Array | Circle
+
+
+def dxf_bytes(sections: Sequence[Section], threads: Iterable[DrilledThread] = (), arcs: float | None = None) -> bytes:
+    """Encode the sections of a part as DXF [mm], by `layers_of`; equal sections give equal bytes.
+
+    `arcs` is the tolerance [m] within which arcs replace splines; None: splines.
+    """
+    layers = layers_of(sections, tuple(threads))
+    return encode_layers((name, chain.from_iterable(_shapes(loop, arcs) for loop in loops)) for name, loops in layers)
+
+
+def layers_of(sections: Sequence[Section], threads: Sequence[DrilledThread] = ()) -> list[tuple[str, list[Loop]]]:
+    """Return the loops of sections by layer, each loop once from its lowest to its highest end.
+
+    A layer has the name of a section, or where several heights share the name ``z low to high`` [mm]. Tapped holes
+    have the thread before.
+    """
+    heights: dict[str, set[tuple[float, float]]] = {}
+    spans: dict[tuple[str, object], list[tuple[float, float]]] = {}
+    loops: dict[object, Loop] = {}
+    for section in sections:
+        heights.setdefault(section.name, set()).add((section.z0, section.z1))
+        for loop in section.loops:
+            key = (section.name, _key(loop))
+            loops[key] = loop
+            spans.setdefault(key, []).append((section.z0, section.z1))
+    layers: dict[str, list[Loop]] = {}
+    for key, ends in spans.items():
+        name, loop = key[0], loops[key]
+        thread = next((f"{one.words} " for one in threads if _is_drilled(loop, one)), "")
+        prefix = thread + (f"{name} " if len(heights) > 1 and not thread else "")
+        for low, high in _joined(ends):
+            one_height = len(heights[name]) == 1 and not thread
+            layer = name if one_height else f"{prefix}z {MILLIMETRES * low:.1f} to {MILLIMETRES * high:.1f}"
+            layers.setdefault(layer, []).append(loop)
+    return list(layers.items())
+
+
+def _joined(ends: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Join consecutive stretches along z."""
+    joined: list[tuple[float, float]] = []
+    for low, high in sorted(ends):
+        if joined and low - joined[-1][1] < SAME_FACE:
+            joined[-1] = joined[-1][0], high
+        else:
+            joined.append((low, high))
+    return joined
+
+
+def _key(loop: Loop) -> object:
+    """Return what equal loops have in common."""
+    if isinstance(loop, np.ndarray):
+        return loop.tobytes()
+    curves = (loop,) if isinstance(loop, Circle) else loop
+    return tuple((one.knots.tobytes(), one.controls.tobytes()) if isinstance(one, Spline) else one for one in curves)
+
+
+def _is_drilled(loop: Loop, thread: DrilledThread) -> bool:
+    circle = loop if isinstance(loop, Circle) else loop[0] if len(loop) == 1 else None
+    if not isinstance(circle, Circle) or abs(circle.radius - thread.radius) > SAME_FACE:
+        return False
+    return bool(np.min(np.linalg.norm(thread.centres - np.array(circle.centre), axis=1)) < SAME_FACE)
+
+
+def _shapes(loop: Loop, arcs: float | None) -> Iterator[Curve | Array]:
+    """Yield the curves of a loop, or the loop itself if it is a polygon or a circle."""
+    if isinstance(loop, np.ndarray | Circle):
+        yield loop
+        return
+    for curve in loop:
+        yield from arcs_of(curve, arcs) if arcs and isinstance(curve, Spline) else (curve,)
 
 
 def encode_layers(layers: Iterable[tuple[str, Iterable[Curve | Array]]]) -> bytes:
@@ -32,7 +128,7 @@ def encode_layers(layers: Iterable[tuple[str, Iterable[Curve | Array]]]) -> byte
         The package ezdxf is not installed.
     """
     ezdxf = extra("ezdxf", "DXF", "dxf", "export svg, stl, obj or step")
-    with _fixed_metadata(ezdxf):
+    with fixed_metadata(ezdxf):
         document = ezdxf.new(_FORMAT, setup=False)
         document.units = ezdxf.units.MM
         space = document.modelspace()
@@ -68,7 +164,7 @@ def _point(point: tuple[float, float]) -> tuple[float, float]:
 
 
 @contextmanager
-def _fixed_metadata(ezdxf: Any) -> Iterator[None]:
+def fixed_metadata(ezdxf: Any) -> Iterator[None]:
     """Keep time stamps and random identifiers out of the file."""
     before = ezdxf.options.write_fixed_meta_data_for_testing
     ezdxf.options.write_fixed_meta_data_for_testing = True

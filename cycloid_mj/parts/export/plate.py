@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import Mesh, Prism, Solid, mesh
 from cycloid_mj.parts.export.casing import Casing, is_printed
 from cycloid_mj.parts.export.printing import material_part, printed_parts
@@ -79,7 +81,7 @@ class PrintPlate:
 
 
 def plate(reducer: Reducer, chord_error: float, cam_seat: float = 0.0, sizes: Casing | None = None) -> PrintPlate:
-    """Place all printed parts on a plate, each on its larger end face, plastic parts with supports.
+    """Place all printed parts on one plate, each on its larger end face, plastic parts with supports.
 
     Parameters
     ----------
@@ -97,24 +99,91 @@ def plate(reducer: Reducer, chord_error: float, cam_seat: float = 0.0, sizes: Ca
     DesignError
         A part cannot be manufactured, or its mesh is not watertight.
     """
+    (one,) = plates(reducer, chord_error, cam_seat, sizes)
+    return one
+
+
+def plates(
+    reducer: Reducer,
+    chord_error: float,
+    cam_seat: float = 0.0,
+    sizes: Casing | None = None,
+    bed: tuple[float, float] | None = None,
+) -> tuple[PrintPlate, ...]:
+    """Place all printed parts as `plate` does, on as many plates as a bed of some length and width [m] needs.
+
+    Raises
+    ------
+    DesignError
+        As `plate`, or a part is larger than the bed.
+    """
     printed = printed_parts(reducer, chord_error, cam_seat, sizes)
     lying = [(name, part.count, *_lay_flat(part.solid)) for name, part in printed.items()]
     shapes = {name: mesh(solid) for name, _, solid, _ in lying}
-    meshes = [(name, shapes[name], over) for name, count, _, over in lying for _ in range(count)]
     stood, hanging = _supports(reducer, {name: solid for name, _, solid, _ in lying}, shapes, chord_error)
-    boxes = [(shape.vertices.min(axis=0), shape.vertices.max(axis=0)) for _, shape, _ in meshes]
-    spots = shelves([(high[0] - low[0], high[1] - low[1]) for low, high in boxes], GAP)
-    shifts = [np.array([*spot, 0.0]) - low for spot, (low, _) in zip(spots, boxes, strict=True)]
+    copies = [(name, over) for name, count, _, over in lying for _ in range(count)]
+    boxes = [np.stack([shapes[name].vertices.min(axis=0), shapes[name].vertices.max(axis=0)]) for name, _ in copies]
+    spots = _spots([name for name, _ in copies], [box[1, :2] - box[0, :2] for box in boxes], bed)
+    numbers = sorted({number for number, _ in spots})
+    return tuple(
+        _lay(
+            [
+                (*copy, box, np.array([*spot, 0.0]) - box[0])
+                for copy, box, (on, spot) in zip(copies, boxes, spots, strict=True)
+                if on == number
+            ],
+            shapes,
+            stood,
+            hanging,
+        )
+        for number in numbers
+    )
+
+
+def _lay(
+    copies: Sequence[tuple[str, bool, Array, Array]],
+    shapes: Mapping[str, Mesh],
+    stood: Mapping[str, Sequence[Mesh]],
+    hanging: Mapping[str, Mapping[float, float]],
+) -> PrintPlate:
+    """Return a plate of copies of parts: name, whether turned over, corners and shift [m] of each."""
     places = tuple(
         PlatePosition(name, _corner(low + shift), _corner(high + shift), (float(shift[0]), float(shift[1])), over)
-        for (name, _, over), (low, high), shift in zip(meshes, boxes, shifts, strict=True)
+        for name, over, (low, high), shift in copies
     )
-    laid = [Mesh(shape.vertices + shift, shape.faces) for (_, shape, _), shift in zip(meshes, shifts, strict=True)]
-    supports = [
-        tuple(Mesh(one.vertices + shift, one.faces) for one in stood[name])
-        for (name, _, _), shift in zip(meshes, shifts, strict=True)
-    ]
-    return PrintPlate(tuple(laid), places, tuple(supports), hanging)
+    laid = tuple(_shifted(shapes[name], shift) for name, _, _, shift in copies)
+    supports = tuple(tuple(_shifted(one, shift) for one in stood[name]) for name, _, _, shift in copies)
+    own = {name for name, *_ in copies}
+    return PrintPlate(laid, places, supports, {name: faces for name, faces in hanging.items() if name in own})
+
+
+def _shifted(shape: Mesh, shift: Array) -> Mesh:
+    return Mesh(shape.vertices + shift, shape.faces)
+
+
+def _spots(
+    parts: Sequence[str], sizes: Sequence[Array], bed: tuple[float, float] | None
+) -> list[tuple[int, tuple[float, float]]]:
+    """Return the number of the plate and the lower left corner of each rectangle on it [m]."""
+    pairs = [(float(width), float(depth)) for width, depth in sizes]
+    if bed is None:
+        return [(0, spot) for spot in shelves(pairs, GAP)]
+    length, width = bed
+    for part, (along, across) in zip(parts, pairs, strict=True):
+        if along > length or across > width:
+            size, room = (" x ".join(f"{MILLIMETRES * one:.4g}" for one in pair) for pair in ((along, across), bed))
+            raise DesignError(f"{part} is {size} mm large, but the bed only {room} mm: choose a larger bed, or mill it")
+    spots = [(0, (0.0, 0.0))] * len(pairs)
+    number, x, y, deepest = 0, 0.0, 0.0, 0.0
+    for i in sorted(range(len(pairs)), key=lambda i: (-pairs[i][1], -pairs[i][0])):
+        along, across = pairs[i]
+        if x > 0.0 and x + along > length:
+            x, y, deepest = 0.0, y + deepest + GAP, 0.0
+        if y > 0.0 and y + across > width:
+            number, x, y, deepest = number + 1, 0.0, 0.0, 0.0
+        spots[i] = number, (x, y)
+        x, deepest = x + along + GAP, max(deepest, across)
+    return spots
 
 
 def _supports(

@@ -14,7 +14,6 @@ from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import Part
 from cycloid_mj.parts.contour import Contour, circle_of
 from cycloid_mj.parts.curve import Circle
-from cycloid_mj.parts.export.dxf import encode_layers
 
 STROKE_MM, MARGIN_MM = 0.1, 1.0
 """Width of the lines, and the margin around a part, in an SVG file [mm]; both change no coordinate."""
@@ -24,26 +23,26 @@ STROKE_MM, MARGIN_MM = 0.1, 1.0
 class PolylineSection:
     """A section of a part: its name, and closed loops, the first its outline, the others its holes.
 
-    A loop is a polygon, shape (n, 2) [m], or a full circle.
+    A loop is a polygon, shape (n, 2) [m], or a full circle. The section is from `z0` to `z1` [m].
     """
 
     name: str
     loops: tuple[Array | Circle, ...]
+    z0: float
+    z1: float
 
 
 def polyline_sections(part: Part, chord_error: float) -> tuple[PolylineSection, ...]:
     """Return the sections of a part; chords leave the outline by at most `chord_error` [m]."""
     return tuple(
         PolylineSection(
-            stretch.name, tuple(_loop(contour, chord_error) for contour in (stretch.outline, *stretch.holes))
+            stretch.name,
+            tuple(_loop(contour, chord_error) for contour in (stretch.outline, *stretch.holes)),
+            stretch.z0,
+            stretch.z1,
         )
         for stretch in part.stretches
     )
-
-
-def dxf_polylines(sections: tuple[PolylineSection, ...]) -> bytes:
-    """Encode sections as DXF of LWPOLYLINE and CIRCLE, each on a layer of its name; equal sections, equal bytes."""
-    return encode_layers((section.name, section.loops) for section in sections)
 
 
 def svg_bytes(sections: tuple[PolylineSection, ...]) -> bytes:

@@ -1,6 +1,6 @@
 """Printability: warnings of thin walls, small holes and overhangs, and a test coupon for the printer offset."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import combinations
 
 import numpy as np
@@ -9,7 +9,6 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import Prism, Solid, circle
 from cycloid_mj.parts.export.casing import MIN_PRINTED_WALL, Casing, is_printed
-from cycloid_mj.parts.export.plate import PrintPlate
 from cycloid_mj.parts.export.printing import material_part, printed_parts
 from cycloid_mj.parts.export.round_part import SAME_FACE
 from cycloid_mj.reducer import Reducer
@@ -49,8 +48,13 @@ def coupon_words() -> str:
     )
 
 
-def print_warnings(reducer: Reducer, laid: PrintPlate, chord_error: float, sizes: Casing | None) -> Iterator[str]:
-    """Yield warnings about plastic parts that are hard to print, with part and dimension."""
+def print_warnings(
+    reducer: Reducer, hanging: Mapping[str, Mapping[float, float]], chord_error: float, sizes: Casing | None
+) -> Iterator[str]:
+    """Yield warnings about plastic parts that are hard to print, with part and dimension.
+
+    `hanging` has the faces that cannot be supported, as ``PrintPlate.hanging``.
+    """
     for name, part in printed_parts(reducer, chord_error, 0.0, sizes).items():
         if not is_printed(reducer, material_part(reducer, name)):
             continue
@@ -61,7 +65,7 @@ def print_warnings(reducer: Reducer, laid: PrintPlate, chord_error: float, sizes
         hole = min((_diameter(one) for prism in part.solid.prisms for one in prism.holes), default=np.inf)
         if hole < MIN_HOLE:
             yield f"{name} has a hole of {MILLIMETRES * hole:.3g} mm; drill those below {MILLIMETRES * MIN_HOLE:g} mm"
-        if faces := laid.hanging.get(name):
+        if faces := hanging.get(name):
             areas = ", ".join(f"{1e6 * area:.0f} mm2 at {MILLIMETRES * z:.3g} mm" for z, area in faces.items())
             yield f"{name} needs the slicer's supports, as it lies: {areas}"
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.base.errors import DesignError
+from cycloid_mj.design import Material
 from cycloid_mj.parts import Part, Solid, Stretch, lay_out_parts, output_centres, parts, sleeve_core_radius
 from cycloid_mj.parts.contour import CircleContour, Contour, TurnedContour
 from cycloid_mj.parts.export.bearings import cam_radius
@@ -23,10 +24,11 @@ STEEL = 7850.0
 
 @dataclass(frozen=True)
 class PrintedPart:
-    """A manufactured part as it is printed, and the number of copies."""
+    """A manufactured part as it is printed, the number of copies, and its exact outlines."""
 
     count: int
     solid: Solid
+    drawn: Part
 
 
 def widen_clearances(reducer: Reducer, offset: float) -> Reducer:
@@ -67,7 +69,14 @@ def material_part(reducer: Reducer, part: str) -> str:
         return names.HOUSING
     if family in (names.OUTPUT, FLANGE):
         return names.HOUSING if is_printed(reducer, names.HOUSING) else names.OUTPUT
-    return names.OUTPUT if family == OUTPUT_PIN else family
+    return names.OUTPUT if family in (OUTPUT_PIN, names.ROLLER) else family
+
+
+def part_material(reducer: Reducer, part: str, sizes: Casing | None) -> Material:
+    """Return the material of a part of a drive; covers can have one of their own."""
+    if sizes and sizes.cover_material and names.family(part) in (MOTOR_COVER, OUTPUT_COVER):
+        return Material(name=sizes.cover_material)
+    return reducer.design.material_of(material_part(reducer, part))
 
 
 def printed_parts(
@@ -126,7 +135,7 @@ def manufactured_parts(
     def solid(name: str) -> Solid:
         return drawn[name] if laid[name] is of_mechanism.get(name) else laid[name].solid(chord_error)
 
-    return {name: PrintedPart(count, solid(name)) for name, count in counts.items() if name in laid}
+    return {name: PrintedPart(count, solid(name), laid[name]) for name, count in counts.items() if name in laid}
 
 
 def separate_parts(
@@ -170,10 +179,10 @@ def separate_parts(
         laid = {name: fit_part(reducer, sizes, name, part) for name, part in laid.items()}
     for name, part in (casing_parts(reducer, sizes) if sizes else {}).items():
         base = laid[name].stretches if name in laid else ()
-        density = STEEL if part.bought else reducer.design.material_of(material_part(reducer, name)).density
+        density = STEEL if part.bought else part_material(reducer, name, sizes).density
         laid[name] = Part(name, with_holes(name, part, base), density)
     if SECOND_OUTPUT in laid:
-        density = reducer.design.material_of(material_part(reducer, SECOND_OUTPUT)).density
+        density = part_material(reducer, SECOND_OUTPUT, sizes).density
         laid[SECOND_OUTPUT] = replace(laid[SECOND_OUTPUT], density=density)
     return laid
 

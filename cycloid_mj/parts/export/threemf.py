@@ -1,7 +1,8 @@
 """A plate of parts as 3MF (Core Specification 1.3): one named object per part, in millimetres."""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from xml.sax.saxutils import escape
 
 from cycloid_mj.base.atomic_write import zip_files
 from cycloid_mj.base.units import MILLIMETRES
@@ -23,18 +24,28 @@ RELATIONS = (
 MODEL = "3D/3dmodel.model"
 
 
-def threemf_bytes(plate: PrintPlate) -> bytes:
-    """Encode a plate; copies of a part are numbered."""
-    texts = {"[Content_Types].xml": TYPES, "_rels/.rels": RELATIONS, MODEL: _model(plate)}
+MATERIALS_ID = 1 << 30
+"""Identifier of the group of base materials; objects are numbered from 1 on."""
+
+Material = tuple[str, tuple[float, ...]]
+"""Name of a material, and red, green and blue of a part of it, from 0 to 1."""
+
+
+def threemf_bytes(plate: PrintPlate, materials: Mapping[str, Material] | None = None) -> bytes:
+    """Encode a plate; copies of a part are numbered, and parts have the base materials of their name, if any."""
+    texts = {"[Content_Types].xml": TYPES, "_rels/.rels": RELATIONS, MODEL: _model(plate, materials or {})}
     return zip_files({name: text.encode() for name, text in texts.items()})
 
 
-def _model(plate: PrintPlate) -> str:
+def _model(plate: PrintPlate, materials: Mapping[str, Material]) -> str:
     """Write the objects at their coordinates; a part and its supports are one object."""
     objects: list[str] = []
     built: list[int] = []
-    for name, mesh, supports in zip(_names(plate), plate.meshes, plate.supports, strict=True):
-        objects.append(_object(len(objects) + 1, name, _mesh(mesh)))
+    base = list(dict.fromkeys(materials.values()))
+    for place, name, mesh, supports in zip(plate.places, _names(plate), plate.meshes, plate.supports, strict=True):
+        of = materials.get(place.part)
+        property_ = f' pid="{MATERIALS_ID}" pindex="{base.index(of)}"' if of else ""
+        objects.append(_object(len(objects) + 1, name, _mesh(mesh), property_))
         first = len(objects)
         for number, support in enumerate(supports, start=1):
             objects.append(_object(len(objects) + 1, f"{name}_support_{number}", _mesh(support)))
@@ -46,12 +57,23 @@ def _model(plate: PrintPlate) -> str:
     return (
         '<?xml version="1.0" encoding="UTF-8"?>\n'
         '<model unit="millimeter" xml:lang="en-US" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02">\n'
-        f"<resources>\n{''.join(objects)}</resources>\n<build>{items}</build>\n</model>\n"
+        f"<resources>\n{_base_materials(base)}{''.join(objects)}</resources>\n<build>{items}</build>\n</model>\n"
     )
 
 
-def _object(number: int, name: str, content: str) -> str:
-    return f'<object id="{number}" type="model" name="{name}">{content}</object>\n'
+def _base_materials(materials: list[Material]) -> str:
+    """Write the group of base materials; empty without any."""
+    if not materials:
+        return ""
+    bases = "".join(
+        f'<base name="{escape(name)}" displaycolor="#{"".join(f"{round(255 * value):02X}" for value in colour[:3])}"/>'
+        for name, colour in materials
+    )
+    return f'<basematerials id="{MATERIALS_ID}">{bases}</basematerials>\n'
+
+
+def _object(number: int, name: str, content: str, property_: str = "") -> str:
+    return f'<object id="{number}" type="model" name="{name}"{property_}>{content}</object>\n'
 
 
 def _names(plate: PrintPlate) -> Iterator[str]:

@@ -1,0 +1,76 @@
+"""Splines as arcs within a tolerance: biarcs, pairs of arcs with a common tangent, which match both ends and tangents.
+
+The middle point is that of equal distances from both ends along their tangents (Bolton 1975, Comput. Aided Des. 7).
+"""
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.parts.curve import Arc, LineSegment, Spline
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
+
+CHECKS = 9
+"""Points of a spline between the ends of a biarc at which its deviation is measured."""
+
+STRAIGHT = 1e-12
+"""Height of an arc over its chord below which it is a line [m]."""
+
+
+def arcs_of(spline: Spline, tolerance: float) -> tuple[Arc | LineSegment, ...]:
+    """Return consecutive arcs, and lines where they are straight, within a tolerance [m] of a spline."""
+    from scipy.interpolate import BSpline
+
+    curve = BSpline(spline.knots, spline.controls, 3)
+    return tuple(_fit(curve, curve.derivative(), spline.knots[0], spline.knots[-1], tolerance))
+
+
+def _fit(curve: "BSpline", slope: "BSpline", low: float, high: float, tolerance: float) -> Iterator[Arc | LineSegment]:
+    """Yield the arcs between two parameters: a biarc, or those of both halves."""
+    (start, end), tangents = curve([low, high]), slope([low, high])
+    tangents = tangents / np.linalg.norm(tangents, axis=1)[:, np.newaxis]
+    pieces = _biarc(start, tangents[0], end, tangents[1])
+    points = curve(np.linspace(low, high, CHECKS + 2)[1:-1])
+    if np.min([_deviation(piece, points) for piece in pieces], axis=0).max() <= tolerance:
+        yield from pieces
+        return
+    middle = 0.5 * (low + high)
+    yield from _fit(curve, slope, low, middle, tolerance)
+    yield from _fit(curve, slope, middle, high, tolerance)
+
+
+def _biarc(start: Array, leaving: Array, end: Array, arriving: Array) -> tuple[Arc | LineSegment, ...]:
+    """Return both arcs from a start with its tangent to an end with its tangent."""
+    chord, turned = end - start, 1.0 - float(leaving @ arriving)
+    along = float(chord @ (leaving + arriving))
+    square = float(chord @ chord)
+    reach = square / (along + math.sqrt(along**2 + 2.0 * turned * square))
+    middle = 0.5 * (start + end + reach * (leaving - arriving))
+    return _arc(start, leaving, middle), _arc(end, -arriving, middle)
+
+
+def _arc(start: Array, tangent: Array, end: Array) -> Arc | LineSegment:
+    """Return the arc from a start with its tangent to an end, counter-clockwise."""
+    chord, normal = end - start, np.array([-tangent[1], tangent[0]])
+    height = float(normal @ chord)
+    if abs(height) < STRAIGHT:
+        return LineSegment((float(start[0]), float(start[1])), (float(end[0]), float(end[1])))
+    radius = float(chord @ chord) / (2.0 * height)
+    centre = start + radius * normal
+    first, last = (math.atan2(*(point - centre)[::-1]) for point in (start, end))
+    low, high = (first, last) if radius > 0.0 else (last, first)
+    return Arc((float(centre[0]), float(centre[1])), abs(radius), low, low + (high - low) % (2.0 * math.pi))
+
+
+def _deviation(piece: Arc | LineSegment, points: Array) -> Array:
+    """Compute the distances of points from an arc's circle, or from a line [m]."""
+    if isinstance(piece, Arc):
+        return np.asarray(np.abs(np.linalg.norm(points - np.array(piece.centre), axis=1) - piece.radius))
+    start, along = np.array(piece.start), np.subtract(piece.end, piece.start)
+    x, y = (points - start).T
+    return np.asarray(np.abs(x * along[1] - y * along[0]) / np.linalg.norm(along))

@@ -1,0 +1,303 @@
+"""Content of the drawings of manufactured parts: views, dimensions with tolerances, roughness, hardness and datums.
+
+Symbols follow ISO GPS: sizes with zones of ISO 286 and their deviations, datum A the axis of the first seat, datum B
+the face at the lower end; general tolerances of ISO 22081 and ISO 2768-m.
+"""
+
+import io
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.base import names
+from cycloid_mj.base.array import Array
+from cycloid_mj.base.extras import extra
+from cycloid_mj.base.units import MICROMETRES, MILLIMETRES
+from cycloid_mj.design import Material, fits
+from cycloid_mj.parts import Part
+from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
+from cycloid_mj.parts.contour import circle_of
+from cycloid_mj.parts.cut import cut
+from cycloid_mj.parts.export.assembly import assembly_parts
+from cycloid_mj.parts.export.bearings import cam_radius
+from cycloid_mj.parts.export.casing import Casing, is_printed
+from cycloid_mj.parts.export.dxf import fixed_metadata
+from cycloid_mj.parts.export.joint import Joint, JointKind
+from cycloid_mj.parts.export.joints import drive_joints
+from cycloid_mj.parts.export.printing import manufactured_parts, material_part, part_material
+from cycloid_mj.parts.export.round_part import SAME_FACE
+from cycloid_mj.reducer import Reducer
+
+ROUGHNESS = {"seat": "Ra 0.8", "raceway": "Ra 0.2", "teeth": "Ra 0.4", "other": "Ra 3.2"}
+"""Roughness by kind of surface [um]: seats of bearings and pins (SKF, Rolling bearings, 2018, IT6 and IT7), raceways of
+needles, ground teeth, and all others."""
+
+HARDNESS = (
+    ("bearing steel", "60 to 64 HRC"),
+    ("case-hardened", "case-hardened, 58 to 62 HRC, depth 0.8 to 1.0 mm"),
+    ("nitrided", "nitrided, 600 HV minimum, depth 0.3 mm"),
+    ("tempered", "quenched and tempered, 280 to 320 HB"),
+)
+"""Heat treatment by the name of the material."""
+
+EDGES = "edges without indication: chamfer 0.2 to 0.5 mm; inside corners: radius 0.3 mm at most (ISO 13715)"
+GENERAL = "general tolerances ISO 2768-m, geometry ISO 22081: profile 0.1 mm to A and B; sizes ISO 8015"
+PRINTED = "printed: general tolerance 0.2 mm; ream seats after printing"
+
+_ZONE = re.compile(r"\b([A-Z]{1,2}|[a-z]{1,2})(\d{1,2})\b")
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """A dimension of a section: its text, its ends along z [m], and for a diameter its radius [m], else 0."""
+
+    text: str
+    low: float
+    high: float
+    radius: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class PartDrawing:
+    """The drawing of a part.
+
+    Attributes
+    ----------
+    name, title
+        Its name, and what the title block says, line by line.
+    section
+        Rectangles of the section through the axis: ends along z and along y [m].
+    front
+        Closed polygons of the view along the axis, each once [m].
+    diameters, lengths
+        Dimensions of the section.
+    notes
+        Threads, holes, geometric tolerances, roughness and general tolerances.
+    """
+
+    name: str
+    title: tuple[str, ...]
+    section: tuple[tuple[float, float, float, float], ...]
+    front: tuple[Array, ...]
+    diameters: tuple[Dimension, ...]
+    lengths: tuple[Dimension, ...]
+    notes: tuple[str, ...]
+
+
+def part_drawings(reducer: Reducer, sizes: Casing) -> tuple[PartDrawing, ...]:
+    """Return the drawings of all manufactured parts of a drive.
+
+    Raises
+    ------
+    DesignError
+        A part cannot be manufactured.
+    """
+    laid, joints = assembly_parts(reducer, sizes), drive_joints(reducer, sizes)
+    made = manufactured_parts(reducer, VISUAL_CHORD_ERROR, 0.0, sizes)
+    counts = {name: part.count for name, part in made.items()}
+    if reducer.design.output.has_roller_parts:
+        counts[names.ROLLER] = reducer.design.output.pins * reducer.design.gear.discs
+    return tuple(_drawing(reducer, sizes, laid[name], name, count, joints) for name, count in counts.items())
+
+
+def _drawing(
+    reducer: Reducer, sizes: Casing, part: Part, name: str, count: int, joints: Sequence[Joint]
+) -> PartDrawing:
+    prisms = part.solid(VISUAL_CHORD_ERROR).prisms
+    material, printed = part_material(reducer, name, sizes), is_printed(reducer, material_part(reducer, name))
+    front = {ring.tobytes(): ring for prism in prisms for ring in (prism.outline, *prism.holes)}
+    section = tuple((prism.z0, prism.z1, low, high) for prism in prisms for low, high in cut(prism))
+    diameters = tuple(_diameters(reducer, part, name, joints))
+    faces = sorted({round(face, 9) for prism in prisms for face in (prism.z0, prism.z1)})
+    lengths = tuple(Dimension(_mm(face - faces[0]), faces[0], face) for face in faces[1:])
+    notes = (*_holes(name, joints), *_geometry(reducer, name, diameters), *_surface(reducer, name, material, printed))
+    title = (f"{reducer.design.name}: {name}", f"{count} off, {material.name or 'own material'}", _treatment(material))
+    return PartDrawing(name, title, section, tuple(front.values()), diameters, lengths, notes)
+
+
+def _diameters(reducer: Reducer, part: Part, name: str, joints: Sequence[Joint]) -> Iterator[Dimension]:
+    """Yield the diameters about the axis, or about the cam, each once from end to end, with their zone."""
+    spans: dict[tuple[float, bool, tuple[float, float]], list[float]] = {}
+    for stretch in part.stretches:
+        for contour, inner in ((stretch.outline, False), *((hole, True) for hole in stretch.holes)):
+            circle = circle_of(contour)
+            centre = (0.0, 0.0) if circle is None else circle.centre
+            if circle and (np.hypot(*centre) <= SAME_FACE or (not inner and names.CAM in stretch.name)):
+                key = round(circle.radius, 9), inner, centre
+                spans.setdefault(key, []).extend((stretch.z0, stretch.z1))
+    for (radius, inner, centre), ends in spans.items():
+        off = float(np.hypot(*centre))
+        zone = _zone(reducer, name, joints, radius, inner=inner)
+        limits = f" ({_deviations(zone, 2.0 * radius)})" if zone.rstrip("0123456789").lower() in fits.LETTERS else ""
+        text = f"⌀{_mm(2.0 * radius)}" + (f" {zone}{limits}" if zone else "")
+        text += f", eccentric by {MILLIMETRES * off:.4f} ± 0.005" if off > SAME_FACE else ""
+        yield Dimension(text, min(ends), max(ends), radius)
+
+
+def _zone(reducer: Reducer, name: str, joints: Sequence[Joint], radius: float, *, inner: bool) -> str:
+    """Return the tolerance zone of a surface from the joint that it belongs to; empty if it is free."""
+    on_crank = name == names.SHAFT or names.family(name) == names.CAM
+    if not inner and on_crank and abs(radius - cam_radius(reducer)) < SAME_FACE:
+        return "h5"
+    for joint in joints:
+        seats = {
+            joint.diameter,
+            *(size for part in joint.bought for what, size in part.dimensions if "outside" in what),
+        }
+        if name in joint.parts and any(abs(0.5 * size - radius) < SAME_FACE for size in seats if size):
+            for letters, grade in _ZONE.findall(joint.fit):
+                if letters.isupper() == inner:
+                    return f"{letters}{grade}"
+    return ""
+
+
+def _deviations(zone: str, size: float) -> str:
+    """Format the deviations of a zone [um]."""
+    low, high = (round(MICROMETRES * deviation) for deviation in fits.limits(zone, size))
+    return f"{high:+d}/{low:+d} µm"
+
+
+def _holes(name: str, joints: Sequence[Joint]) -> Iterator[str]:
+    """Yield the holes off the axis: number, diameter or thread, depth, circle and angle of the first."""
+    for joint in joints:
+        threads = [one.thread for one in joint.threads if one.part == name]
+        for centres, radius, low, high in joint.holes_in(name):
+            away = np.hypot(*centres.T)
+            if away.max() <= SAME_FACE:
+                continue
+            circle, angle = 2.0 * float(away.mean()), float(np.degrees(np.arctan2(centres[0, 1], centres[0, 0])))
+            zone = f" {joint.fit}" if joint.kind in (JointKind.DOWELLED, JointKind.PRESSED) else ""
+            thread = next((f"M{_mm(one)} in it, " for one in threads if radius < 0.75 * one), "")
+            place = f"on ⌀{_mm(circle)}, the first at {angle:.4g}°, position ⌀{'0.05' if zone else '0.2'} to A and B"
+            size = f"{len(centres)} x ⌀{_mm(2.0 * radius)}{zone}, {_mm(high - low)} deep"
+            yield f"{size}, {thread}{place} ({joint.name})"
+
+
+def _geometry(reducer: Reducer, name: str, diameters: Sequence[Dimension]) -> Iterator[str]:
+    """Yield datums, and tolerances of run-out and of the teeth."""
+    design, seats = reducer.design, [one for one in diameters if " " in one.text and "eccentric" not in one.text]
+    if seats:
+        yield f"datum A: axis of {seats[0].text.partition(' ')[0]}; datum B: the face at z = 0 of the lengths"
+        yield "total run-out of all seats to A: 0.01; perpendicularity of their shoulders to A: 0.01"
+    profile = MILLIMETRES * 0.5 * getattr(design.clearance, design.tooth_pair)
+    if names.family(name) == names.GEAR:
+        yield (
+            f"{design.lobes} lobes, N = {design.ring.teeth}, E = {_mm(design.ring.pin_circle_radius)}, "
+            f"c = {_mm(design.gear.eccentricity)}, rho = {_mm(design.ring.pin_radius)}: outline from the DXF, "
+            f"profile of a line {profile:.4f} to A"
+        )
+        yield (
+            f"{design.output.pins} x ⌀{_mm(2.0 * (design.output.hole_radius + design.clearance.output))} on "
+            f"⌀{_mm(2.0 * design.output.pin_circle_radius)}, position ⌀{2.0 * profile:.4f} to A"
+        )
+    if name == names.HOUSING:
+        what = "sockets" if design.ring.kind == "pin" else "teeth"
+        yield f"{design.ring.teeth} {what} on ⌀{_mm(2.0 * design.ring.pin_circle_radius)}, profile {profile:.4f} to A"
+    if name == names.OUTPUT:
+        circle = _mm(2.0 * design.output.pin_circle_radius)
+        yield f"{design.output.pins} x ⌀{_mm(2.0 * design.output.root_radius)} N7 on ⌀{circle}, position ⌀0.01 to A"
+
+
+def _surface(reducer: Reducer, name: str, material: Material, printed: bool) -> Iterator[str]:
+    """Yield roughness, edges and general tolerances."""
+    if printed:
+        yield PRINTED
+    else:
+        teeth = f"; teeth {ROUGHNESS['teeth']}" if names.family(name) in (names.GEAR, names.HOUSING) else ""
+        turning = names.family(name) in (names.SHAFT, names.CAM)
+        race = f"; raceways {ROUGHNESS['raceway']}" if turning and not material.is_plastic else ""
+        yield f"{ROUGHNESS['other']} µm, seats {ROUGHNESS['seat']}{teeth}{race}"
+    if names.family(name) == names.SHAFT:
+        yield f"shoulders: fillet radius {_mm(reducer.design.shaft.shoulder_fillet)}"
+    yield EDGES
+    yield GENERAL
+
+
+def _treatment(material: Material) -> str:
+    return next((text for key, text in HARDNESS if key in material.name), "no heat treatment")
+
+
+def _mm(length: float) -> str:
+    return f"{MILLIMETRES * length:.5g}"
+
+
+SPACING = 0.06
+"""Distance of neighbouring dimension lines relative to the larger extent of the part."""
+
+TEXT_HEIGHT = 0.018
+"""Height of the text in the DXF file relative to the larger extent of the part."""
+
+Line = tuple[tuple[float, float], tuple[float, float], Dimension]
+
+
+def dimension_lines(drawing: PartDrawing) -> tuple[Line, ...]:
+    """Return the ends (x, y) [mm] of the dimension lines next to the section: lengths below, diameters on the right."""
+    step, _, bottom, high = _layout(drawing)
+    lengths = [
+        ((MILLIMETRES * one.low, y), (MILLIMETRES * one.high, y), one)
+        for y, one in ((bottom - (number + 1.0) * step, one) for number, one in enumerate(drawing.lengths))
+    ]
+    diameters = [
+        ((x, -MILLIMETRES * one.radius), (x, MILLIMETRES * one.radius), one)
+        for x, one in ((high + (number + 1.0) * step, one) for number, one in enumerate(drawing.diameters))
+    ]
+    return (*lengths, *diameters)
+
+
+def sheet_ends(drawing: PartDrawing) -> tuple[float, float, float, float]:
+    """Return the left, right, lower and upper end of the section with its dimensions [mm]."""
+    step, low, bottom, high = _layout(drawing)
+    right, below = high + (len(drawing.diameters) + 1.0) * step, bottom - (len(drawing.lengths) + 1.0) * step
+    return low - step, right, below, step - bottom
+
+
+def drawing_dxf(drawing: PartDrawing) -> bytes:
+    """Encode a drawing as DXF [mm]: layers section, front, dimensions and text; equal drawings give equal bytes.
+
+    Raises
+    ------
+    CycloidError
+        The package ezdxf is not installed.
+    """
+    ezdxf = extra("ezdxf", "DXF", "dxf", "use drawings.pdf")
+    step, low, bottom, high = _layout(drawing)
+    height = TEXT_HEIGHT / SPACING * step
+    with fixed_metadata(ezdxf):
+        document = ezdxf.new("R2000", setup=["dimstyles", "linetypes", "styles"])
+        document.units = ezdxf.units.MM
+        for layer in ("section", "front", "dimensions", "text"):
+            document.layers.add(layer)
+        space = document.modelspace()
+        for z0, z1, y0, y1 in (np.array(drawing.section) * MILLIMETRES).tolist():
+            corners = [(z0, y0), (z1, y0), (z1, y1), (z0, y1)]
+            space.add_lwpolyline(corners, close=True, dxfattribs={"layer": "section"})
+        right = (
+            high + (len(drawing.diameters) + 2.0) * step - MILLIMETRES * min(ring[:, 0].min() for ring in drawing.front)
+        )
+        for ring in drawing.front:
+            points = (MILLIMETRES * ring + np.array([right, 0.0])).tolist()
+            space.add_lwpolyline(points, close=True, dxfattribs={"layer": "front"})
+        override = {"dimtxt": height, "dimasz": height, "dimexe": 0.5 * height, "dimexo": 0.5 * height}
+        for start, end, one in dimension_lines(drawing):
+            at = {"base": start, "angle": 90.0 if one.radius else 0.0, "text": one.text.replace("⌀", "%%c")}
+            mark = space.add_linear_dim(
+                p1=start, p2=end, dimstyle="EZDXF", override=override, dxfattribs={"layer": "dimensions"}, **at
+            )
+            mark.render()
+        top = bottom - (len(drawing.lengths) + 2.0) * step
+        for number, text in enumerate((*drawing.title, *drawing.notes)):
+            words = text.replace("⌀", "%%c").replace("°", "%%d").replace("±", "%%p")
+            insert = {"layer": "text", "height": height, "insert": (low, top - 1.6 * number * height)}
+            space.add_text(words, dxfattribs=insert)
+        content = io.StringIO()
+        document.write(content)
+    return content.getvalue().encode()
+
+
+def _layout(drawing: PartDrawing) -> tuple[float, float, float, float]:
+    """Return the spacing of dimension lines, and the left, lower and right end of the section [mm]."""
+    ends = MILLIMETRES * np.array(drawing.section)
+    low, high, bottom = float(ends[:, 0].min()), float(ends[:, 1].max()), float(ends[:, 2].min())
+    return SPACING * max(high - low, -2.0 * bottom), low, bottom, high

@@ -1,0 +1,46 @@
+"""Rules that every joint of a drive has to follow, and the violations of a design."""
+
+from collections.abc import Iterator
+
+from cycloid_mj.base import names
+from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.parts.export.casing import Casing, is_plastic
+from cycloid_mj.parts.export.insertion import blockages
+from cycloid_mj.parts.export.joint import JointKind
+from cycloid_mj.parts.export.joints import drive_joints
+from cycloid_mj.parts.export.round_part import SAME_FACE
+from cycloid_mj.parts.export.running import running_gaps
+from cycloid_mj.reducer import Reducer
+
+
+def broken_rules(reducer: Reducer, sizes: Casing) -> Iterator[str]:
+    """Yield a sentence for each rule that the joints of a drive break, with the remedy.
+
+    Parts that move against each other are apart by the axial play; each part can pass those that are there before; a
+    ring is keyed to its covers, threads in a plastic have an insert, pressed and turning parts a fit; and a motor is
+    not bolted to a cover that turns.
+    """
+    for gap in running_gaps(reducer, sizes):
+        if gap.distance < sizes.play - SAME_FACE:
+            yield (
+                f"{gap.part} and {gap.other} move against each other but are only {MILLIMETRES * gap.distance:.3g} mm "
+                f"apart; {MILLIMETRES * sizes.play:g} mm are needed: please report this design"
+            )
+    for blocked in blockages(reducer, sizes):
+        yield f"{blocked.part} cannot pass {blocked.other} to its place: please report this design"
+    joints = drive_joints(reducer, sizes)
+    dowelled = {part for joint in joints if joint.kind is JointKind.DOWELLED for part in joint.parts}
+    if sizes.screws.outside and names.HOUSING not in dowelled:
+        yield "no dowel fits in the wall of the ring, which only friction keeps from turning: enlarge the housing"
+    for joint in joints:
+        if joint.diameter and not joint.fit:
+            yield f"{joint.name} has no fit: please report this design"
+        for thread in joint.threads:
+            if is_plastic(reducer) and not thread.insert:
+                yield f"M{MILLIMETRES * thread.thread:g} in {thread.part}, a plastic, has no insert in stock"
+    if reducer.design.output.turns_ring:
+        teeth = reducer.design.ring.teeth
+        yield (
+            f"the motor turns with the ring on its cover, so that it turns {teeth - 1} times for a turn of the output, "
+            f"not {teeth}, and its cable winds up: hold the motor on the carrier, or choose output.member = carrier"
+        )

@@ -1,0 +1,80 @@
+"""Drawings of manufactured parts as the pages of a PDF file."""
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon, Rectangle
+
+from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.parts.export.casing import Casing
+from cycloid_mj.parts.export.drawing import (
+    Dimension,
+    PartDrawing,
+    dimension_lines,
+    drawing_dxf,
+    part_drawings,
+    sheet_ends,
+)
+from cycloid_mj.plots.save import document
+from cycloid_mj.plots.style import with_style
+from cycloid_mj.reducer import Reducer
+
+PAGE = (16.54, 11.69)
+"""Size of a page, A3 [in]."""
+
+ARROW = {"arrowstyle": "<->", "linewidth": 0.35, "shrinkA": 0.0, "shrinkB": 0.0}
+
+
+def drawing_files(reducer: Reducer, sizes: Casing) -> dict[str, bytes]:
+    """Return ``drawings.pdf`` with a page for each manufactured part, and ``NAME-drawing.dxf`` of each.
+
+    Raises
+    ------
+    DesignError
+        A part cannot be manufactured.
+    CycloidError
+        The package ezdxf is not installed.
+    """
+    drawings = part_drawings(reducer, sizes)
+    pages = [drawing_figure(drawing) for drawing in drawings]
+    return {"drawings.pdf": document(pages)} | {f"{one.name}-drawing.dxf": drawing_dxf(one) for one in drawings}
+
+
+@with_style
+def drawing_figure(drawing: PartDrawing) -> Figure:
+    """Draw a part on a page: section with dimensions, front view, notes and title block."""
+    figure = Figure(figsize=PAGE)
+    section, front = figure.add_axes((0.03, 0.28, 0.55, 0.68)), figure.add_axes((0.6, 0.34, 0.37, 0.6))
+    for low, high, bottom, top in drawing.section:
+        corner, size = (
+            (MILLIMETRES * low, MILLIMETRES * bottom),
+            (MILLIMETRES * (high - low), MILLIMETRES * (top - bottom)),
+        )
+        section.add_patch(Rectangle(corner, *size, facecolor="none", edgecolor="black", hatch="////", linewidth=0.5))
+    for ring in drawing.front:
+        front.add_patch(Polygon(MILLIMETRES * ring, closed=True, facecolor="none", edgecolor="black", linewidth=0.4))
+    for start, end, dimension in dimension_lines(drawing):
+        _draw_dimension(section, start, end, dimension)
+    for axes in (section, front):
+        axes.set_aspect("equal")
+        axes.axis("off")
+        axes.autoscale_view()
+    left, right, bottom, top = sheet_ends(drawing)
+    section.set_xlim(left, right)
+    section.set_ylim(bottom, top)
+    front.axhline(0.0, color="grey", linewidth=0.3, linestyle="-.")
+    front.axvline(0.0, color="grey", linewidth=0.3, linestyle="-.")
+    section.axhline(0.0, color="grey", linewidth=0.3, linestyle="-.")
+    figure.text(0.03, 0.25, "\n".join(drawing.notes), va="top", fontsize=7.5)
+    figure.text(
+        0.97, 0.04, "\n".join((*drawing.title, "dimensions in mm, ISO 128, first angle")), ha="right", fontsize=9.0
+    )
+    return figure
+
+
+def _draw_dimension(axes: Axes, start: tuple[float, float], end: tuple[float, float], dimension: Dimension) -> None:
+    """Draw a dimension line with its text above or to the left of it."""
+    axes.annotate("", end, start, arrowprops=ARROW)
+    middle, rotation = (0.5 * (start[0] + end[0]), 0.5 * (start[1] + end[1])), 90.0 if dimension.radius else 0.0
+    axes.text(
+        *middle, dimension.text, rotation=rotation, ha="center", va="bottom", fontsize=6.5, rotation_mode="anchor"
+    )

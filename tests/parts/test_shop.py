@@ -1,0 +1,198 @@
+"""What a shop gets: outlines by height, arcs, plates of a bed's size, materials, torques and consumables."""
+
+import io
+import json
+import re
+import zipfile
+from pathlib import Path
+
+import ezdxf
+import numpy as np
+import pytest
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.cli import main
+from cycloid_mj.design import PRESETS
+from cycloid_mj.parts import part_sections
+from cycloid_mj.parts.biarcs import arcs_of
+from cycloid_mj.parts.curve import Arc, Spline
+from cycloid_mj.parts.export import bill, casing, dxf_bytes, plates
+from cycloid_mj.parts.export import drive_files as files_of
+from cycloid_mj.parts.export.assembly import assembly_parts, places
+from cycloid_mj.parts.export.bill import consumables, out_of_stock
+from cycloid_mj.parts.export.drawing import part_drawings
+from cycloid_mj.parts.export.rules import broken_rules
+from cycloid_mj.reducer import Reducer
+
+PRINTED, PIN = Reducer(PRESETS["printed"]), Reducer(PRESETS["pin"])
+
+
+def entities(content: bytes):
+    return ezdxf.read(io.StringIO(content.decode())).modelspace()
+
+
+def test_a_stepped_part_is_drawn_by_height_without_repeats():
+    drawing = files_of(PRINTED, "dxf", casing(PRINTED), 1e-5)["motor_cover.dxf"]
+    circles = [(one.dxf.layer, one.dxf.center.x, one.dxf.center.y, one.dxf.radius) for one in entities(drawing)]
+    assert len(circles) == len(set(circles)) > 5
+    for layer, *_ in circles:
+        low, high = map(float, re.fullmatch(r"(?:M4 )?z (-?[\d.]+) to (-?[\d.]+)", layer).groups())
+        assert low < high
+    same = [(x, y, round(radius, 6)) for _, x, y, radius in circles]
+    assert len(same) == len(set(same))  # each hole once, from end to end
+    threads = [one for one in circles if one[0].startswith("M4")]
+    assert len(threads) == 8 + 4
+    assert {radius for *_, radius in threads} == {2.8}  # holes of the inserts
+
+
+def test_threads_in_steel_are_drawn_by_their_core():
+    drawing = files_of(PIN, "dxf", casing(PIN), 1e-5)["output.dxf"]
+    threads = [one for one in entities(drawing) if one.dxf.layer.startswith("M4 z ")]
+    assert len(threads) == casing(PIN).flange_screws
+    assert {round(one.dxf.radius, 6) for one in threads} == {1.65}
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-5])
+def test_arcs_follow_the_teeth_within_their_tolerance(tolerance):
+    (section,) = part_sections(PIN)["gear"]
+    splines = [curve for curve in section.loops[0] if isinstance(curve, Spline)]
+    arcs = arcs_of(splines[0], tolerance)
+    ends = np.array([[arc_end(arc, angle) for angle in (arc.start, arc.end)] for arc in arcs if isinstance(arc, Arc)])
+    assert len(ends) == len(arcs) < 50
+    points = splines[0].points(400)
+    apart = [np.abs(np.linalg.norm(points - np.array(arc.centre), axis=1) - arc.radius) for arc in arcs]
+    assert np.min(apart, axis=0).max() <= tolerance
+    corners = np.round(ends.reshape(-1, 2), 12)
+    assert len(np.unique(corners, axis=0)) == len(arcs) + 1  # consecutive
+    kinds = {one.dxftype() for one in entities(dxf_bytes((section,), arcs=tolerance))}
+    assert kinds == {"ARC", "CIRCLE"}
+
+
+def arc_end(arc: Arc, angle: float):
+    return arc.centre[0] + arc.radius * np.cos(angle), arc.centre[1] + arc.radius * np.sin(angle)
+
+
+def test_plates_fit_the_bed():
+    sizes = casing(PRINTED)
+    laid = plates(PRINTED, 5e-5, 0.0, sizes, (0.22, 0.13))
+    assert len(laid) > 1
+    for one in laid:
+        assert one.size[0] <= 0.22
+        assert one.size[1] <= 0.13
+    (single,) = plates(PRINTED, 5e-5, 0.0, sizes)
+    assert sum(len(one.places) for one in laid) == len(single.places)
+    with pytest.raises(DesignError, match=r"_cover is 108\.4 x 108\.\d mm large, but the bed only 100 x 100 mm"):
+        plates(PRINTED, 5e-5, 0.0, sizes, (0.1, 0.1))
+
+
+def test_covers_of_steel_drives_are_of_aluminium():
+    sizes = casing(PIN)
+    assert sizes.cover_material == "aluminium 6061"
+    assert assembly_parts(PIN, sizes)["motor_cover"].density == pytest.approx(2700.0)
+    steel = casing(PIN, "auto", "tempered steel")
+    assert assembly_parts(PIN, steel)["motor_cover"].density == pytest.approx(7850.0)
+    assert casing(PRINTED).cover_material == ""
+    for reducer, name in ((PIN, "PLA"), (PRINTED, "aluminium 6061"), (PIN, "wood")):
+        with pytest.raises(DesignError, match="covers of"):
+            casing(reducer, "auto", name)
+
+
+def test_the_bill_states_exact_sizes_threads_and_what_is_out_of_stock():
+    sizes = casing(PRINTED)
+    lines = {line.item: line for line in bill(PRINTED, 0.0, sizes)}
+    assert lines["housing"].size == "90 x 90 x 25.4 mm"
+    assert "4 x M4, 8.1 mm deep, insert M4 x 8.1" in lines["motor_cover"].fit
+    steel = {line.item: line for line in bill(PIN, 0.0, casing(PIN))}
+    assert "drilled 3.3 mm" in steel["output"].fit
+    assert any(
+        "shaft_bearing: none in stock has outside diameter 22.4 x bore 16" in text
+        for text in out_of_stock(steel.values())
+    )
+    assert not list(out_of_stock(line for line in lines.values() if line.item != "output_roller"))
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_counts_of_the_bill_are_those_of_the_solids(name):
+    reducer = Reducer(PRESETS[name])
+    sizes = casing(reducer)
+    counts: dict[str, int] = {}
+    for place in places(reducer, 0.0, sizes):
+        counts[place.part] = counts.get(place.part, 0) + 1
+    assert {line.item: line.count for line in bill(reducer, 0.0, sizes)} == counts
+
+
+def test_grease_and_adhesive_are_listed():
+    needed = consumables(PRINTED, casing(PRINTED))
+    volume = float(re.search(r"grease .*: ([\d.]+) cm3", needed[0])[1])
+    inside = 1e6 * np.pi * PRINTED.design.ring_root_radius**2 * PRINTED.design.gear.face_width
+    assert 0.02 * inside < volume < inside
+    assert any("ring pins" in text for text in needed)
+
+
+def test_rules_report_a_motor_that_turns_with_the_ring():
+    assert list(broken_rules(PIN, casing(PIN))) == []
+    turning = Reducer(PRESETS["pin"].but(output={"member": "ring"}))
+    (text,) = broken_rules(turning, casing(turning))
+    assert "turns 35 times for a turn of the output, not 36" in text
+
+
+def test_the_command_writes_plates_materials_and_torques(tmp_path: Path, capsys, recwarn):
+    out = tmp_path / "made"
+    arguments = ["export", "--design", "printed", "--plate", "--bed", "220x130", "--chord-error-um", "50", "--json"]
+    assert main([*arguments, "--out", str(out)]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert len(told["plates"]) > 1
+    assert told["plate"] == told["plates"][0]
+    assert (out / "plate_2.3mf").exists()
+    model = zipfile.ZipFile(out / "plate_1.3mf").read("3D/3dmodel.model").decode()
+    assert '<base name="Onyx" displaycolor="#' in model
+    objects = re.findall(r'<object [^>]*name="[a-z_]*_cover"[^>]*>', model)
+    assert objects
+    assert all("pindex=" in one for one in objects)
+    screw = next(line for line in told["bom"] if line["item"] == "screw")
+    assert re.fullmatch(r"tighten with [\d.]+ N m", screw["fit"])
+    assert told["consumables"]
+
+
+@pytest.mark.parametrize("bed", ["220", "0x200", "axb", "1x2x3", "infx2"])
+def test_a_bed_that_is_no_size_is_refused(bed, capsys, tmp_path):
+    assert main(["export", "--design", "printed", "--plate", "--bed", bed, "--out", str(tmp_path / "no")]) == 2
+    assert f"--bed {bed} is not a size" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["pin", "printed", "twodisc"])
+def test_every_made_part_has_a_drawing(name):
+    reducer = Reducer(PRESETS[name])
+    sizes = casing(reducer)
+    made = [line.item for line in bill(reducer, 0.0, sizes) if line.made_or_bought == "made"]
+    drawings = part_drawings(reducer, sizes)
+    assert {one.name for one in drawings} == set(made)
+    for one in drawings:
+        assert one.section
+        assert one.front
+        assert one.lengths
+        assert any("chamfer" in note for note in one.notes)
+        assert any("ISO 2768" in note for note in one.notes)
+
+
+def test_a_drawing_states_zones_deviations_and_threads():
+    drawings = {one.name: one for one in part_drawings(PIN, casing(PIN))}
+    cover, hub = drawings["motor_cover"], drawings["output"]
+    assert any(one.text.startswith("⌀22.4 H7 (+21/+0 µm)") for one in cover.diameters)
+    assert any(one.text.startswith("⌀60 k6 (+21/+2 µm)") for one in hub.diameters)
+    assert any(re.match(r"8 x ⌀3.3, 6 deep, M4 in it", note) for note in hub.notes)
+    assert any("datum A" in note for note in cover.notes)
+    assert any("Ra 0.8" in note for note in cover.notes)
+    assert any("35 lobes, N = 36" in note for note in drawings["gear"].notes)
+    assert "no heat treatment" in cover.title
+
+
+def test_drawings_are_files(tmp_path: Path):
+    out = tmp_path / "made"
+    assert main(["export", "--design", "pin", "--drawings", "--format", "stl", "--out", str(out)]) == 0
+    assert (out / "drawings.pdf").read_bytes().startswith(b"%PDF")
+    drawing = ezdxf.readfile(out / "motor_cover-drawing.dxf")
+    assert not drawing.audit().errors
+    dimensions = drawing.modelspace().query("DIMENSION")
+    assert any("%%c22.4 H7" in one.dxf.text for one in dimensions)
+    assert {"section", "front", "dimensions", "text"} <= {layer.dxf.name for layer in drawing.layers}
