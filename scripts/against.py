@@ -1,4 +1,4 @@
-"""Hold this tree against another revision of it: CPU time and memory of whole commands, taken in turn, figures of both.
+"""Compare this tree with another revision: CPU time and memory of whole commands, taken in turn, and their figures.
 
 The other revision is laid out in a folder of its own and run by the same interpreter with the same packages. The logs
 of both are judged by this tree's reader, so that a figure means the same for both.
@@ -64,59 +64,50 @@ def figures(run: Run) -> dict[str, float]:
     return computed | ({"efficiency [%]": 1e2 * power_out / power_in} if power_out > 0.0 else {})
 
 
-def of_the_log(ended: Ended) -> Figures:
+def of_the_log(done: Ended) -> Figures:
     """Return the figures of the one run that a command has logged."""
-    (log,) = ended.out.glob("*.mcap")
+    (log,) = done.out.glob("*.mcap")
     return figures(read(log))
 
 
-def of_the_json(ended: Ended) -> Figures:
-    """Get every number that a command has printed as JSON, by its place there, but for what depends on the machine."""
+def of_the_json(done: Ended) -> Figures:
+    """Collect the numbers that a command has printed as JSON, by their path, without times and memory."""
     numbers: dict[str, float] = {}
 
-    def gather(place: str, value: Any) -> None:
+    def gather(path: str, value: Any) -> None:
+        """Collect the numbers of a JSON value by their path."""
         if isinstance(value, dict):
             for key, inner in value.items():
-                gather(f"{place}.{key}", inner)
+                gather(f"{path}.{key}", inner)
         elif isinstance(value, list):
             for number, inner in enumerate(value):
-                gather(f"{place}.{inner.get('key', number) if isinstance(inner, dict) else number}", inner)
-        elif isinstance(value, float) and math.isfinite(value) and not place.endswith(("_s", "_mb")):
-            numbers[place.lstrip(".")] = value
+                gather(f"{path}.{inner.get('key', number) if isinstance(inner, dict) else number}", inner)
+        elif isinstance(value, float) and math.isfinite(value) and not path.endswith(("_s", "_mb")):
+            numbers[path.lstrip(".")] = value
 
-    gather("", json.loads(ended.printed))
+    gather("", json.loads(done.printed))
     return numbers
 
 
 @dataclass(frozen=True)
 class Trial:
-    """A command to time in both trees.
-
-    Attributes
-    ----------
-    name
-        What it is called.
-    words
-        The command: words of ``cycloid-mj``, or a program for Python if its first line is ``import``.
-    ours
-        Further words for this tree.
-    reference
-        Further words for another run of both trees, whose figures the others are held against; none without.
-    figures
-        What both are held against each other by.
-    logged
-        Whether the command takes ``--out`` for its files.
-    """
+    """A command to time in both trees."""
 
     name: str
+    """What it is called."""
     words: tuple[str, ...]
+    """The command: words of ``cycloid-mj``, or a program for Python if its first line is ``import``."""
     ours: tuple[str, ...] = ()
+    """Further words for this tree."""
     reference: tuple[str, ...] = ()
+    """Further words for another run of both trees, whose figures the others are held against; none without."""
     figures: Callable[[Ended], Figures] = of_the_log
+    """What both are held against each other by."""
     logged: bool = True
+    """Whether the command takes ``--out`` for its files."""
 
 
-def loaded(design: str, *flags: str, hold: float = SETTLING + TURN) -> tuple[str, ...]:
+def run_words(design: str, *flags: str, hold: float = SETTLING + TURN) -> tuple[str, ...]:
     """List the words of a run at full speed under the rated load, by default of one crank turn after it has settled."""
     return ("simulate", "--design", design, "--load-nm", "36.68", "--ramp-s", "0", "--hold-s", repr(hold), *flags)
 
@@ -185,12 +176,12 @@ more once they have come to move about, which takes a fifth of a second: the def
 """
 
 TRIALS = (
-    Trial("start and end of a run", loaded("pin", hold=0.001), figures=of_the_json),
+    Trial("start and end of a run", run_words("pin", hold=0.001), figures=of_the_json),
     Trial("default run", ("simulate", "--design", "pin")),
-    Trial("free pins, 36.68 N m", loaded("pin"), reference=FINE),
-    Trial("massless pins, 36.68 N m", loaded("pin"), ("--set", 'ring.pins="massless"'), reference=FINE),
-    Trial("fixed pins, 36.68 N m", loaded("pin", "--set", 'ring.pins="fixed"'), reference=FINE),
-    Trial("nonpin, 36.68 N m", loaded("nonpin"), reference=FINE),
+    Trial("free pins, 36.68 N m", run_words("pin"), reference=FINE),
+    Trial("massless pins, 36.68 N m", run_words("pin"), ("--set", 'ring.pins="massless"'), reference=FINE),
+    Trial("fixed pins, 36.68 N m", run_words("pin", "--set", 'ring.pins="fixed"'), reference=FINE),
+    Trial("nonpin, 36.68 N m", run_words("nonpin"), reference=FINE),
     Trial("stress of pin", ("stress", "--design", "pin"), figures=of_the_json),
     Trial("validate", ("validate",), figures=of_the_json, logged=False),
     Trial("statics, 10 x 360 angles", (STATICS,), figures=of_the_json, logged=False),
@@ -199,7 +190,7 @@ TRIALS = (
 
 @contextmanager
 def laid_out(revision: str) -> Iterator[Path]:
-    """Lay a revision of this repository out in a folder, which is given.
+    """Check out a revision of this repository in a temporary folder, and yield the folder.
 
     Raises
     ------
@@ -215,7 +206,7 @@ def laid_out(revision: str) -> Iterator[Path]:
         yield Path(folder)
 
 
-def ended(tree: Path, trial: Trial, further: tuple[str, ...], out: Path) -> Ended:
+def run_trial(tree: Path, trial: Trial, further: tuple[str, ...], out: Path) -> Ended:
     """Run a trial's command in a tree, with further words, its files into a folder.
 
     Raises
@@ -229,17 +220,8 @@ def ended(tree: Path, trial: Trial, further: tuple[str, ...], out: Path) -> Ende
         command = [sys.executable, "-c", program]
     else:
         quiet = ("--quiet",) if trial.logged else ()
-        command = [
-            sys.executable,
-            "-c",
-            "from cycloid_mj.cli import run; run()",
-            program,
-            *flags,
-            *further,
-            "--json",
-            *quiet,
-            *into,
-        ]
+        run = "from cycloid_mj.cli import run; run()"
+        command = [sys.executable, "-c", run, program, *flags, *further, "--json", *quiet, *into]
     out.mkdir()
     with TemporaryFile() as printed:
         environment = os.environ | {"PYTHONPATH": str(tree)}
@@ -254,7 +236,7 @@ def ended(tree: Path, trial: Trial, further: tuple[str, ...], out: Path) -> Ende
 
 
 def compare(trial: Trial, other: Path, passes: int) -> tuple[list[Ended], list[Ended], dict[str, Figures]]:
-    """Run a trial in this tree and in another in turn; give how each pass ended here and there, and the figures.
+    """Run a trial in this tree and in another in turn; return how each pass ended here and there, and the figures.
 
     The figures are those of this tree, of the other one, and of the reference of both. A run before them compiles.
     """
@@ -264,14 +246,14 @@ def compare(trial: Trial, other: Path, passes: int) -> tuple[list[Ended], list[E
         out = Path(folder)
         warm = Trial("warm", ("simulate", *trial.words[1:3], "--ramp-s", "0", "--hold-s", "0.001"))
         for number, tree in enumerate((ROOT, other)):
-            ended(tree, warm if trial.words[0] == "simulate" else trial, (), out / f"warm{number}")
+            run_trial(tree, warm if trial.words[0] == "simulate" else trial, (), out / f"warm{number}")
         for number in range(passes):
-            ours.append(ended(ROOT, trial, trial.ours, out / f"ours{number}"))
-            theirs.append(ended(other, trial, (), out / f"other{number}"))
+            ours.append(run_trial(ROOT, trial, trial.ours, out / f"ours{number}"))
+            theirs.append(run_trial(other, trial, (), out / f"other{number}"))
         compared = {"this tree": trial.figures(ours[0]), "other": trial.figures(theirs[0])}
         if trial.reference:
             for name, tree in (("this tree, fine", ROOT), ("other, fine", other)):
-                compared[name] = trial.figures(ended(tree, trial, trial.reference, out / name))
+                compared[name] = trial.figures(run_trial(tree, trial, trial.reference, out / name))
     return ours, theirs, compared
 
 
@@ -282,7 +264,7 @@ def loops(other: Path, passes: int) -> dict[str, tuple[list[float], list[float]]
     with TemporaryDirectory() as folder:
         for number in range(passes):
             for side, tree in enumerate((ROOT, other)):
-                costs = trial.figures(ended(tree, trial, (), Path(folder) / f"{number}-{side}"))
+                costs = trial.figures(run_trial(tree, trial, (), Path(folder) / f"{number}-{side}"))
                 for name, cost in costs.items():
                     times.setdefault(name, ([], []))[side].append(cost)
     return times

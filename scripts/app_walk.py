@@ -79,7 +79,7 @@ def walk(page: Tab, address: str, shown: Shown) -> float:
     shown("3-drives")
     page.click(".drives .first button")
     page.wait("!document.querySelector('#start').open", "the form closes")
-    solved(page)
+    wait_for_result(page)
     shown("4-designed")
     taken = time.monotonic() - began
     page.click("[role=tab]", "Life")
@@ -88,8 +88,8 @@ def walk(page: Tab, address: str, shown: Shown) -> float:
     return taken
 
 
-def solved(page: Tab) -> None:
-    """Wait until the header has all its figures, and the checks stand beside."""
+def wait_for_result(page: Tab) -> None:
+    """Wait until the header has all its figures, and the checks are shown next to it."""
     page.wait(
         "(t => t.includes('h') && !t.includes('…'))(document.querySelector('#head').innerText)"
         " && document.querySelector('#checks h2') && !document.querySelector('#head.old, #checks.old')",
@@ -117,7 +117,7 @@ def looks(page: Tab, shown: Shown) -> None:
     shown("9-broken")
     page.click("#wrong .remedy")
     page.wait("document.querySelector('#wrong').hidden", "a button mends it")
-    solved(page)
+    wait_for_result(page)
 
 
 def main() -> int:

@@ -1,4 +1,4 @@
-"""What commands and studies may cost: each cost beside the most that is asked, each gain beside the least.
+"""Requirements on the cost of commands and studies: each cost next to its limit, each gain next to its minimum.
 
 CPU times are of a process and of all that it starts, user and system. A command runs once before it is timed, so that
 what it compiles is kept; the first one of an installation runs where nothing is kept, neither code nor bytecode.
@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 
-from passes import Launched, launched, second_cost
+from passes import Launched, launch, second_cost
 from sweeping import TOLERANCES
 
 from cycloid_mj.design import PRESETS, Design, override
@@ -58,12 +58,8 @@ SPREAD = {"tolerance.cam": "normal 0.2", "tolerance.output": "normal 0.2"}
 TIGHT = {"tolerance.cam": "normal 0.4", "tolerance.pin_position": "normal 0.4", "tolerance.output": "normal 0.4"}
 """Tolerances of which some samples of `pin` have hardly any play, and some none."""
 
-SAMPLES = {
-    "pin": ("pin", TOLERANCES),
-    "pin, tight": ("pin", TIGHT),
-    "nonpin": ("nonpin", SPREAD),
-    "twodisc": ("twodisc", TOLERANCES),
-}
+SAMPLES = {"pin": ("pin", TOLERANCES), "pin, tight": ("pin", TIGHT)}
+SAMPLES |= {"nonpin": ("nonpin", SPREAD), "twodisc": ("twodisc", TOLERANCES)}
 
 SHARED = {
     "eight starts": ("compare", "pin", "nonpin", "--load-nm", "0"),
@@ -90,24 +86,24 @@ class Demand:
     least: bool = False
 
     def share(self, value: float) -> float:
-        """Compute how much of what may be is taken by a value [1]: what is as asked takes 1 at most."""
+        """Return a value relative to its limit, or the minimum relative to the value: 1 or less is fulfilled."""
         return self.asked / value if self.least else value / self.asked
 
 
 def cpu(*words: str) -> float:
     """CPU time of a command [s]."""
-    return launched(*words).cpu
+    return launch(*words).cpu
 
 
 def memory(*words: str) -> float:
     """Peak memory of a command [MB]."""
-    return launched(*words).memory
+    return launch(*words).memory
 
 
 def first(*words: str) -> Launched:
     """Run a command where neither compiled code nor bytecode is kept yet."""
     with tempfile.TemporaryDirectory() as empty:
-        return launched(*words, NUMBA_CACHE_DIR=f"{empty}/code", PYTHONPYCACHEPREFIX=f"{empty}/bytecode")
+        return launch(*words, NUMBA_CACHE_DIR=f"{empty}/code", PYTHONPYCACHEPREFIX=f"{empty}/bytecode")
 
 
 def measures() -> float:
@@ -116,7 +112,7 @@ def measures() -> float:
 
 
 def gain(preset: str, *changes: str) -> float:
-    """By how much a simulated second is dearer in MuJoCo than by the planar solver, each at its own step."""
+    """Compute the cost of a simulated second in MuJoCo over that of the planar solver, each at its own step."""
     design = override(PRESETS[preset], [*AT_SPEED, *changes])
     return second_cost("mujoco", design) / second_cost("planar", design)
 
@@ -155,7 +151,7 @@ def sample_cost(design: Design) -> float:
 
 def speedup(*words: str) -> float:
     """Wall time of a command with one worker over that with two."""
-    one, two = (launched(*words, "--workers", workers, "--quiet").wall for workers in ("1", "2"))
+    one, two = (launch(*words, "--workers", workers, "--quiet").wall for workers in ("1", "2"))
     return one / two
 
 
@@ -178,6 +174,8 @@ COMPARED = ("compare", "pin", "nonpin", "--quiet")
 AT_TEN_KILOHERTZ = ("--ramp-s", "0", *flags(("ring.pins=fixed", "settings.log_rate_hz=10000")))
 SHORT_RUN = ("simulate", "--solver", "planar", "--ramp-s", "0", "--hold-s", "0.01")
 TEN_SECONDS = ("--hold-s", "10", *AT_TEN_KILOHERTZ)
+PLANAR = of_pin("simulate", "--solver", "planar")
+BOTH_SOLVERS = ("--solver", "mujoco"), ("--solver", "planar")
 
 DEMANDS = (
     *(
@@ -190,22 +188,11 @@ DEMANDS = (
     Demand("statics, the first", 7.0, "s", lambda: first(*of_pin("statics")).cpu),
     seconds("simulate, planar", 6.0, "simulate", "--solver", "planar"),
     seconds("simulate, planar, start and end", 1.5, *SHORT_RUN),
-    Demand(
-        "simulate, planar, a second at 10 kHz",
-        0.8,
-        "s",
-        partial(marginal_second, *of_pin("simulate", "--solver", "planar", *AT_TEN_KILOHERTZ)),
-    ),
+    Demand("simulate, planar, a second at 10 kHz", 0.8, "s", partial(marginal_second, *PLANAR, *AT_TEN_KILOHERTZ)),
     seconds("simulate", 19.0, "simulate"),
     Demand("all seven measures", 25.0, "s", measures),
     seconds("backlash, 54 sleeved pins", 10.0, "measure", "backlash", "--quick", *flags(SLEEVED)),
-    Demand(
-        "compare, MuJoCo / planar",
-        5.0,
-        "1",
-        partial(over, COMPARED, ("--solver", "mujoco"), ("--solver", "planar")),
-        least=True,
-    ),
+    Demand("compare, MuJoCo / planar", 5.0, "1", partial(over, COMPARED, *BOTH_SOLVERS), least=True),
     *(
         Demand(f"a sample, {name}", 2.5, "ms", partial(sample_cost, override(PRESETS[preset], changes)))
         for name, (preset, changes) in SAMPLES.items()
@@ -213,22 +200,20 @@ DEMANDS = (
     seconds("stress", 60.0, "stress"),
     Demand("stress, memory", 1400.0, "MB", partial(memory, *of_pin("stress"))),
     seconds("stress, quick", 18.0, "stress", "--quick"),
-    Demand(
-        "10 s at 10 kHz, memory", 400.0, "MB", partial(memory, *of_pin("simulate", "--solver", "planar", *TEN_SECONDS))
-    ),
+    Demand("10 s at 10 kHz, memory", 400.0, "MB", partial(memory, *PLANAR, *TEN_SECONDS)),
     *(Demand(f"two workers, {name}", 1.9, "1", partial(speedup, *words), least=True) for name, words in SHARED.items()),
 )
-"""What is asked. The last three are wall times, and right on two idle cores alone."""
+"""All requirements. The last three are wall times, and are right only on two idle cores."""
 
 
 def asked_table(passes: int) -> dict[str, dict[str, list[float]]]:
-    """Measure what is asked of commands and studies: CPU time, memory, ratios.
+    """Measure the required figures of commands and studies: CPU time, memory, ratios.
 
-    `share` is what is taken of what was asked: 1 or less is as asked. Lines are printed as they are measured.
+    A `share` of 1 or less fulfils the requirement. Lines are printed as they are measured.
     """
     short = ("simulate", "--hold-s", "0.01")
     for words in (("statics",), short, (*short, "--solver", "planar")):
-        launched(*of_pin(*words))
+        launch(*of_pin(*words))
     table: dict[str, dict[str, list[float]]] = {}
     for demand in DEMANDS:
         taken = [demand.taken() for _ in range(passes)]

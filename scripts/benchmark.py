@@ -2,7 +2,7 @@
 
     python scripts/benchmark.py                        # every table
     python scripts/benchmark.py loop log --quick       # some, from fewer passes
-    python scripts/benchmark.py asked --quick          # what is asked of commands, and what they take
+    python scripts/benchmark.py asked --quick          # requirements on commands, and their costs
     python scripts/benchmark.py --json benchmark.json  # every pass of every table, for a machine
     python scripts/benchmark.py against REVISION       # whole runs of this tree and of another revision, in turn
 
@@ -178,7 +178,7 @@ def threads_table(passes: int) -> Table:
 
 
 def together(runs: int, work: Callable[[], float]) -> tuple[float, float]:
-    """Do so many works at once, in threads; give the wall time [s] and the mean of what they give."""
+    """Run a function several times at once, in threads; return the wall time [s] and the mean of its results."""
     start = time.perf_counter()
     with ThreadPoolExecutor(runs) as pool:
         results = [run.result() for run in [pool.submit(work) for _ in range(runs)]]
@@ -197,9 +197,9 @@ def command_table(passes: int) -> Table:
     return table
 
 
-def _lasting(steps: int, step: float) -> tuple[str, str]:
-    """Return the changes of a run of so many steps [s] after the warm ones, which are those before its 100th sample."""
-    return f"drive.hold_s={(WARM + steps) * step!r}", f"settings.log_rate_hz={100.0 / (WARM * step)!r}"
+def _lasting(steps: int, timestep: float) -> tuple[str, str]:
+    """Return the changes for a run of some time steps [s] after the warm-up, which ends at its 100th sample."""
+    return f"drive.hold_s={(WARM + steps) * timestep!r}", f"settings.log_rate_hz={100.0 / (WARM * timestep)!r}"
 
 
 def scaling_table(passes: int) -> Table:
@@ -366,7 +366,7 @@ def show(table: Table) -> None:
 
 
 def main() -> None:
-    """Print the tables that were asked for."""
+    """Print the requested tables."""
     parser = argparse.ArgumentParser(description=str(__doc__).split("\n\n")[0])
     parser.add_argument("sections", nargs="*", help=f"of {', '.join(SECTIONS)}; all by default")
     parser.add_argument("--quick", action="store_true", help="two passes of each case instead of seven")

@@ -102,14 +102,14 @@ def _row(title: str, figures: dict[str, Any]) -> str:
     return f"| {title} | {figures['parts']} | {lengths} | {100 * figures['volume_error']:.2g} % |"
 
 
-def measured(name: str) -> Any:
-    """Return what scripts/measure_models.py found."""
+def read_measurements(name: str) -> Any:
+    """Read a file of results of scripts/measure_models.py."""
     return json.loads((MODELS / name).read_text(encoding="utf-8"))
 
 
 def overview(manifests: dict[str, dict[str, Any]]) -> str:
     """Write the README of models/ from the manifests and what was measured."""
-    plain, rows, free = (measured(name) for name in (PLAIN, AGREEMENT, FREE))
+    plain, rows, free = (read_measurements(name) for name in (PLAIN, AGREEMENT, FREE))
     sliced = {
         "gear teeth, sliced": manifests["pin"]["surfaces"]["teeth"],
         "internal gear, sliced": manifests["nonpin"]["surfaces"]["lobe"],
@@ -204,7 +204,7 @@ def main(arguments: list[str]) -> int:
     if set(arguments) - {"--pictures"}:
         print(__doc__, file=sys.stderr)
         return 2
-    plain = measured(PLAIN)
+    plain = read_measurements(PLAIN)
     manifests = {}
     print(written("twodisc", two_disc_files()))
     for name, design in designs().items():

@@ -35,7 +35,7 @@ def tests(room: str | None) -> tuple[str, ...]:
 
 
 def main() -> int:
-    """Run every command, stopping at the first that fails; give its exit code."""
+    """Run every command, stopping at the first that fails; return its exit code."""
     parser = argparse.ArgumentParser(description=str(__doc__).split("\n\n")[0])
     parser.add_argument("--fast", metavar="ROOM", help="run the tests of one room alone")
     tools = Path(sys.executable).parent

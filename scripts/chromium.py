@@ -21,18 +21,8 @@ FLAGS = (
     *("--use-angle=swiftshader", "--remote-debugging-port=0", "--remote-allow-origins=*", "--disable-dev-shm-usage"),
 )
 
-KEYS = {
-    "Enter": 13,
-    "Tab": 9,
-    "Escape": 27,
-    "ArrowLeft": 37,
-    "ArrowRight": 39,
-    "ArrowUp": 38,
-    "ArrowDown": 40,
-    "Home": 36,
-    "End": 35,
-    " ": 32,
-}
+ARROWS = {"ArrowLeft": 37, "ArrowRight": 39, "ArrowUp": 38, "ArrowDown": 40}
+KEYS = {"Enter": 13, "Tab": 9, "Escape": 27, "Home": 36, "End": 35, " ": 32, **ARROWS}
 
 
 class Tab:
@@ -66,7 +56,7 @@ class Tab:
             self.errors.append(f"{values['entry']['text']} {values['entry'].get('url', '')}")
 
     def run(self, script: str) -> Any:
-        """Run JavaScript on the page and return what it gives, waiting for what is promised."""
+        """Run JavaScript on the page and return its value, after its promises are fulfilled."""
         answer = self.send("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
         if "exceptionDetails" in answer:
             raise RuntimeError(answer["exceptionDetails"].get("exception", {}).get("description", script))
@@ -83,7 +73,7 @@ class Tab:
         self.send("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
 
     def wait(self, script: str, what: str, seconds: float = 60.0) -> None:
-        """Wait until a script gives something, such as an element: it itself cannot be handed over."""
+        """Wait until the value of a script is true, such as an element, which cannot be returned itself."""
         for _ in range(int(seconds / 0.1)):
             if self.run(f"!!({script})"):
                 return
@@ -110,11 +100,11 @@ class Tab:
         )
         return place
 
-    def drag(self, selector: str, by: float) -> None:
+    def drag(self, selector: str, distance: float) -> None:
         """Drag from the middle of an element to the side, by so many pixels."""
         x, y = self._middle(f"document.querySelector({json.dumps(selector)})")
-        steps = [("mousePressed", x), *(("mouseMoved", x + by * share / 8) for share in range(1, 9))]
-        for kind, at in (*steps, ("mouseReleased", x + by)):
+        steps = [("mousePressed", x), *(("mouseMoved", x + distance * share / 8) for share in range(1, 9))]
+        for kind, at in (*steps, ("mouseReleased", x + distance)):
             self.send("Input.dispatchMouseEvent", type=kind, x=at, y=y, button="left", clickCount=1)
 
     def key(self, key: str, modifiers: int = 0) -> None:
@@ -134,7 +124,7 @@ class Tab:
         file.write_bytes(base64.b64decode(self.send("Page.captureScreenshot")["data"]))
 
     def listen(self, seconds: float) -> None:
-        """Take in what the browser tells, for a while."""
+        """Receive the messages of the browser for some time [s]."""
         self._socket.settimeout(seconds)
         try:
             while True:
@@ -151,7 +141,7 @@ class Tab:
 
 @contextmanager
 def tab(downloads: Path | None = None) -> Iterator[Tab]:
-    """Start a browser without a window and give its page; downloads go to a folder."""
+    """Start a browser without a window and yield its page; downloads are saved in a folder."""
     if CHROMIUM is None:
         raise FileNotFoundError("needs Chromium (Debian: chromium)")
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:

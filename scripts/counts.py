@@ -1,6 +1,6 @@
 """Count what the architecture is judged by, from the sources and from one data sheet.
 
-python scripts/counts.py         # the counts, each beside its bound
+python scripts/counts.py         # the counts, each with its bound
 python scripts/counts.py --where # and the places behind each count
 
 CONTRIBUTING.md states them; a test holds that table against this script.
@@ -21,10 +21,10 @@ PACKAGES = ("cycloid_mj", "papers/hsieh2014")
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 TURNING_RING = frozenset({"turns_ring", "ring_turns", "seen_from_ring", "columns_from_ring"})
-"""Names whose use tells that the output is the ring; the module that defines them does not count.
+"""Names whose use shows that the output is the ring; the module that defines them does not count.
 
 So does a comparison of ``turning``, the body that the load is on, with the name of a body. Angles of ring, carrier and
-gear, and the carrier's `share` in the torque, are the same functions of either member and tell nothing.
+gear, and the carrier's `share` in the torque, are the same functions of either member and do not count.
 """
 
 RING_MODULE = "cycloid_mj/reducer/member.py"
@@ -59,7 +59,7 @@ class Module:
     tree: ast.Module
 
     def functions(self) -> Iterator[Function]:
-        """Iterate over all functions and methods, inner ones too."""
+        """Iterate over all functions and methods, including nested functions."""
         return (node for node in ast.walk(self.tree) if isinstance(node, Function))
 
     def place(self, node: ast.stmt | ast.expr) -> str:
@@ -91,25 +91,25 @@ def is_cached(function: Function) -> bool:
     return any(ast.unparse(one).rpartition(".")[2] in ("cache", "lru_cache") for one in plain)
 
 
-def taking_design(of: Iterable[Module]) -> tuple[str, ...]:
+def taking_design(parsed: Iterable[Module]) -> tuple[str, ...]:
     """List the functions that take a Design, and no name of one in its place."""
-    return tuple(f"{one.place(each)} {each.name}" for one in of for each in one.functions() if takes_design(each))
+    return tuple(f"{one.place(each)} {each.name}" for one in parsed for each in one.functions() if takes_design(each))
 
 
-def cached_by_design(of: Iterable[Module]) -> tuple[str, ...]:
+def cached_by_design(parsed: Iterable[Module]) -> tuple[str, ...]:
     """List the caches keyed by a Design."""
     return tuple(
         f"{one.place(each)} {each.name}"
-        for one in of
+        for one in parsed
         for each in one.functions()
         if takes_design(each) and is_cached(each)
     )
 
 
-def ring_conversions(of: Iterable[Module]) -> tuple[str, ...]:
+def ring_conversions(parsed: Iterable[Module]) -> tuple[str, ...]:
     """List the lines that ask whether the ring turns, or convert for it, outside of the module that knows how."""
     places: dict[str, None] = {}
-    for one in of:
+    for one in parsed:
         if one.path == RING_MODULE:
             continue
         for node in ast.walk(one.tree):
@@ -126,10 +126,10 @@ def _compares_member(node: ast.AST) -> bool:
     return any(isinstance(side, ast.Attribute) and side.attr == "turning" for side in (node.left, *node.comparators))
 
 
-def homonyms(of: Iterable[Module]) -> tuple[str, ...]:
+def homonyms(parsed: Iterable[Module]) -> tuple[str, ...]:
     """List the names that classes of several modules share."""
     defined: dict[str, list[str]] = {}
-    for one in of:
+    for one in parsed:
         for node in ast.walk(one.tree):
             if isinstance(node, ast.ClassDef):
                 defined.setdefault(node.name, []).append(one.place(node))
@@ -173,14 +173,14 @@ def counts() -> list[Count]:
     return [*of_sources(), sheet]
 
 
-def table(of: Iterable[Count]) -> str:
+def table(counted: Iterable[Count]) -> str:
     """Write counts as the table of CONTRIBUTING.md."""
-    rows = [f"| {one.name} | {one.value} | under {one.bound} |" for one in of]
+    rows = [f"| {one.name} | {one.value} | under {one.bound} |" for one in counted]
     return "\n".join(["| count | now | aim |", "|---|---|---|", *rows])
 
 
 def main() -> None:
-    """Print the counts, and where asked for the places behind each."""
+    """Print the counts, and with --where the lines behind each."""
     parser = argparse.ArgumentParser(description=str(__doc__).split("\n\n")[0])
     parser.add_argument("--where", action="store_true", help="list the places behind each count")
     listed = parser.parse_args().where

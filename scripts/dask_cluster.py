@@ -27,9 +27,9 @@ class Cluster:
     def __init__(self, folder: Path, workers: int = 2, path: tuple[Path, ...] = ()) -> None:
         self._file = folder / "scheduler.json"
         self._path = os.pathsep.join(map(str, (ROOT, *path)))
-        self.scheduler = self._started("scheduler", "--port", "0", "--no-dashboard")
+        self.scheduler = self._start("scheduler", "--port", "0", "--no-dashboard")
         self.workers = [
-            self._started("worker", "--no-nanny", "--nthreads", "1", "--no-dashboard") for _ in range(workers)
+            self._start("worker", "--no-nanny", "--nthreads", "1", "--no-dashboard") for _ in range(workers)
         ]
         while not self._file.exists() and self.scheduler.poll() is None:
             time.sleep(0.05)
@@ -47,7 +47,7 @@ class Cluster:
         """``HOST:PORT`` of the scheduler."""
         return str(json.loads(self._file.read_text())["address"]).removeprefix("tcp://")
 
-    def _started(self, *words: str) -> subprocess.Popen[bytes]:
+    def _start(self, *words: str) -> subprocess.Popen[bytes]:
         command = (sys.executable, "-m", "dask", *words, "--scheduler-file", str(self._file))
         environment = {**os.environ, "PYTHONPATH": self._path}
         return subprocess.Popen(command, env=environment, stderr=subprocess.DEVNULL, cwd=self._file.parent)

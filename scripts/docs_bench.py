@@ -164,7 +164,7 @@ def sections(content: Mapping[str, Any]) -> dict[str, str]:
 
 
 def measured_table(content: Mapping[str, Any]) -> str:
-    """Return what the authors state beside what the points show."""
+    """Return the figures that the authors state next to those of the measured points."""
     head = ("", "Baseline, authors", "Baseline, measured", "Twin, authors", "Twin, measured")
     both = [content[kind]["measured"] for kind in LOOPS]
     rows = [
@@ -204,18 +204,12 @@ def models_table(content: Mapping[str, Any]) -> str:
 
 
 def predicted_table(content: Mapping[str, Any]) -> str:
-    """Return the nonpin drive as the pin drive's values predict it, beside what is measured."""
+    """Return the nonpin drive as the pin drive's values predict it, next to its measurement."""
     pin, nonpin = (content[kind] for kind in LOOPS)
-    rows = [
-        (
-            label,
-            _interval(pin["measured"][key]),
-            _number(pin["model"][key]["value"]),
-            _number(nonpin["predicted"][key]),
-            _interval(nonpin["measured"][key]),
-        )
-        for key, label in FIGURES.items()
-    ]
+    rows = []
+    for key, label in FIGURES.items():
+        models = _number(pin["model"][key]["value"]), _number(nonpin["predicted"][key])
+        rows.append((label, _interval(pin["measured"][key]), *models, _interval(nonpin["measured"][key])))
     for place, loop in enumerate(("play loop", "stiffness loop")):
         own, other = pin["predicted_shares"][place], nonpin["predicted_shares"][place]
         rows.append((f"rms, {loop}, share of its height", "", f"{own:.1%}", f"{other:.1%}", ""))
@@ -223,7 +217,7 @@ def predicted_table(content: Mapping[str, Any]) -> str:
 
 
 def parts_table(content: Mapping[str, Any]) -> str:
-    """Return what each part gives by finite elements, and the stiffness that they make together."""
+    """Return the compliance of each part by finite elements, and their stiffness together."""
     told = [content[kind] for kind in LOOPS]
     rows = [
         (label, *(_number(1e3 * one["parts"][key]) if key in one["parts"] else "" for one in told))
@@ -237,23 +231,12 @@ def parts_table(content: Mapping[str, Any]) -> str:
 
 def rubbing_table(content: Mapping[str, Any]) -> str:
     """Return the fits with friction in the contacts, a row for each crank angle and locked shaft."""
-    head = (
-        "Crank angle [deg], locked shaft",
-        "Friction coefficient",
-        "Play [deg]",
-        "Rms, play loop",
-        "Rms, large loop",
-    )
+    shaft, loops = "Crank angle [deg], locked shaft", ("Rms, play loop", "Rms, large loop")
     rows = [
-        (
-            held,
-            _estimate(fit["parameters"]["friction"]),
-            f"{fit['play']:.2f}",
-            *(f"{share:.1%}" for share in fit["shares"]),
-        )
+        (held, _estimate(fit["parameters"]["friction"]), f"{fit['play']:.2f}", *map("{:.1%}".format, fit["shares"]))
         for held, fit in content["rubbing"]["held"].items()
     ]
-    return markdown_table(head, rows)
+    return markdown_table((shaft, "Friction coefficient", "Play [deg]", *loops), rows)
 
 
 def losses_table(content: Mapping[str, Any]) -> str:
@@ -290,13 +273,13 @@ def _number(value: float) -> str:
     return f"{value:.3g}" if abs(value) < 1e3 else f"{value:.0f}"
 
 
-def _interval(one: Mapping[str, Any]) -> str:
-    low, high = one["ci95"]
-    return f"{_number(one['value'])} ({_number(low)} to {_number(high)})"
+def _interval(fitted: Mapping[str, Any]) -> str:
+    low, high = fitted["ci95"]
+    return f"{_number(fitted['value'])} ({_number(low)} to {_number(high)})"
 
 
-def _estimate(one: Mapping[str, Any]) -> str:
-    return _interval(one) + ("" if one["identified"] else ": not identified")
+def _estimate(fitted: Mapping[str, Any]) -> str:
+    return _interval(fitted) + ("" if fitted["identified"] else ": not identified")
 
 
 def main(arguments: Sequence[str]) -> int:

@@ -1,4 +1,4 @@
-"""Write anew every figure that the documentation prints, and tell which are stale.
+"""Regenerate the figures that the documentation prints, and list which are stale.
 
 python scripts/docs_figures.py --list           # what there is, whether it is stale and why, and what it costs
 python scripts/docs_figures.py                  # all that is stale, the cheapest first
@@ -7,7 +7,7 @@ python scripts/docs_figures.py measured paper   # these alone; --all: every one,
 Ctrl-C keeps what is done: each artefact has its stamp in docs/figures.json as soon as it is written, and the output of
 each step of one that is not is kept in runs/docs_figures till then. An artefact that fails does not stop the others.
 
-A stamp holds what the model said when the artefact was made: some figures that take a second (statics, the first
+A stamp records the model's results at the time of the artefact: some figures that take a second (statics, the first
 milliseconds of runs, the words on a page), and the digest of what was written. An artefact is stale where the same
 figures come out otherwise, by more than `TOLERANCE`, or its files are others. So a change of the physics is seen that
 moves what is printed, and no other change is.
@@ -62,25 +62,17 @@ class Step:
 
 @dataclass(frozen=True)
 class Artefact:
-    """Files that are generated together.
-
-    Attributes
-    ----------
-    files
-        What is written, from the root of the repository.
-    steps, last
-        Commands whose output is kept by their keys, and the commands that write the files of it (``{key}``).
-    probes
-        Names in `PROBES`.
-    minutes
-        CPU time, about.
-    """
+    """Files that are generated together."""
 
     files: tuple[str, ...]
+    """What is written, from the root of the repository."""
     steps: Mapping[str, Step]
     last: tuple[tuple[str, ...], ...]
+    """Commands whose output is kept by their keys, and the commands that write the files of it (``{key}``)."""
     probes: tuple[str, ...]
+    """Names in `PROBES`."""
     minutes: float
+    """CPU time, about."""
 
 
 CLI = (sys.executable, "-m", "cycloid_mj")
@@ -94,26 +86,23 @@ MEASURES = ("backlash", "lost-motion", "te", "torque", "efficiency", "loads")
 PRESETS = ("pin", "nonpin")
 
 
+DOORS = ("print", "design", "robot")
+FILM_PROBES = ("run massless", "look of the animation")
+RUNS, PRINTED_PROBES = ("run free", "run nonpin"), ("printed drive's loops", "printed drive's shaft")
+
+
+def _script(name: str, *words: str) -> tuple[str, ...]:
+    return PYTHON, f"scripts/{name}.py", *words
+
+
 def _measure(measure: str, design: str) -> Step:
     names = (design,) if measure == "torque" else ("--design", design)
     return Step((*CLI, "measure", measure, *names, "--json", "--quiet", "--force"), stdout=True)
 
 
 ARTEFACTS: Mapping[str, Artefact] = {
-    "picture": Artefact(
-        ("models/mechanism.gif",),
-        {},
-        ((PYTHON, "scripts/picture.py", "animation"),),
-        ("run massless", "look of the animation"),
-        0.2,
-    ),
-    "bench": Artefact(
-        ("tests/data/bench/fitted.json",),
-        {},
-        ((PYTHON, "scripts/docs_bench.py", "--fit"),),
-        ("printed drive's loops", "printed drive's shaft"),
-        6.0,
-    ),
+    "picture": Artefact(("models/mechanism.gif",), {}, (_script("picture", "animation"),), FILM_PROBES, 0.2),
+    "bench": Artefact(("tests/data/bench/fitted.json",), {}, (_script("docs_bench", "--fit"),), PRINTED_PROBES, 6.0),
     "report": Artefact(
         ("models/report.png",),
         {name: Step((*CLI, "simulate", "--design", name, *LOADED, "--out", "{out}", "--quiet")) for name in PRESETS},
@@ -124,16 +113,12 @@ ARTEFACTS: Mapping[str, Artefact] = {
     "datasheet": Artefact(
         ("docs/datasheet.png",),
         {"sheet": Step((*CLI, "datasheet", "--design", "pin", "--out", "{out}", "--quiet"))},
-        ((PYTHON, "scripts/picture.py", "datasheet", "{sheet}/pin-datasheet.html"),),
+        (_script("picture", "datasheet", "{sheet}/pin-datasheet.html"),),
         ("statics pin",),
         0.5,
     ),
     "doors": Artefact(
-        tuple(f"docs/doors/{name}.png" for name in ("print", "design", "robot")),
-        {},
-        ((PYTHON, "scripts/picture.py", "doors"),),
-        ("statics pin",),
-        0.1,
+        tuple(f"docs/doors/{door}.png" for door in DOORS), {}, (_script("picture", "doors"),), ("statics pin",), 0.1
     ),
     "tutorial": Artefact(
         (
@@ -159,21 +144,12 @@ ARTEFACTS: Mapping[str, Artefact] = {
         ("statics pin", "statics nonpin", "run free", "run nonpin"),
         1.5,
     ),
-    "solvers": Artefact(
-        ("docs/data/solvers.csv",),
-        {},
-        ((PYTHON, "scripts/docs_solvers.py", "--run"),),
-        ("run free", "run nonpin"),
-        10.0,
-    ),
+    "solvers": Artefact(("docs/data/solvers.csv",), {}, (_script("docs_solvers", "--run"),), RUNS, 10.0),
     "models": Artefact(
-        ("models/agreement.json", "models/free_running.json", "models/plain_coacd.json"),
+        tuple(f"models/{name}.json" for name in ("agreement", "free_running", "plain_coacd")),
         {},
-        (
-            (PYTHON, "scripts/measure_models.py"),
-            (PYTHON, "scripts/build_models.py"),
-        ),
-        ("run free", "run nonpin"),
+        (_script("measure_models"), _script("build_models")),
+        RUNS,
         10.0,
     ),
     "measured": Artefact(
@@ -333,7 +309,7 @@ PROBES: Mapping[str, Callable[[], dict[str, Value]]] = {
 
 
 @cache
-def probed(name: str) -> Values:
+def probe_values(name: str) -> Values:
     """Return what a probe says now."""
     return PROBES[name]()
 
@@ -345,7 +321,7 @@ def stamps() -> dict[str, Any]:
 
 def stamp(artefact: Artefact) -> dict[str, Any]:
     """Collect the stamp of what has been written just now."""
-    probes = {name: {key: _short(value) for key, value in probed(name).items()} for name in artefact.probes}
+    probes = {name: {key: _short(value) for key, value in probe_values(name).items()} for name in artefact.probes}
     return {"probes": probes, "files": {name: _digest(name) for name in artefact.files}}
 
 
@@ -354,30 +330,32 @@ def stale(artefact: Artefact, kept: Mapping[str, Any] | None) -> list[str]:
     if kept is None:
         return ["it has no stamp: it was made before there were any"]
     changed = [name for name in artefact.files if kept["files"].get(name) != _digest(name)]
-    return moved(artefact, kept["probes"]) + [f"{name} is not what the stamp is of" for name in changed]
+    return list_changes(artefact, kept["probes"]) + [f"{name} is not what the stamp is of" for name in changed]
 
 
-def moved(artefact: Artefact, before: Mapping[str, Values]) -> list[str]:
+def list_changes(artefact: Artefact, before: Mapping[str, Values]) -> list[str]:
     """Return which figures of an artefact's probes come out otherwise than before, a sentence each."""
     changes = []
     for name in artefact.probes:
-        was, now = before.get(name, {}), probed(name)
+        was, now = before.get(name, {}), probe_values(name)
         keys = [key for key in sorted(set(was) | set(now)) if not _alike(was.get(key), now.get(key))]
-        changes += [f"{name}, {key}: {_shortened(was.get(key))}, now {_shortened(now.get(key))}" for key in keys[:3]]
+        changes += [
+            f"{name}, {key}: {_format_value(was.get(key))}, now {_format_value(now.get(key))}" for key in keys[:3]
+        ]
     return changes
 
 
-def _alike(one: Value | None, other: Value | None) -> bool:
-    if isinstance(one, str) or isinstance(other, str) or one is None or other is None:
-        return one == other
-    return math.isclose(one, other, rel_tol=TOLERANCE, abs_tol=1e-12) or (one != one and other != other)
+def _alike(before: Value | None, other: Value | None) -> bool:
+    if isinstance(before, str) or isinstance(other, str) or before is None or other is None:
+        return before == other
+    return math.isclose(before, other, rel_tol=TOLERANCE, abs_tol=1e-12) or (before != before and other != other)
 
 
 def _short(value: Value) -> Value:
     return value if isinstance(value, str) else float(f"{value:.6g}")
 
 
-def _shortened(value: Value | None) -> str:
+def _format_value(value: Value | None) -> str:
     return f"{value:.5g}" if isinstance(value, float) else f"{value!s:.60}"
 
 
@@ -403,10 +381,10 @@ def write(name: str, artefact: Artefact) -> None:
     """
     scratch = SCRATCH / name
     begun = scratch / "probes.json"
-    if not begun.exists() or moved(artefact, json.loads(begun.read_text(encoding="utf-8"))):
+    if not begun.exists() or list_changes(artefact, json.loads(begun.read_text(encoding="utf-8"))):
         shutil.rmtree(scratch, ignore_errors=True)
         scratch.mkdir(parents=True)
-        begun.write_text(json.dumps({probe: dict(probed(probe)) for probe in artefact.probes}), encoding="utf-8")
+        begun.write_text(json.dumps({probe: dict(probe_values(probe)) for probe in artefact.probes}), encoding="utf-8")
     for key, step in artefact.steps.items():
         out = scratch / key
         if not out.exists():
@@ -419,12 +397,12 @@ def write(name: str, artefact: Artefact) -> None:
     shutil.rmtree(scratch)
 
 
-def _do(step: Step, out: Path) -> None:
-    """Do a step; its output has its place only when it is whole."""
+def _do(task: Step, out: Path) -> None:
+    """Run the command of a task; its output has its name only once it is complete."""
     part = out.with_name(f"{out.name}.part")
     shutil.rmtree(part, ignore_errors=True)
-    command = [word.format(out=part) for word in step.command]
-    if step.stdout:
+    command = [word.format(out=part) for word in task.command]
+    if task.stdout:
         with part.open("w", encoding="utf-8") as stream:
             subprocess.run(command, cwd=ROOT, check=True, stdout=stream)
     else:
@@ -439,7 +417,7 @@ def cpu() -> float:
 
 
 def main() -> int:
-    """Write what is stale, or tell of it; give the exit code."""
+    """Write or list the stale artefacts; return the exit code."""
     parser = argparse.ArgumentParser(description=str(__doc__).split("\n\n")[0])
     parser.add_argument("names", nargs="*", help=f"of {', '.join(ARTEFACTS)}; default: all that are stale")
     parser.add_argument("--list", action="store_true", help="tell what is stale, and why; write nothing")

@@ -49,28 +49,14 @@ ROWS = (
 )
 """Label of each row, and the possible keys, one for each kind of ring."""
 
+STEADY, MOVED = "without its steady shift", "error, rms, without its steady shifts"
+GEAR, OUTPUT = ("vibration", "gear_centre_m_s2"), ("vibration", "output_rad_s2")
 LEVELS = (
     ("gear speed [rad/s]", "gear speed error, rms", ("fluctuation", "gear_speed_rad_s")),
-    (
-        "path of q, without its steady shift [um]",
-        "q path error, rms, without its steady shifts",
-        ("fluctuation", "q_path_um"),
-    ),
-    (
-        "velocity of q, without its steady shift [mm/s]",
-        "q velocity error, rms, without its steady shifts",
-        ("fluctuation", "q_velocity_mm_s"),
-    ),
-    (
-        "acceleration of the gear centre [m/s^2]",
-        "vibration of the gear centre, rms acceleration",
-        ("vibration", "gear_centre_m_s2"),
-    ),
-    (
-        "acceleration of the output [rad/s^2]",
-        "vibration of the output, rms acceleration",
-        ("vibration", "output_rad_s2"),
-    ),
+    (f"path of q, {STEADY} [um]", f"q path {MOVED}", ("fluctuation", "q_path_um")),
+    (f"velocity of q, {STEADY} [mm/s]", f"q velocity {MOVED}", ("fluctuation", "q_velocity_mm_s")),
+    ("acceleration of the gear centre [m/s^2]", "vibration of the gear centre, rms acceleration", GEAR),
+    ("acceleration of the output [rad/s^2]", "vibration of the output, rms acceleration", OUTPUT),
 )
 """Label, quantity over the starts without load, and place in the JSON of a loaded run."""
 

@@ -24,12 +24,8 @@ CLAIMS, HYPOTHESIS = DATA / "paper-claims.csv", DATA / "paper-hypothesis.csv"
 """Tables for download: every claim, and the runs with the contact that the authors may have used."""
 
 STAGES = ("geometry", "equal", "input", "gear_speed", "q_path", "q_velocity", "pin_1", "vibration", "stress", "torque")
-TALLY = {
-    "agrees": "agree",
-    "depends": "depend on what the paper leaves open",
-    "disagrees": "disagree",
-    "not determined": "are not determined",
-}
+TALLY = {"agrees": "agree", "depends": "depend on what the paper leaves open"}
+TALLY |= {"disagrees": "disagree", "not determined": "are not determined"}
 
 SECTIONS = {
     "steel": ("poisson",),
@@ -55,13 +51,8 @@ SECTIONS = {
 }
 """Sections of the page with the keys of their claims; each claim is in one of them."""
 
-SHOWN = {
-    "fig6_gear_speed_unloaded": "speed",
-    "fig7_q_path_unloaded": "path",
-    "fig8_q_velocity_unloaded": "velocity",
-    "fig9_pin_1_pin_unloaded": "pin",
-    "fig19_torque_pin": "torque",
-}
+SHOWN = {"fig6_gear_speed_unloaded": "speed", "fig7_q_path_unloaded": "path", "fig8_q_velocity_unloaded": "velocity"}
+SHOWN |= {"fig9_pin_1_pin_unloaded": "pin", "fig19_torque_pin": "torque"}
 """Pictures of the command that the page shows, with their names there."""
 
 CLAIM_COLUMNS = (
@@ -85,16 +76,9 @@ def sections(content: Mapping[str, Any]) -> dict[str, str]:
 def figure_table(claims: Sequence[Mapping[str, Any]]) -> str:
     """Return the claims of a section: design, claim, the paper's result, the model's, verdict."""
     head = ("Design", "Claim of the paper", "Paper", "Model", "Verdict")
-    rows = [
-        (
-            claim["design"],
-            claim["paper"]["claim"],
-            claim["paper"]["text"],
-            _shorten(claim["ours"]["text"]),
-            f"**{claim['verdict']}**",
-        )
-        for claim in claims
-    ]
+    papers = [(claim["design"], claim["paper"]["claim"], claim["paper"]["text"]) for claim in claims]
+    ours = [(_shorten(claim["ours"]["text"]), f"**{claim['verdict']}**") for claim in claims]
+    rows = [(*paper, *model) for paper, model in zip(papers, ours, strict=True)]
     return markdown_table(head, rows)
 
 

@@ -25,25 +25,17 @@ COLUMNS = ("rung", "quantity", "source", "ours", "reference", "unit", "error", "
 
 @dataclass(frozen=True)
 class Group:
-    """A line of the summary: what is compared with what, and the rows of the command that it sums up.
-
-    Attributes
-    ----------
-    result, reference
-        Texts of the first two columns.
-    rung
-        Part of the command that has the rows.
-    unit
-        Unit of their errors.
-    pattern
-        Regular expression that the start of a row's quantity or source matches.
-    """
+    """A line of the summary: what is compared with what, and the rows of the command that it sums up."""
 
     result: str
     reference: str
+    """Texts of the first two columns."""
     rung: str
+    """Part of the command that has the rows."""
     unit: str
+    """Unit of their errors."""
     pattern: str = ""
+    """Regular expression that the start of a row's quantity or source matches."""
 
     def rows(self, every: Iterable[Mapping[str, str]]) -> list[Mapping[str, str]]:
         """Return the rows that the line sums up; raise ValueError if there are none."""
@@ -83,22 +75,15 @@ GROUPS = (
 
 @dataclass(frozen=True)
 class Summary:
-    """The row of a group that uses most of its allowed error.
-
-    Attributes
-    ----------
-    group
-        Line of the summary.
-    error, bound
-        Largest error relative to its bound, and that bound, in the unit of the group.
-    number
-        Number of rows in the group.
-    """
+    """The row of a group that uses most of its allowed error."""
 
     group: Group
+    """Line of the summary."""
     error: float
     bound: float
+    """Largest error relative to its bound, and that bound, in the unit of the group."""
     number: int
+    """Number of rows in the group."""
 
     @property
     def share(self) -> float:
@@ -119,19 +104,11 @@ def summaries(rows: Sequence[Mapping[str, str]]) -> list[Summary]:
 def table(rows: Sequence[Mapping[str, str]]) -> str:
     """Return the summary as a Markdown table."""
     head = ("Result", "Compared with", "Checks", "Worst error", "Allowed")
-    return markdown_table(
-        head,
-        [
-            (
-                summary.group.result,
-                summary.group.reference,
-                str(summary.number),
-                f"{summary.error:.2g} {summary.group.unit}",
-                f"{summary.bound:.2g} {summary.group.unit}",
-            )
-            for summary in summaries(rows)
-        ],
-    )
+    lines = []
+    for worst in summaries(rows):
+        errors = (f"{error:.2g} {worst.group.unit}" for error in (worst.error, worst.bound))
+        lines.append((worst.group.result, worst.group.reference, str(worst.number), *errors))
+    return markdown_table(head, lines)
 
 
 def read_rows() -> list[dict[str, str]]:

@@ -34,7 +34,7 @@ KERNEL = tuple(
 
 FILES = ("reducer/bodies.py", "reducer/gaps.py", "reducer/limits.py", *KERNEL)
 MODEL = "reducer/bodies.py"
-"""The file that models are made from; what the others hold is seen without one, and without compiling."""
+"""The file from which models are built; the signs of the others are tested without a model, and uncompiled."""
 
 KERNEL_TESTS = ("reducer/test_mechanism.py", "statics/test_kernel.py")
 TESTS = ("reducer/test_limits.py", *KERNEL_TESTS)
@@ -89,7 +89,7 @@ def flips(path: Path) -> Iterator[Flip]:
         yield Flip(of_package(path), node.lineno, place, content[place : place + 1].decode(), ast.unparse(node))
 
 
-def flipped(content: bytes, flip: Flip) -> bytes:
+def flip_sign(content: bytes, flip: Flip) -> bytes:
     """Encode a file with one sign flipped."""
     other = b"+" if flip.old == "-" else b"-"
     return content[: flip.place] + other + content[flip.place + 1 :]
@@ -110,11 +110,11 @@ class Flipped(importlib.abc.Loader):
 
     def exec_module(self, module: types.ModuleType) -> None:
         """Run it."""
-        content = flipped(self._path.read_bytes(), self._flip)
+        content = flip_sign(self._path.read_bytes(), self._flip)
         exec(compile(content, str(self._path), "exec"), module.__dict__)
 
 
-def tested(file: str) -> bool:
+def fails_a_test(file: str) -> bool:
     """Return whether a test fails that may see a sign of a file."""
     import pytest
 
@@ -144,7 +144,7 @@ def see(flip: Flip | None, file: str, pipe: int) -> None:
     os.dup2(nowhere, 1)
     os.dup2(nowhere, 2)
     signal.setitimer(signal.ITIMER_PROF, SECONDS)
-    os.write(pipe, b"yes" if tested(file) else b"no")
+    os.write(pipe, b"yes" if fails_a_test(file) else b"no")
 
 
 def out_of_time(*_: object) -> None:
@@ -181,7 +181,7 @@ class Trial:
         return seen
 
 
-def tried(chosen: list[Flip], workers: int) -> Iterator[tuple[Flip, bool]]:
+def try_flips(chosen: list[Flip], workers: int) -> Iterator[tuple[Flip, bool]]:
     """Try flips, so many at a time, in their order; yield whether a test sees each."""
     running: deque[tuple[Flip, Trial]] = deque()
     for flip in chosen:
@@ -193,7 +193,7 @@ def tried(chosen: list[Flip], workers: int) -> Iterator[tuple[Flip, bool]]:
         yield first, trial.end()
 
 
-def wanted(only: str, lines: str, sample: int) -> list[Flip]:
+def choose_flips(only: str, lines: str, sample: int) -> list[Flip]:
     """List the flips to try: all, those of one file or of some of its lines, or so many spread evenly over them."""
     files = [ROOT / PACKAGE / file for file in FILES if not only or f"/{file}".endswith(f"/{only}")]
     of_files = (sorted(flips(path), key=lambda flip: flip.place) for path in files)
@@ -207,21 +207,21 @@ def wanted(only: str, lines: str, sample: int) -> list[Flip]:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Try flips and report those that nothing sees; give the exit code."""
+    """Try flips and report those that no test detects; return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", default="", help="flip the signs of one file: gaps.py, kernel/search.py, ...")
     parser.add_argument("--lines", default="", help="flip those of some lines: 400-900")
     parser.add_argument("--sample", type=int, default=0, help="flip this many, spread over all; 0: every one")
     parser.add_argument("--workers", type=int, default=2, help="processes at a time")
     options = parser.parse_args(arguments)
-    every = wanted(options.only, options.lines, options.sample)
+    every = choose_flips(options.only, options.lines, options.sample)
     warm()
     for file in sorted({flip.file for flip in every}):
         if Trial.start(None, file).end():
             print("a test fails as it is: nothing can be said of any sign")
             return 1
     missed = 0
-    for number, (flip, seen) in enumerate(tried(every, options.workers), start=1):
+    for number, (flip, seen) in enumerate(try_flips(every, options.workers), start=1):
         missed += not seen
         if not seen:
             print(f"no test sees  {flip}", flush=True)

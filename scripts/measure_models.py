@@ -1,4 +1,4 @@
-"""Measure what the READMEs of models/ tell beside the models: plain CoACD, mesh against profile contact, free running.
+"""Measure what the READMEs of models/ compare with the models: plain CoACD, mesh and profile contact, free running.
 
 Takes ten minutes; writes plain_coacd.json, agreement.json and free_running.json into models/, which
 scripts/build_models.py reads. With names of these files as arguments, only those.
@@ -32,7 +32,7 @@ FREE_RUN, KEYFRAME = 0.2, "1640rpm_0"
 
 
 def plain() -> dict[str, dict[str, Any]]:
-    """Let CoACD cut the toothed parts whole, and measure it along the true normals."""
+    """Decompose the toothed parts by CoACD without cutting them first; measure the result along the true normals."""
     figures = {}
     for threshold in (0.05, 0.02):
         settings = CoacdSettings(threshold=threshold)
@@ -43,12 +43,18 @@ def plain() -> dict[str, dict[str, Any]]:
 
 
 def agreement() -> list[dict[str, Any]]:
-    """Run both designs at both loads by each kind of contact; give means over the last turn of the crank."""
+    """Run both designs at both loads by each kind of contact; return means over the last turn of the crank."""
     return [_run(name, load, *how) for name in MODELLED for load in (1.0, 36.0) for how in RUNS]
 
 
-def _run(name: str, load: float, contact: Contact, step: float) -> dict[str, Any]:
-    changes = ["drive.ramp_s=0.0", f"drive.hold_s={HOLD}", f"load.torque_nm={load}", f"settings.timestep_us={step}"]
+def _run(name: str, load: float, contact: Contact, timestep_us: float) -> dict[str, Any]:
+    """Run a preset under a load [N m] by a kind of contact; return its mean figures and its cost."""
+    changes = [
+        "drive.ramp_s=0.0",
+        f"drive.hold_s={HOLD}",
+        f"load.torque_nm={load}",
+        f"settings.timestep_us={timestep_us}",
+    ]
     design = override(PRESETS[name], changes)
     compiled = reducer_model(Reducer(design), contact)
     start = time.process_time()
@@ -60,7 +66,7 @@ def _run(name: str, load: float, contact: Contact, step: float) -> dict[str, Any
         "design": name,
         "load_nm": load,
         "contact": contact,
-        "timestep_us": step,
+        "timestep_us": timestep_us,
         "gear_transmission_error_arcsec": round(findings.gear_transmission_error.mean_arcsec, 2),
         "output_transmission_error_arcsec": round(findings.output_transmission_error.mean_arcsec, 2),
         "gear_speed_rms_error_percent": round(
@@ -73,11 +79,12 @@ def _run(name: str, load: float, contact: Contact, step: float) -> dict[str, Any
 
 
 def free_running() -> dict[str, dict[str, float]]:
-    """Let the models of both folders run without load from a keyframe at full speed; compare the gear's speed."""
+    """Run the models of both folders without load from a keyframe at full speed; compare the gear's speed."""
     return {name: _free_run(MODELS / name / SCENE, PRESETS[name]) for name in MODELLED}
 
 
 def _free_run(scene: Path, design: Design) -> dict[str, float]:
+    """Run a model without load from a keyframe; return the errors of the gear's speed, and MuJoCo's warnings."""
     model = mujoco.MjModel.from_xml_path(str(scene))
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key(KEYFRAME).id)

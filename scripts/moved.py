@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from against import ROOT, Ended, Figures, Trial, ended, laid_out, loaded, of_the_json
+from against import ROOT, Ended, Figures, Trial, laid_out, of_the_json, run_trial, run_words
 
 from cycloid_mj.base.result import Table
 from cycloid_mj.design import PRESETS
@@ -56,7 +56,7 @@ def trials(design: str) -> Iterator[Trial]:
     yield Trial("rate", ("rate", "--design", design), figures=of_the_json, logged=False)
     yield Trial("simulate, no load", ("simulate", "--design", design, *run), figures=of_the_run)
     if design in ("pin", "nonpin"):
-        yield Trial("simulate, 36.68 N m", loaded(design, hold=SHORT), figures=of_the_run)
+        yield Trial("simulate, 36.68 N m", run_words(design, hold=SHORT), figures=of_the_run)
 
 
 def of_the_run(done: Ended) -> Figures:
@@ -75,25 +75,18 @@ def moves(design: str, command: str, old: Figures, new: Figures) -> Iterator[Mov
             yield Move(design, command, key, before, after)
 
 
-def come_and_gone(of: list[Move]) -> str:
+def come_and_gone(moves_found: list[Move]) -> str:
     """Count the figures that only one revision prints."""
-    changes = Counter(one.change for one in of)
+    changes = Counter(move.change for move in moves_found)
     return f"Printed by one revision alone: {changes['new']} new, {changes['gone']} gone."
 
 
-def table(of: list[Move]) -> Table:
-    """Tabulate the moves of figures that both revisions print into a table."""
+def table(moves_found: list[Move]) -> Table:
+    """Tabulate the moves of figures that both revisions print."""
     rows = [
-        (
-            one.design,
-            one.command,
-            one.key,
-            f"{one.old:.6g}",
-            f"{one.new:.6g}",
-            one.change,
-        )
-        for one in of
-        if one.old is not None and one.new is not None
+        (move.design, move.command, move.key, f"{move.old:.6g}", f"{move.new:.6g}", move.change)
+        for move in moves_found
+        if move.old is not None and move.new is not None
     ]
     return Table("what moved", ("design", "command", "figure", "old", "new", "change"), tuple(rows))
 
@@ -105,7 +98,7 @@ def reasons(old: str, new: str) -> list[str]:
     return [line[1:] for line in changed.splitlines() if line.startswith("+- ")]
 
 
-def compared(old: Path, new: Path) -> list[Move]:
+def compare_trees(old: Path, new: Path) -> list[Move]:
     """Run all commands in two trees and list what moved."""
     moved: list[Move] = []
     with TemporaryDirectory() as folder:
@@ -113,7 +106,7 @@ def compared(old: Path, new: Path) -> list[Move]:
             for number, trial in enumerate(trials(design)):
                 print(f"{design}: {trial.name}", file=sys.stderr, flush=True)
                 figures = [
-                    trial.figures(ended(tree, trial, (), Path(folder) / f"{side}-{design}-{number}"))
+                    trial.figures(run_trial(tree, trial, (), Path(folder) / f"{side}-{design}-{number}"))
                     for side, tree in (("old", old), ("new", new))
                 ]
                 moved += moves(design, trial.name, *figures)
@@ -127,7 +120,7 @@ def main() -> None:
     parser.add_argument("new", help="revision whose figures are asked for")
     asked = parser.parse_args()
     with laid_out(asked.old) as old, laid_out(asked.new) as new:
-        moved = compared(old, new)
+        moved = compare_trees(old, new)
     print(table(moved).as_markdown(), come_and_gone(moved), sep="\n\n")
     print("", *reasons(asked.old, asked.new), sep="\n")
 

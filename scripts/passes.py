@@ -90,7 +90,7 @@ def timers() -> Iterator[None]:
 
 
 def example(kind: str, load: float, steps: int, *changes: str) -> Case:
-    """Return a design with its model: at full speed, `steps` of 1 us long after the warm ones."""
+    """Return a design with its model: at full speed, `steps` of 1 us after the warm-up."""
     preset, pins = KINDS[kind]
     hold = (WARM + steps) * 1e-6
     run = ["settings.timestep_us=1.0", "drive.ramp_s=0.0", f"drive.hold_s={hold!r}", f"load.torque_nm={load}"]
@@ -99,7 +99,7 @@ def example(kind: str, load: float, steps: int, *changes: str) -> Case:
 
 
 def bare_cost(design: Design, compiled: ReducerModel, warm: int = WARM) -> tuple[float, float]:
-    """CPU time of a step [us] of MuJoCo's alone, taken without Python; and what its timers give to the narrow phase.
+    """Return the CPU time of a step [us] of MuJoCo without Python, and that of the narrow phase by its timers.
 
     The narrow phase counts only between ``timers``; a reading of the clock falls into it each time.
     """
@@ -184,7 +184,7 @@ _, status, usage = os.wait4(process, 0)
 print(time.perf_counter() - start, usage.ru_utime + usage.ru_stime, 1.024e-3 * usage.ru_maxrss)
 sys.exit(os.waitstatus_to_exitcode(status))
 """
-"""Runs a command and tells its cost. A process counts its parent's memory as its own peak: this parent is small."""
+"""Runs a command and prints its cost. A process counts its parent's memory as its own peak: this parent is small."""
 
 
 class Launched(NamedTuple):
@@ -195,8 +195,8 @@ class Launched(NamedTuple):
     memory: float
 
 
-def launched(*words: str, **environment: str) -> Launched:
-    """Run a command of ``cycloid-mj``, in a folder of its own that goes with its files.
+def launch(*words: str, **environment: str) -> Launched:
+    """Run a command of ``cycloid-mj``, in a temporary folder.
 
     Raises
     ------
@@ -212,6 +212,6 @@ def launched(*words: str, **environment: str) -> Launched:
 
 
 def command_cost(design: str, samples: int) -> Launched:
-    """Run ``cycloid-mj simulate`` on a number of samples; give what it took."""
+    """Run ``cycloid-mj simulate`` on a number of samples; return its cost."""
     run = ("--ramp-s", "0", "--hold-s", str(samples * 1e-4))
-    return launched("simulate", "--design", design, "--quiet", "--json", *run)
+    return launch("simulate", "--design", design, "--quiet", "--json", *run)

@@ -53,10 +53,10 @@ class Motion:
     cpu: float
 
 
-def _solved(exu: Any, mbs: Any, end: float, step: float, solver: Any) -> float:
+def _solve(exu: Any, mbs: Any, end: float, timestep: float, solver: Any) -> float:
     """Solve an assembled system up to an end by a step [s]; CPU time of a simulated second [s]."""
     settings = exu.SimulationSettings()
-    settings.timeIntegration.endTime, settings.timeIntegration.numberOfSteps = end, round(end / step)
+    settings.timeIntegration.endTime, settings.timeIntegration.numberOfSteps = end, round(end / timestep)
     settings.timeIntegration.automaticStepSize = settings.timeIntegration.adaptiveStep = False
     settings.timeIntegration.verboseMode = 0
     settings.solutionSettings.writeSolutionToFile = False
@@ -66,8 +66,8 @@ def _solved(exu: Any, mbs: Any, end: float, step: float, solver: Any) -> float:
     return (time.process_time() - begin) / end
 
 
-def design_of(step: float, friction: float, pins: str = "fixed") -> Design:
-    """Return the reducer without what Exudyn's model leaves out."""
+def design_of(timestep: float, friction: float, pins: str = "fixed") -> Design:
+    """Return the preset `pin` reduced to the features of Exudyn's model: uniform contacts, a rigid cam, no output."""
     changes = [
         f'ring.pins="{pins}"',
         'contact.stiffness_law="uniform"',
@@ -75,7 +75,7 @@ def design_of(step: float, friction: float, pins: str = "fixed") -> Design:
         "clearance.output_um=500.0",
         "drive.ramp_s=0.0",
         "drive.rotor_inertia_kg_m2=10.0",
-        f"settings.timestep_us={step * 1e6!r}",
+        f"settings.timestep_us={timestep * 1e6!r}",
         f"friction.pin_gear={friction}",
         "friction.cam_rolling=0.0",
         f"load.torque_nm={LOAD}",
@@ -83,15 +83,17 @@ def design_of(step: float, friction: float, pins: str = "fixed") -> Design:
     return override(PRESETS["pin"], changes)
 
 
-def run_ours(step: float, friction: float, end: float, pins: str = "fixed") -> Motion:
+def run_ours(timestep: float, friction: float, end: float, pins: str = "fixed") -> Motion:
     """Run this project's model, with the load on the gear."""
-    design = design_of(step, friction, pins)
+    design = design_of(timestep, friction, pins)
     compiled = build(design)
     data = initial_state(compiled, Reducer(design))
     data.joint("gear_angle").qfrc_applied[0] = LOAD
-    commands = ramp_and_hold(compiled, Reducer(design)).commands(step * np.arange(round(end / step), dtype=np.float64))
+    commands = ramp_and_hold(compiled, Reducer(design)).commands(
+        timestep * np.arange(round(end / timestep), dtype=np.float64)
+    )
     commands[:, 1] = 0.0  # the output, which nothing holds, has no load: that is on the gear
-    every, rows = round(SAMPLING / step), []
+    every, rows = round(SAMPLING / timestep), []
     crank, gear, drive = data.joint("crank"), data.joint("gear_angle"), data.actuator("drive")
     with installed():
         start = time.process_time()
@@ -114,12 +116,12 @@ def bedding(design: Design, stiffness: float) -> float:
     return force / (4.0 / 3.0 * math.sqrt(2.0 * design.ring.pin_radius) * (force / stiffness) ** 1.5)
 
 
-def run_exudyn(step: float, friction: float, end: float, segments: int) -> Motion:
+def run_exudyn(timestep: float, friction: float, end: float, segments: int) -> Motion:
     """Run Exudyn's model."""
     import exudyn as exu  # type: ignore[import-not-found]
     from exudyn import itemInterface as item
 
-    design = design_of(step, friction)
+    design = design_of(timestep, friction)
     compiled = build(design)
     tooth, cam, gear = compiled.laws["pin_gear"], compiled.laws["cam"], compiled.model.body("gear")
     speed, eccentricity = design.drive.speed, design.gear.eccentricity
@@ -179,7 +181,7 @@ def run_exudyn(step: float, friction: float, end: float, segments: int) -> Motio
         sensor(item.SensorObject, "Force", objectNumber=bearing),
     ]
     mbs.Assemble()
-    cpu = _solved(exu, mbs, end, step, exu.DynamicSolverType.GeneralizedAlpha)
+    cpu = _solve(exu, mbs, end, timestep, exu.DynamicSolverType.GeneralizedAlpha)
     turned, moved, velocity, force = (mbs.GetSensorStoredData(number)[:, 1:] for number in sensors)
     theta = turned[:, 0]
     torque = eccentricity * (np.sin(theta) * force[:, 1] + np.cos(theta) * force[:, 0])
@@ -187,7 +189,7 @@ def run_exudyn(step: float, friction: float, end: float, segments: int) -> Motio
 
 
 class Parts(NamedTuple):
-    """What the compiled forces are of: lengths in m, the law of each contact with stiffness and damping [N/m, N s/m].
+    """Parts on which the compiled forces act: lengths [m], and the law of each contact [N/m, N s/m].
 
     `places` (N, 2) are those of the pins, and `pin` is 1 where they move. The trochoid, on which ideal pins have their
     centres, is E u(t) - c u(N t) with u(b) = (sin b, cos b).
@@ -211,81 +213,81 @@ class Parts(NamedTuple):
 
 
 @njit(error_model="numpy")
-def forces(of: Parts, time: float, q: Array, v: Array, near: Array, out: Array) -> None:
-    """Put the forces of all contacts, the cam and the load at x, y and turn of the gear, then of pins, into `out`.
+def forces(parts: Parts, time: float, q: Array, v: Array, near: Array, out: Array) -> None:
+    """Write the forces of all contacts, the cam and the load into `out`: on x, y and turn of the gear, then of pins.
 
-    `near` (N,) are the parameters of the trochoid where the pins were nearest before: there Newton's method goes on.
+    `near` (N,) are the parameters of the points of the trochoid nearest to the pins, where Newton's method starts.
     """
     out[:] = 0.0
-    theta = of.speed * time
+    theta = parts.speed * time
     x, y, turn = q[0], q[1], q[2]
     sine, cosine = math.sin(turn), math.cos(turn)
-    stretch_x, stretch_y = x + of.c * math.sin(theta), y - of.c * math.cos(theta)
-    rate_x = v[0] + of.c * of.speed * math.cos(theta)
-    rate_y = v[1] + of.c * of.speed * math.sin(theta)
-    out[0] -= of.cam[0] * stretch_x + of.cam[1] * rate_x
-    out[1] -= of.cam[0] * stretch_y + of.cam[1] * rate_y
-    out[2] += of.load
-    for i in range(of.places.shape[0]):
+    stretch_x, stretch_y = x + parts.c * math.sin(theta), y - parts.c * math.cos(theta)
+    rate_x = v[0] + parts.c * parts.speed * math.cos(theta)
+    rate_y = v[1] + parts.c * parts.speed * math.sin(theta)
+    out[0] -= parts.cam[0] * stretch_x + parts.cam[1] * rate_x
+    out[1] -= parts.cam[0] * stretch_y + parts.cam[1] * rate_y
+    out[2] += parts.load
+    for i in range(parts.places.shape[0]):
         row = 3 + 3 * i
-        px, py, pu, pv, spin = of.places[i, 0], of.places[i, 1], 0.0, 0.0, 0.0
-        if of.pin:
+        px, py, pu, pv, spin = parts.places[i, 0], parts.places[i, 1], 0.0, 0.0, 0.0
+        if parts.pin:
             ex, ey = q[row], q[row + 1]
             px, py, pu, pv, spin = px + ex, py + ey, v[row], v[row + 1], v[row + 2]
             reach = math.hypot(ex, ey)
-            if reach > of.play:  # a circle in a circle
+            if reach > parts.play:  # a circle in a circle
                 nx, ny = -ex / reach, -ey / reach
-                normal = of.seat[0] * (reach - of.play) - of.seat[1] * (nx * pu + ny * pv)
+                normal = parts.seat[0] * (reach - parts.play) - parts.seat[1] * (nx * pu + ny * pv)
                 if normal > 0.0:
-                    slip = -ny * pu + nx * pv - of.radius * spin
-                    side = -of.friction[1] * normal * min(max(slip / of.creep, -1.0), 1.0)
+                    slip = -ny * pu + nx * pv - parts.radius * spin
+                    side = -parts.friction[1] * normal * min(max(slip / parts.creep, -1.0), 1.0)
                     out[row] += normal * nx - side * ny
                     out[row + 1] += normal * ny + side * nx
-                    out[row + 2] -= side * of.radius
+                    out[row + 2] -= side * parts.radius
         ax, ay = px - x, py - y
         lx, ly = cosine * ax + sine * ay, cosine * ay - sine * ax  # seen from the gear
         t = near[i]
         for _ in range(8):
-            st, ct, sn, cn = math.sin(t), math.cos(t), math.sin(of.N * t), math.cos(of.N * t)
-            rx, ry = lx - of.E * st + of.c * sn, ly - of.E * ct + of.c * cn
-            tx, ty = of.E * ct - of.c * of.N * cn, -of.E * st + of.c * of.N * sn
-            bx, by = -of.E * st + of.c * of.N**2 * sn, -of.E * ct + of.c * of.N**2 * cn
+            st, ct, sn, cn = math.sin(t), math.cos(t), math.sin(parts.N * t), math.cos(parts.N * t)
+            rx, ry = lx - parts.E * st + parts.c * sn, ly - parts.E * ct + parts.c * cn
+            tx, ty = parts.E * ct - parts.c * parts.N * cn, -parts.E * st + parts.c * parts.N * sn
+            bx, by = -parts.E * st + parts.c * parts.N**2 * sn, -parts.E * ct + parts.c * parts.N**2 * cn
             square = tx * tx + ty * ty
             step = (rx * tx + ry * ty) / max(square - rx * bx - ry * by, 0.1 * square)
-            t += min(max(step, -0.2 / of.N), 0.2 / of.N)
+            t += min(max(step, -0.2 / parts.N), 0.2 / parts.N)
             if abs(step) < 1e-9:
                 break
         near[i] = t
         size = math.sqrt(square)
         ox, oy = -ty / size, tx / size  # outwards, seen from the gear
-        depth = -(rx * ox + ry * oy) - of.clearance
+        depth = -(rx * ox + ry * oy) - parts.clearance
         if depth <= 0.0:
             continue
         nx, ny = cosine * ox - sine * oy, sine * ox + cosine * oy
-        hx, hy = ax - of.radius * nx, ay - of.radius * ny
-        apart_x = pu + of.radius * spin * ny - v[0] + v[2] * hy
-        apart_y = pv - of.radius * spin * nx - v[1] - v[2] * hx
-        normal = of.tooth[0] * depth - of.tooth[1] * (nx * apart_x + ny * apart_y)
+        hx, hy = ax - parts.radius * nx, ay - parts.radius * ny
+        apart_x = pu + parts.radius * spin * ny - v[0] + v[2] * hy
+        apart_y = pv - parts.radius * spin * nx - v[1] - v[2] * hx
+        normal = parts.tooth[0] * depth - parts.tooth[1] * (nx * apart_x + ny * apart_y)
         if normal <= 0.0:
             continue
         slip = -ny * apart_x + nx * apart_y
-        side = -of.friction[0] * normal * min(max(slip / of.creep, -1.0), 1.0)
+        side = -parts.friction[0] * normal * min(max(slip / parts.creep, -1.0), 1.0)
         fx, fy = normal * nx - side * ny, normal * ny + side * nx
         out[0] -= fx
         out[1] -= fy
         out[2] -= hx * fy - hy * fx
-        if of.pin:
+        if parts.pin:
             out[row] += fx
             out[row + 1] += fy
-            out[row + 2] -= side * of.radius
+            out[row + 2] -= side * parts.radius
 
 
-def run_compiled(step: float, friction: float, end: float, pins: str = "fixed") -> Motion:
+def run_compiled(timestep: float, friction: float, end: float, pins: str = "fixed") -> Motion:
     """Run Exudyn's integrator (RK44) with contacts that its user has compiled: exact teeth, fixed pins or free ones."""
     import exudyn as exu
     from exudyn import itemInterface as item
 
-    design = design_of(step, friction, pins)
+    design = design_of(timestep, friction, pins)
     compiled, gear, free = build(design), tooth_profile(design), pins == "free"
     laws, angles = compiled.laws, pin_angles(gear)
 
@@ -342,7 +344,7 @@ def run_compiled(step: float, friction: float, end: float, pins: str = "fixed") 
         for kind in kinds
     ]
     mbs.Assemble()
-    cpu = _solved(exu, mbs, end, step, exu.DynamicSolverType.RK44)
+    cpu = _solve(exu, mbs, end, timestep, exu.DynamicSolverType.RK44)
     stored = [mbs.GetSensorStoredData(number) for number in sensors]
     theta = of.speed * stored[0][:, 0]
     (x, y, turn), (u, v, rate) = (one[:, 1:4].T for one in stored)

@@ -40,7 +40,7 @@ DOORS = {
 
 
 def animation(path: Path = MODELS / "mechanism.gif") -> int:
-    """Write the moving picture to a file; give the exit code."""
+    """Write the animation to a file; return the exit code."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with TemporaryDirectory() as folder:
         code = cycloid_mj([*RUN, *LENGTH, "--out", folder, "--quiet"])
@@ -48,7 +48,7 @@ def animation(path: Path = MODELS / "mechanism.gif") -> int:
 
 
 def report(logs: Sequence[str], path: Path = MODELS / "report.png") -> int:
-    """Write the top of the report of some runs to a picture; give the exit code."""
+    """Write the top of the report of some runs to a picture; return the exit code."""
     with TemporaryDirectory() as folder:
         page = Path(folder) / "report.html"
         if code := cycloid_mj(["report", *logs, "--out", str(page)]):
@@ -58,7 +58,7 @@ def report(logs: Sequence[str], path: Path = MODELS / "report.png") -> int:
 
 
 def walk(folder: Path) -> int:
-    """Keep the pictures of a walk through the designer's page that the documentation shows; give the exit code."""
+    """Keep the pictures of a walk through the designer's page that the documentation shows; return the exit code."""
     for name in WALKED:
         keep_small(folder / name, DOCS / "app" / name)
     return 0
@@ -88,7 +88,7 @@ def screenshot(page: Path, path: Path, width: int, height: int) -> None:
 
 
 def datasheet(page: str, path: Path = DOCS / "datasheet.png") -> int:
-    """Write the top of the page of a data sheet to a picture; give the exit code."""
+    """Write the top of the page of a data sheet to a picture; return the exit code."""
     screenshot(Path(page), path, WIDTH, HEIGHT)
     return 0
 
@@ -107,10 +107,6 @@ def doors() -> int:
 
 if __name__ == "__main__":
     what, *given = sys.argv[1:] or ["animation"]
-    made = {
-        "report": lambda: report(given),
-        "datasheet": lambda: datasheet(given[0]),
-        "walk": lambda: walk(Path(given[0])),
-        "doors": doors,
-    }
+    made = {"report": lambda: report(given), "datasheet": lambda: datasheet(given[0])}
+    made |= {"walk": lambda: walk(Path(given[0])), "doors": doors}
     sys.exit(made[what]() if what in made else animation(*map(Path, given)))

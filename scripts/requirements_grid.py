@@ -89,11 +89,11 @@ WISHES: tuple[Callable[[Requirement, float], dict[str, Any]], ...] = (
     lambda asked, share: {"speed": _even(100.0, 6000.0, share) * RPM},
     lambda asked, share: {"life": _even(300.0, 40000.0, share)},
     lambda asked, share: {"fit": ("H7/g6", "H7/f7", "H8/e8")[int(3.0 * share)]},
-    lambda asked, share: {"material": _one_of(PROCESSES[asked.process].others, share)},
+    lambda asked, share: {"material": (others := PROCESSES[asked.process].others)[int(share * len(others))]},
     lambda asked, share: {"clearance": _even(1.0, 3.0, share) * PROCESSES[asked.process].finest},
     lambda asked, share: {"custom": True},
 )
-"""What may be asked for beside ratio, diameter, torque and process."""
+"""Further requirements besides ratio, diameter, torque and process."""
 
 
 def drawn(count: int, seed: int) -> list[Requirement]:
@@ -106,12 +106,8 @@ def drawn(count: int, seed: int) -> list[Requirement]:
     grid = []
     for number, (ratio, size, more, *wishes) in enumerate(points[:count]):
         torque = min(max(0.7 * size + 0.6 * (more - 0.35), 0.0), 1.0)
-        asked = Requirement(
-            ratio=round(_even(*GRID.ratios, ratio)),
-            diameter=_even(*GRID.diameters, size),
-            torque=_even(*GRID.torques, torque),
-            process=KINDS[number % len(KINDS)],
-        )
+        sizes = round(_even(*GRID.ratios, ratio)), _even(*GRID.diameters, size), _even(*GRID.torques, torque)
+        asked = Requirement(*sizes, process=KINDS[number % len(KINDS)])
         for wish, share in (wishes[:2], wishes[2:]):
             chosen = int(2.0 * wish * len(WISHES))
             if chosen < len(WISHES):
@@ -124,10 +120,6 @@ def drawn(count: int, seed: int) -> list[Requirement]:
 def _even(low: float, high: float, share: float) -> float:
     """Return a number between two, evenly by its logarithm, with three digits."""
     return float(f"{low * (high / low) ** share:.3g}")
-
-
-def _one_of(names: tuple[str, ...], share: float) -> str:
-    return names[int(share * len(names))]
 
 
 def flags(asked: Requirement, ratios: int = 0) -> dict[str, str]:
@@ -156,7 +148,7 @@ def flags(asked: Requirement, ratios: int = 0) -> dict[str, str]:
 
 
 def answer_to(asked: dict[str, str]) -> tuple[dict[str, Any], str]:
-    """Ask by flags: what `design new --json` tells, or nothing and its error."""
+    """Run `design new --json` with some flags; return its output, or nothing and its error."""
     words = [word for flag, value in asked.items() for word in ((flag,) if flag == "--custom" else (flag, value))]
     out, err = StringIO(), StringIO()
     with redirect_stdout(out), redirect_stderr(err):
@@ -165,7 +157,7 @@ def answer_to(asked: dict[str, str]) -> tuple[dict[str, Any], str]:
 
 
 def faults(told: dict[str, Any], asked: dict[str, str]) -> Iterator[str]:
-    """Yield what of a requirement a written drive does not hold, by `design check` and its own data sheet."""
+    """Yield the requirements that a written drive does not fulfil, by `design check` and its own data sheet."""
     design = load(Path(told["file"]))
     reducer, figures = Reducer(design), told["figures"]
     wanted = {flag: float(value) for flag, value in asked.items() if flag in NUMBERS}
@@ -194,8 +186,8 @@ def faults(told: dict[str, Any], asked: dict[str, str]) -> Iterator[str]:
         yield f"its backlash is {backlash:.4g} arcmin"
 
 
-def judged(asked: dict[str, str], way: int, thorough: bool) -> tuple[str, float, list[str]]:
-    """Ask for a drive: what is answered, its CPU time [s], and what of it is wrong."""
+def judge(asked: dict[str, str], number: int, thorough: bool) -> tuple[str, float, list[str]]:
+    """Size a drive; return the answer in words, its CPU time [s], and its faults."""
     began = time.process_time()
     answer, error = answer_to(asked)
     spent = time.process_time() - began
@@ -209,8 +201,8 @@ def judged(asked: dict[str, str], way: int, thorough: bool) -> tuple[str, float,
     if most >= float(asked["--torque-nm"]):
         wrong.append(f"{most:g} N m are at most, and {asked['--torque-nm']} refused")
     others = [("its most", asked | {"--torque-nm": f"{most:g}"})] if most else []
-    chosen = ways if thorough else ways[way % max(len(ways), 1) :][:1]
-    others += [(one["words"], _changed(asked, one["flags"])) for one in chosen]
+    chosen = ways if thorough else ways[number % max(len(ways), 1) :][:1]
+    others += [(one["words"], _replace_flags(asked, one["flags"])) for one in chosen]
     for words, other in others:
         then, error = answer_to(other)
         wrong += [f"{words}: {fault}" for one in then.get("designs", [])[:1] for fault in faults(one, other)]
@@ -218,8 +210,8 @@ def judged(asked: dict[str, str], way: int, thorough: bool) -> tuple[str, float,
     return answer["why"], spent, wrong
 
 
-def _changed(asked: dict[str, str], words: list[str]) -> dict[str, str]:
-    """Replace the given flags by those of a remedy."""
+def _replace_flags(asked: dict[str, str], words: list[str]) -> dict[str, str]:
+    """Replace flags by those of a remedy."""
     custom = {"--custom": ""} if "--custom" in words else {}
     pairs = [word for word in words if word != "--custom"]
     return asked | dict(zip(pairs[::2], pairs[1::2], strict=True)) | custom
@@ -237,7 +229,7 @@ def main() -> int:
     times, bad = [], 0
     for number, one in enumerate(drawn(given.count, given.seed), start=1):
         asked = flags(one, GRID.range if number % GRID.range_interval == 0 else 0)
-        told, spent, wrong = judged(asked, number, given.thorough)
+        told, spent, wrong = judge(asked, number, given.thorough)
         times.append(spent)
         bad += bool(wrong)
         words = " ".join(f"{flag} {value}" for flag, value in asked.items())

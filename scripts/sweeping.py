@@ -1,4 +1,4 @@
-"""What a point of a sweep costs, and what its way to a worker adds: here, in processes, and on a Dask cluster."""
+"""Cost of a point of a sweep, and of sending it to a worker: in this process, in processes, and on a Dask cluster."""
 
 import tempfile
 import time
@@ -38,7 +38,7 @@ class Work:
 
 
 def nothing(_: int) -> PointResult:
-    """Return a row of the size that statics gives, without any work."""
+    """Return a row of the size of statics, without any work."""
     return PointResult({f"a_quantity_of_statics_{number}": 1.0 / 3.0 for number in range(60)})
 
 

@@ -41,13 +41,13 @@ def requirements() -> tuple[str, str]:
 
 
 def ran(*command: str | Path, folder: Path = ROOT) -> subprocess.CompletedProcess[str]:
-    """Run a command, with compile caches of this environment's own; give its output."""
+    """Run a command, with compile caches of this environment's own; return its output."""
     environment = {"NUMBA_CACHE_DIR": str(folder / "numba"), "MPLBACKEND": "agg"}
     return subprocess.run([*map(str, command)], cwd=ROOT, env=os.environ | environment, capture_output=True, text=True)
 
 
 def install(environment: Path, requirement: str) -> str:
-    """Make an environment with the project on a release of MuJoCo; give the release, or pip's last line."""
+    """Make an environment with the project on a release of MuJoCo; return the release, or pip's last line."""
     python = str(environment / "bin" / "python")
     quiet = [python, *["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]]
     commands = [[sys.executable, "-m", "venv", str(environment)]]
@@ -67,8 +67,8 @@ def install(environment: Path, requirement: str) -> str:
     return asked.stdout.strip() or f"not importable: {asked.stderr.strip().splitlines()[-1]}"
 
 
-def tested(environment: Path) -> tuple[bool, str]:
-    """Run the tests in an environment; give whether they pass, and pytest's account."""
+def run_tests(environment: Path) -> tuple[bool, str]:
+    """Run the tests in an environment; return whether they pass, and pytest's account."""
     pytest = environment / "bin" / "pytest"
     done = ran(pytest, "-q", "-p", "no:cacheprovider", "--import-mode=importlib", *HELPERS, *TESTS, folder=environment)
     lines = done.stdout.strip().splitlines() or done.stderr.strip().splitlines()
@@ -77,7 +77,7 @@ def tested(environment: Path) -> tuple[bool, str]:
 
 
 def main() -> int:
-    """Print the table; give 1 if a release that is allowed fails."""
+    """Print the table; return 1 if a release that is allowed fails."""
     options = argparse.ArgumentParser(description=str(__doc__).split("\n\n")[0])
     options.add_argument("--folder", type=Path, help="where to keep the environments; by default they are removed")
     kept: Path | None = options.parse_args().folder
@@ -92,7 +92,7 @@ def main() -> int:
             if release in seen:
                 status, passed = "as above", True
             elif release[0].isdigit():
-                passed, status = tested(folder / name)
+                passed, status = run_tests(folder / name)
             else:
                 passed, status, release = False, release, "-"
             seen.add(release)

@@ -3,7 +3,7 @@
 python scripts/tutorial.py          # docs/tutorial.md and the pictures in docs/tutorial, with Chromium
 
 The commands run in their order in an empty folder. What one prints stands behind it in the page, in a block that
-follows `MARK`; what stood there before is replaced. `scripts/docs_figures.py` calls this and tells when it is stale.
+follows `MARK`; what stood there before is replaced. `scripts/docs_figures.py` calls this when it is stale.
 """
 
 import os
@@ -43,7 +43,7 @@ SHOWN = {
 """Pages that the commands write, and the pictures that are taken of their tops: name, width and height [px]."""
 
 MADE = {"parts/exploded.png": "exploded.png"}
-"""Pictures that the commands write, and their names beside the page."""
+"""Pictures that the commands write, and their names next to the page."""
 
 
 def commands(lines: str) -> list[str]:
@@ -52,7 +52,7 @@ def commands(lines: str) -> list[str]:
     return [line for line in bare if line.startswith("cycloid-mj ")]
 
 
-def printed(command: str, folder: Path) -> str:
+def run_command(command: str, folder: Path) -> str:
     """Run a command in a folder; return what it prints, and of one that fails its error."""
     words = [sys.executable, "-m", "cycloid_mj", *shlex.split(command)[1:]]
     print(f"$ {command}", file=sys.stderr, flush=True)
@@ -67,7 +67,7 @@ def with_printed(page: str, folder: Path) -> str:
     """Return a page with what its commands print when they run in a folder, in their order."""
 
     def filled(block: re.Match[str]) -> str:
-        text = "\n\n".join(filter(None, (printed(command, folder) for command in commands(block["lines"]))))
+        text = "\n\n".join(filter(None, (run_command(command, folder) for command in commands(block["lines"]))))
         return block["code"] + (f"\n{MARK}\n```text\n{text}\n```\n" if text else "")
 
     return BLOCK.sub(filled, page)

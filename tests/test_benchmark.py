@@ -179,7 +179,7 @@ def test_the_loops_of_two_trees_are_timed_in_turn() -> None:
 @pytest.mark.slow
 def test_the_program_of_the_statics_runs_in_this_tree(tmp_path) -> None:
     trial = next(trial for trial in against.TRIALS if trial.words == (against.STATICS,))
-    found = trial.figures(against.ended(against.ROOT, trial, (), tmp_path / "out"))
+    found = trial.figures(against.run_trial(against.ROOT, trial, (), tmp_path / "out"))
     assert 0.0 < found["pin 0.std"] != found["pin 1.std"]
     assert found["nonpin 4.mean"] > 0.0
 
@@ -203,7 +203,7 @@ def test_a_cluster_is_as_fast_as_its_workers_or_its_scheduler() -> None:
 def test_what_is_asked_is_held_against_what_is_taken(monkeypatch, capsys) -> None:
     cost, gained = asked.Demand("cost", 4.0, "s", lambda: 2.0), asked.Demand("gain", 4.0, "1", lambda: 2.0, least=True)
     monkeypatch.setattr(asked, "DEMANDS", (cost, gained))
-    monkeypatch.setattr(asked, "launched", lambda *words, **environment: None)
+    monkeypatch.setattr(asked, "launch", lambda *words, **environment: None)
     table = asked.asked_table(3)
     assert table == {
         "cost": {"taken": [2.0] * 3, "asked": [4.0], "share": [0.5] * 3},
@@ -220,11 +220,11 @@ def test_designs_of_what_is_asked_pass_their_checks() -> None:
 
 
 def test_a_command_is_launched_in_a_folder_of_its_own() -> None:
-    took = passes.launched("figures", "--quiet")
+    took = passes.launch("figures", "--quiet")
     assert 0.0 < took.cpu < 60.0
     assert took.memory > 10.0
     with pytest.raises(subprocess.CalledProcessError):
-        passes.launched("no-such-command")
+        passes.launch("no-such-command")
 
 
 def test_the_tests_of_releases_of_mujoco_are_there() -> None:

@@ -25,7 +25,7 @@ def made(monkeypatch, tmp_path: Path) -> ModuleType:
     monkeypatch.setattr(docs_figures, "STAMPS", tmp_path / "figures.json")
     monkeypatch.setattr(docs_figures, "SCRATCH", tmp_path / "scratch")
     monkeypatch.setattr(docs_figures, "ARTEFACTS", {"one": one})
-    monkeypatch.setattr(docs_figures, "probed", lambda _: docs_figures.now)
+    monkeypatch.setattr(docs_figures, "probe_values", lambda _: docs_figures.now)
     monkeypatch.setattr(sys, "argv", ["docs_figures.py"])
     docs_figures.now = {"force": 100.0, "word": "as it was"}
     return docs_figures

@@ -15,19 +15,10 @@ from cycloid_mj.base.frame import Cell, Frame, make_frame
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.base.result import Table
 from cycloid_mj.base.units import DEGREE
+from cycloid_mj.bench import model_selection
 from cycloid_mj.bench.fit import PROFILE, FitStopped, Fitted, fit
 from cycloid_mj.bench.loop import DEFLECTION, MeasuredLoop, require_torque
 from cycloid_mj.bench.loop_figures import DEFINITIONS, LoopFigures, coulomb_of, loop_figures, width_of
-from cycloid_mj.bench.model_selection import (
-    WRITTEN,
-    LoopStretch,
-    ModelFit,
-    compare_candidates,
-    compare_fits,
-    compare_stretches,
-    fit_candidates,
-    select_model,
-)
 from cycloid_mj.bench.overlay import LoopCondition, model_branches
 from cycloid_mj.bench.parameters import (
     DEFAULT,
@@ -91,31 +82,23 @@ UNEXPLAINED = (
 
 @dataclass(frozen=True)
 class Estimate:
-    """A fitted value, in its `unit`.
-
-    Attributes
-    ----------
-    value, unit, meaning
-        The value and its definition.
-    ci95, noise95
-        Ends of its intervals of 95 %: with the assumed model error (`INTERVALS`), and of the measurement's noise alone
-        about the likeliest value; no numbers for a value at its bound.
-    identified
-        Whether the loop determines it: both ends of `ci95` follow from the loop, not from the bounds of the search, nor
-        for the most part from the drawing, and the interval is no wider than the value.
-    drawn, deviation, source
-        Its prior: the start of the search, the standard deviation, inf without a prior, and the source of that.
-    """
+    """A fitted value, in its `unit`."""
 
     value: float
     unit: str
     meaning: str
+    """The value and its definition."""
     ci95: tuple[float, float]
     noise95: tuple[float, float]
+    """Ends of its intervals of 95 %: with the assumed model error (`INTERVALS`), and of the measurement's noise alone
+    about the likeliest value; no numbers for a value at its bound."""
     identified: bool
+    """Whether the loop determines it: both ends of `ci95` follow from the loop, not from the bounds of the search, nor
+    for the most part from the drawing, and the interval is no wider than the value."""
     drawn: float
     deviation: float
     source: str
+    """Its prior: the start of the search, the standard deviation, inf without a prior, and the source of that."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -151,26 +134,20 @@ class Calibration(Presented):
     alike: tuple[tuple[str, str, float], ...]
     measured: LoopFigures
     modelled: LoopFigures
-    variants: tuple[ModelFit, ...] = ()
-    candidates: tuple[ModelFit, ...] = ()
+    variants: tuple[model_selection.ModelFit, ...] = ()
+    candidates: tuple[model_selection.ModelFit, ...] = ()
     notes: tuple[str, ...] = ()
     complete: bool = True
 
     @property
     def frame(self) -> Frame:
         """Fitted values, one row each."""
+        names = ("key", "value", "unit", "low", "high", "identified")
         rows: list[dict[str, Cell]] = [
-            {
-                "key": key,
-                "value": item.value,
-                "unit": item.unit,
-                "low": item.ci95[0],
-                "high": item.ci95[1],
-                "identified": item.identified,
-            }
+            dict(zip(names, (key, item.value, item.unit, *item.ci95, item.identified), strict=True))
             for key, item in self.estimates.items()
         ]
-        return make_frame(rows, ("key", "value", "unit", "low", "high", "identified"), {})
+        return make_frame(rows, names, {})
 
     @property
     def line(self) -> str:
@@ -192,22 +169,22 @@ class Calibration(Presented):
         return tuple(key for key, estimate in self.estimates.items() if not estimate.identified)
 
     @property
-    def stretches(self) -> tuple[LoopStretch, ...]:
+    def stretches(self) -> tuple[model_selection.LoopStretch, ...]:
         """Deviation of the fitted model from each stretch of each loop."""
-        return compare_stretches(self.fitted)
+        return model_selection.compare_stretches(self.fitted)
 
     @property
-    def preferred(self) -> ModelFit | None:
+    def preferred(self) -> model_selection.ModelFit | None:
         """The candidate model that the loops support best; None where there are no candidates."""
-        return select_model(self.candidates) if self.candidates else None
+        return model_selection.select_model(self.candidates) if self.candidates else None
 
     @property
     def misfits(self) -> tuple[str, ...]:
         """Stretches that the fitted model cannot follow, and the model that does better; a sentence each."""
         best, sentences = self.preferred, list(self._worst_stretches())
-        if best is None or best.key == WRITTEN:
+        if best is None or best.key == model_selection.WRITTEN:
             return tuple(sentences)
-        own = next(item for item in self.candidates if item.key == WRITTEN)
+        own = next(item for item in self.candidates if item.key == model_selection.WRITTEN)
         extra = ", ".join(f"{key} {value:.3g}" for key, value in best.values.items() if key not in own.values)
         better = (
             f"{best.meaning}{f' ({extra})' if extra else ''} explains the loops better than the design's "
@@ -252,15 +229,8 @@ class Calibration(Presented):
 
     def _parameter_table(self) -> Table:
         """Tabulate the fitted values with their intervals."""
-        header = (
-            "value",
-            "fitted",
-            f"95 %, with a model error of {MODEL_ERROR:.0%}",
-            "95 %, noise alone",
-            "unit",
-            "determined by the loop",
-            "prior (one sigma)",
-        )
+        intervals = f"95 %, with a model error of {MODEL_ERROR:.0%}", "95 %, noise alone"
+        header = ("value", "fitted", *intervals, "unit", "determined by the loop", "prior (one sigma)")
         rows = tuple(
             (
                 key,
@@ -293,50 +263,26 @@ class Calibration(Presented):
     def _loop_table(self) -> Table:
         """Tabulate the loops with their residuals."""
         header = (
-            "loop",
-            "points",
-            "height [deg]",
-            "residual rms [deg]",
-            "relative to the height",
-            "without an offset of torque",
-            "torque range [N m]",
+            *("loop", "points", "height [deg]", "residual rms [deg]", "relative to the height"),
+            *("without an offset of torque", "torque range [N m]"),
         )
-        rows = tuple(
-            (
-                loop.name,
-                float(len(loop.torque)),
-                loop.height / DEGREE,
-                self.fitted.rms(number) / DEGREE,
-                f"{self.fitted.rms(number) / loop.height:.1%}",
-                f"{self.fitted.rms_without_offset(number) / loop.height:.1%}",
-                2.0 * loop.most,
-            )
-            for number, loop in enumerate(self.fitted.loops)
-        )
-        return Table("loops", header, rows)
+        rows: list[tuple[str | float, ...]] = []
+        for number, loop in enumerate(self.fitted.loops):
+            rms, without = self.fitted.rms(number), self.fitted.rms_without_offset(number)
+            shares = f"{rms / loop.height:.1%}", f"{without / loop.height:.1%}"
+            degrees = loop.height / DEGREE, rms / DEGREE
+            rows.append((loop.name, float(len(loop.torque)), *degrees, *shares, 2.0 * loop.most))
+        return Table("loops", header, tuple(rows))
 
     def _deviation_table(self) -> Table:
         """Tabulate the deviation of the fitted model from each stretch of each loop."""
-        header = (
-            "loop",
-            "stretch",
-            "torque [N m]",
-            "measured less model, mean [deg]",
-            "rms [deg]",
-            "rms of the height",
-        )
-        rows = tuple(
-            (
-                item.loop,
-                item.stretch,
-                f"{item.first:+.3g} to {item.last:+.3g}",
-                item.mean / DEGREE,
-                item.rms / DEGREE,
-                f"{item.share:.1%}",
-            )
-            for item in self.stretches
-        )
-        return Table("where the fitted model misses the loops", header, rows)
+        deviation = "measured less model, mean [deg]", "rms [deg]", "rms of the height"
+        rows: list[tuple[str | float, ...]] = []
+        for each in self.stretches:
+            torques, missed = f"{each.first:+.3g} to {each.last:+.3g}", (each.mean / DEGREE, each.rms / DEGREE)
+            rows.append((each.loop, each.stretch, torques, *missed, f"{each.share:.1%}"))
+        header = ("loop", "stretch", "torque [N m]", *deviation)
+        return Table("where the fitted model misses the loops", header, tuple(rows))
 
     def as_json(self) -> dict[str, Any]:
         """Convert all of it to JSON values."""
@@ -392,10 +338,7 @@ class Calibration(Presented):
                 }
                 for number, loop in enumerate(loops)
             ],
-            "torque_offset": {
-                "fitted": self.fitted.torque_offset,
-                "bic_gain": self.fitted.offset_gain,
-            },
+            "torque_offset": {"fitted": self.fitted.torque_offset, "bic_gain": self.fitted.offset_gain},
             "models": [_variant_json(item) for item in self.candidates],
             "preferred_model": self.preferred.key if self.preferred else None,
             "misses": [
@@ -441,10 +384,8 @@ def calibrate(
         Loops of one drive.
     keys
         Values to fit: names of ``bench.parameters.NAMED``, or keys of the design file.
-    held
-        Shaft that was locked.
-    crank
-        Angle of the crank [rad].
+    held, crank
+        Shaft that was locked, and angle of the crank [rad].
     progress
         Called at each evaluation with the number of evaluations so far, and that expected in all.
 
@@ -457,8 +398,7 @@ def calibrate(
     CalibrationStopped
         Ctrl-C: it has the values by then.
     """
-    design = resolve(design)
-    reducer = Reducer(design)
+    reducer = Reducer(resolve(design))
     if not loops:
         raise UsageError("a calibration needs a measured loop: add at least one with --loop LOOP.csv")
     drag = reducer.design.drag.output + (reducer.design.lobes * reducer.design.drag.crank if held == "output" else 0.0)
@@ -468,19 +408,19 @@ def calibrate(
     chosen, trials = parameters(reducer, keys, loops), Trials(progress)
     _require_sensitivity(FitProblem(model, chosen, tuple(loops), bench, Trials()))
     fits: dict[str, Fitted] = {}
-    compared: tuple[ModelFit, ...] = ()
+    compared: tuple[model_selection.ModelFit, ...] = ()
     torque_offset, offset_gain = None, math.nan
     try:
         if set(keys) == set(DEFAULT):
-            for key, item in fit_candidates(model, loops, bench, trials):
+            for key, item in model_selection.fit_candidates(model, loops, bench, trials):
                 fits[key] = item
-            compared = compare_candidates(fits)
+            compared = model_selection.compare_candidates(fits)
             # a zero offset belongs to the bench, not to the friction: the model nearest to the loops decides on it
-            best = fits[select_model(compared).key]
+            best = fits[model_selection.select_model(compared).key]
             torque_offset, offset_gain = best.torque_offset, best.offset_gain
         fitted = fit(model, chosen, loops, bench, trials, torque_offset=torque_offset)
     except FitStopped as stop:
-        so_far = _calibration(fits.get(WRITTEN, stop.fitted))
+        so_far = _calibration(fits.get(model_selection.WRITTEN, stop.fitted))
         notes = (*so_far.notes, STOPPED)
         raise CalibrationStopped(stop, replace(so_far, complete=False, candidates=compared, notes=notes)) from stop
     if torque_offset is not None:
@@ -521,24 +461,18 @@ def compare_losses(
         for parameter in fitted.parameters
         if parameter.key not in (*RUBBING, *STANDS_FOR_RUBBING)
     ]
-    smooth, trials = _without_friction(fitted.model.reducer), Trials(progress)
+    smooth = fitted.model.reducer.but(friction=dict.fromkeys(Friction.model_fields, 0.0)).design
+    trials = Trials(progress)
     fits: dict[tuple[str, str], Fitted] = {}
     for key, meaning, extra, rough in LOSSES:
         base = replace(
             fitted.model, reducer=Reducer(fitted.model.reducer.design if rough else smooth), contact_friction=True
         )
         chosen = parameters(fitted.model.reducer, [*common, *extra], fitted.loops)
-        fits[key, meaning] = fit(
-            base,
-            chosen,
-            fitted.loops,
-            fitted.bench,
-            trials,
-            intervals=False,
-            torque_offset=fitted.torque_offset,
-        )
+        loops, offset = fitted.loops, fitted.torque_offset
+        fits[key, meaning] = fit(base, chosen, loops, fitted.bench, trials, intervals=False, torque_offset=offset)
         trials.later = (len(LOSSES) - len(fits)) * trials.done / len(fits)
-        calibration = replace(calibration, variants=compare_fits(fits))
+        calibration = replace(calibration, variants=model_selection.compare_fits(fits))
         done(calibration)
     return calibration
 
@@ -558,12 +492,8 @@ def _calibration(fitted: Fitted) -> Calibration:
     estimates = {parameter.key: _estimate(fitted, number) for number, parameter in enumerate(fitted.parameters)}
     related = correlations(fitted)
     keys = list(estimates)
-    alike = tuple(
-        (keys[i], keys[j], float(related[i, j]))
-        for i in range(count)
-        for j in range(i)
-        if abs(related[i, j]) > MAX_CORRELATION
-    )
+    pairs = [(i, j) for i in range(count) for j in range(i) if abs(related[i, j]) > MAX_CORRELATION]
+    alike = tuple((keys[i], keys[j], float(related[i, j])) for i, j in pairs)
     calibrated = fitted.calibrated.reducer.design
     modelled = [replace(loop, deflection=turn) for loop, turn in zip(fitted.loops, fitted.turns, strict=True)]
     return Calibration(
@@ -594,16 +524,11 @@ def _estimate(fitted: Fitted, number: int) -> Estimate:
     return Estimate(value, parameter.unit, parameter.meaning, (low, high), noise, identified, *drawn)
 
 
-def _without_friction(reducer: Reducer) -> Design:
-    """Return a design whose contacts have no friction."""
-    return reducer.but(friction=dict.fromkeys(Friction.model_fields, 0.0)).design
-
-
 def _percent(shares: Sequence[float]) -> str:
     return " and ".join(f"{share:.1%}" for share in shares)
 
 
-def _comparison_table(title: str, loops: Sequence[MeasuredLoop], compared: Sequence[ModelFit]) -> Table:
+def _comparison_table(title: str, loops: Sequence[MeasuredLoop], compared: Sequence[model_selection.ModelFit]) -> Table:
     """Tabulate fits of several models to the same loops, with their criteria above the lowest."""
     bayesian, akaike = (min(getattr(item, key) for item in compared) for key in ("bayesian", "akaike"))
     header = ("model", *(f"{loop.name}: rms of height" for loop in loops), "BIC above best", "AIC above best", "values")
@@ -620,7 +545,7 @@ def _comparison_table(title: str, loops: Sequence[MeasuredLoop], compared: Seque
     return Table(title, header, rows)
 
 
-def _variant_json(item: ModelFit) -> dict[str, Any]:
+def _variant_json(item: model_selection.ModelFit) -> dict[str, Any]:
     """Convert the fit of a model to JSON values."""
     return {
         "key": item.key,
@@ -666,16 +591,11 @@ def _next_loops(fitted: Fitted, unknown: Sequence[str], alike: Sequence[tuple[st
 
 def _notes(fitted: Fitted) -> tuple[str, ...]:
     """Return remarks on loops, intervals and offsets, a sentence each."""
-    notes = [
-        f"{loop.name} counts deflection against the torque: its sign was changed"
-        for loop in fitted.loops
-        if loop.flipped
-    ]
-    notes += [
-        f"{loop.name}: the first {loop.lead} points lead to the loop and are not used"
-        for loop in fitted.loops
-        if loop.lead
-    ]
+    notes, sign = [], "counts deflection against the torque: its sign was changed"
+    for loop in fitted.loops:
+        notes += [f"{loop.name} {sign}"] if loop.flipped else []
+    for loop in fitted.loops:
+        notes += [f"{loop.name}: the first {loop.lead} points lead to the loop and are not used"] if loop.lead else []
     notes += [
         f"{item.key} is at the limit of the search, {value:.4g} {item.unit}: its interval is one-sided"
         for item, value, scaled in zip(fitted.parameters, fitted.values, fitted.scaled, strict=False)
@@ -683,15 +603,11 @@ def _notes(fitted: Fitted) -> tuple[str, ...]:
     ]
     notes.append(INTERVALS)
     if math.isfinite(fitted.offset_gain):
-        notes.append(_offset_note(fitted.torque_offset, fitted.offset_gain))
+        exact, word = "the zero of torque is taken as exact", "with" if fitted.torque_offset else "without"
+        chosen = "each loop has a fitted zero offset of torque" if fitted.torque_offset else exact
+        gain = f"{abs(fitted.offset_gain):.3g}"
+        notes.append(f"{chosen}: the Bayesian criterion {word} such offsets is lower by {gain}")
     return tuple(notes)
-
-
-def _offset_note(fitted: bool, gain: float) -> str:
-    chosen = "each loop has a fitted zero offset of torque" if fitted else "the zero of torque is taken as exact"
-    return (
-        f"{chosen}: the Bayesian criterion {'with' if fitted else 'without'} such offsets is lower by {abs(gain):.3g}"
-    )
 
 
 def _require_units(model: Model, loops: Sequence[MeasuredLoop], bench: LoopCondition) -> None:

@@ -61,49 +61,35 @@ PROFILE = ProfileSettings()
 
 @dataclass(frozen=True, eq=False)
 class Fitted:
-    """A model fitted to loops.
-
-    Attributes
-    ----------
-    model, parameters, bench, loops
-        The model before the fit, its parameters, and the loops with the condition under which they were measured.
-    likeliest
-        Scaled values with the smallest residuals: parameters, then offsets of torque and deflection of each loop.
-    scaled
-        Scaled values within the intervals whose deflections are nearest to the measured ones.
-    residuals
-        Residuals of each loop's points at `likeliest`, as shares of its ranges.
-    slopes
-        Slopes of all residuals by all scaled values there, shape (points, values).
-    uncertainty
-        Uncertainty of the scaled values; 0 of those at a bound, which are no measurement.
-    at_bound
-        Which values are at a bound, shape (values,).
-    ends
-        Ends of the 95 % interval of each scaled value (`uncertainty.CONFIDENCE`), shape (values, 2); one-sided at a
-        bound.
-    prior_share
-        Share of the knowledge of each value that is the prior's and not the loops', from 0 to 1, shape (values,).
-    torque_offset
-        Whether the loops have zero offsets of torque; else these are 0.
-    offset_gain
-        Bayesian information criterion without such offsets less that with them: positive where the loops support them.
-    """
+    """A model fitted to loops."""
 
     model: Model
     parameters: tuple[Parameter, ...]
     bench: LoopCondition
     loops: tuple[MeasuredLoop, ...]
+    """The model before the fit, its parameters, and the loops with the condition under which they were measured."""
     likeliest: Array
+    """Scaled values with the smallest residuals: parameters, then offsets of torque and deflection of each loop."""
     scaled: Array
+    """Scaled values within the intervals whose deflections are nearest to the measured ones."""
     residuals: tuple[Array, ...]
+    """Residuals of each loop's points at `likeliest`, as shares of its ranges."""
     slopes: Array
+    """Slopes of all residuals by all scaled values there, shape (points, values)."""
     uncertainty: FitUncertainty
+    """Uncertainty of the scaled values; 0 of those at a bound, which are no measurement."""
     at_bound: Mask
+    """Which values are at a bound, shape (values,)."""
     ends: Array
+    """Ends of the 95 % interval of each scaled value (`uncertainty.CONFIDENCE`), shape (values, 2); one-sided at a
+    bound."""
     prior_share: Array
+    """Share of the knowledge of each value that is the prior's and not the loops', from 0 to 1, shape (values,)."""
     torque_offset: bool = True
+    """Whether the loops have zero offsets of torque; else these are 0."""
     offset_gain: float = math.nan
+    """Bayesian information criterion without such offsets less that with them: positive where the loops support
+    them."""
 
     @property
     def values(self) -> Array:

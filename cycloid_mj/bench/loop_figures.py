@@ -210,11 +210,8 @@ def _stiffness(line: _Line | None) -> LoopFigure:
 
 def _of_both(positive: LoopFigure, negative: LoopFigure) -> LoopFigure:
     """Compute the stiffness whose compliance is the mean of both sides'; the interval covers both."""
-    return LoopFigure(
-        2.0 / (1.0 / positive.value + 1.0 / negative.value),
-        min(positive.low, negative.low),
-        max(positive.high, negative.high),
-    )
+    mean = 2.0 / (1.0 / positive.value + 1.0 / negative.value)
+    return LoopFigure(mean, min(positive.low, negative.low), max(positive.high, negative.high))
 
 
 def _play(rising: _Line | None, falling: _Line | None, coulomb: LoopFigure) -> LoopFigure:

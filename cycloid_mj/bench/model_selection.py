@@ -31,51 +31,35 @@ COMMON = tuple(key for key in DEFAULT if key not in STANDS_FOR_RUBBING)
 
 @dataclass(frozen=True)
 class ModelFit:
-    """The fit of one model to the same loops.
-
-    Attributes
-    ----------
-    key, meaning
-        Its key in JSON, and what it is.
-    shares
-        Rms difference of each loop's deflection from the model's at the same torque, over the loop's height.
-    bayesian, akaike
-        Bayesian and Akaike's information criterion; they compare only with those of the same comparison.
-    values
-        The fitted values by key, in their units.
-    """
+    """The fit of one model to the same loops."""
 
     key: str
     meaning: str
+    """Its key in JSON, and what it is."""
     shares: tuple[float, ...]
+    """Rms difference of each loop's deflection from the model's at the same torque, over the loop's height."""
     bayesian: float
     akaike: float
+    """Bayesian and Akaike's information criterion; they compare only with those of the same comparison."""
     values: dict[str, float]
+    """The fitted values by key, in their units."""
 
 
 @dataclass(frozen=True)
 class LoopStretch:
-    """Deviation of a fitted model from a stretch of a measured loop.
-
-    Attributes
-    ----------
-    loop, stretch
-        Name of the loop, and which part of it.
-    first, last
-        Torque at which it begins and ends [N m].
-    mean, rms
-        Mean and rms of the measured deflection less the model's [rad].
-    share
-        The rms over the loop's height [1].
-    """
+    """Deviation of a fitted model from a stretch of a measured loop."""
 
     loop: str
     stretch: str
+    """Name of the loop, and which part of it."""
     first: float
     last: float
+    """Torque at which it begins and ends [N m]."""
     mean: float
     rms: float
+    """Mean and rms of the measured deflection less the model's [rad]."""
     share: float
+    """The rms over the loop's height [1]."""
 
     @property
     def followed(self) -> bool:
@@ -158,11 +142,9 @@ def compare_stretches(fitted: Fitted) -> tuple[LoopStretch, ...]:
         leap = READING.loaded_coulomb * coulomb if np.isfinite(coulomb) else 0.0
         for direction, along in ((1, "torque rising"), (-1, "torque falling")):
             moving, carried = loop.moving(direction), direction * loop.torque
-            for stretch, inside in (
-                ("unloading", carried < 0.0),
-                ("across the play", (carried >= 0.0) & (carried < leap)),
-                ("loading", carried >= leap),
-            ):
+            crossing = (carried >= 0.0) & (carried < leap)
+            stretches = {"unloading": carried < 0.0, "across the play": crossing, "loading": carried >= leap}
+            for stretch, inside in stretches.items():
                 if np.any(moving & inside):
                     rows.append(_stretch(loop, turn, f"{along}, {stretch}", moving & inside, direction))
     return tuple(rows)

@@ -58,56 +58,39 @@ SHIFTING = {
 
 @dataclass(frozen=True)
 class Model:
-    """A design, and losses of a loop that a design file does not contain.
-
-    Attributes
-    ----------
-    reducer
-        The reducer of the design with the fitted values.
-    losses
-        Losses in addition to the friction of the contacts.
-    contact_friction
-        Whether the friction of the contacts is computed (`statics.friction_path`); else friction of the wind-up
-        represents all of it (`statics.locked`).
-    """
+    """A design, and losses of a loop that a design file does not contain."""
 
     reducer: Reducer
+    """The reducer of the design with the fitted values."""
     losses: Losses
+    """Losses in addition to the friction of the contacts."""
     contact_friction: bool = True
+    """Whether the friction of the contacts is computed (`statics.friction_path`); else friction of the wind-up
+    represents all of it (`statics.locked`)."""
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """Fitted value, in the unit in which it is printed.
-
-    Attributes
-    ----------
-    key, unit, meaning
-        Its name on the command line and in JSON, its unit, and its definition.
-    start, scale
-        Start of the search, and a change that matters.
-    lower, upper
-        Bounds of the search.
-    apply
-        Function from a model and a value to the model with that value.
-    logarithmic
-        Whether its logarithm is searched, as of a value that is known to within a decade; `scale` is then a change of
-        the logarithm.
-    deviation, source
-        Standard deviation of its prior about `start`, and the source of that; inf without a prior.
-    """
+    """Fitted value, in the unit in which it is printed."""
 
     key: str
     unit: str
     meaning: str
+    """Its name on the command line and in JSON, its unit, and its definition."""
     start: float
     scale: float
+    """Start of the search, and a change that matters."""
     lower: float
     upper: float
+    """Bounds of the search."""
     apply: Callable[[Model, float], Model]
+    """Function from a model and a value to the model with that value."""
     logarithmic: bool = False
+    """Whether its logarithm is searched, as of a value that is known to within a decade; `scale` is then a change of
+    the logarithm."""
     deviation: float = math.inf
     source: str = ""
+    """Standard deviation of its prior about `start`, and the source of that; inf without a prior."""
 
     @property
     def scaled_deviation(self) -> float:
@@ -191,6 +174,7 @@ def _plays(reducer: Reducer) -> tuple[Parameter, ...]:
     um, zones = MICROMETRE.from_si, tolerance_zones(reducer)
 
     def play(key: str, meaning: str, start: float, *kinds: str) -> Parameter:
+        """Return the clearance of some kinds of pairs, with the tolerances that shift it as its prior."""
         shifting = [
             item for item in SHIFTING if item in zones and {"teeth": tooth}.get(SHIFTING[item], SHIFTING[item]) in kinds
         ]

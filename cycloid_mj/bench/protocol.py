@@ -54,14 +54,13 @@ class StatedLine(NamedTuple):
 
 RV = "Nabtesco, RV catalogues, torsional rigidity; Spinea, TwinSpin catalogue; GB/T 40731-2021"
 HARMONIC = "Harmonic Drive, engineering data, glossary"
+MIDDLES = "rotation between the middles of the loop's branches at +3 % and -3 % of the rated torque, crank locked"
+STARTING = "torque on the crank at which it begins to turn, without a load on the output"
+RUNNING = "mean torque on the crank that keeps its speed, without a load on the output"
+BACK_DRIVING = "torque on the output at which the crank begins to turn, without a torque on the crank"
 
 LINES: Mapping[str, StatedLine] = {
-    "lost_motion_arcmin": StatedLine(
-        "lost motion",
-        "arcmin",
-        "rotation between the middles of the loop's branches at +3 % and -3 % of the rated torque, crank locked",
-        RV,
-    ),
+    "lost_motion_arcmin": StatedLine("lost motion", "arcmin", MIDDLES, RV),
     "hysteresis_loss_arcmin": StatedLine(
         "hysteresis loss",
         "arcmin",
@@ -87,24 +86,9 @@ LINES: Mapping[str, StatedLine] = {
         f"unloaded (the model: {100.0 * UNLOADED_SHARE:g} % of the rated torque, without friction)",
         f"{HARMONIC}, transmission accuracy; GB/T 35089-2018",
     ),
-    "starting_torque_nm": StatedLine(
-        "no-load starting torque",
-        "N m",
-        "torque on the crank at which it begins to turn, without a load on the output",
-        f"{HARMONIC}; GB/T 35089-2018",
-    ),
-    "running_torque_nm": StatedLine(
-        "no-load running torque",
-        "N m",
-        "mean torque on the crank that keeps its speed, without a load on the output",
-        f"{HARMONIC}; GB/T 35089-2018",
-    ),
-    "back_driving_torque_nm": StatedLine(
-        "no-load back-driving torque",
-        "N m",
-        "torque on the output at which the crank begins to turn, without a torque on the crank",
-        HARMONIC,
-    ),
+    "starting_torque_nm": StatedLine("no-load starting torque", "N m", STARTING, f"{HARMONIC}; GB/T 35089-2018"),
+    "running_torque_nm": StatedLine("no-load running torque", "N m", RUNNING, f"{HARMONIC}; GB/T 35089-2018"),
+    "back_driving_torque_nm": StatedLine("no-load back-driving torque", "N m", BACK_DRIVING, HARMONIC),
 }
 """Lines by their keys in JSON, which end in the unit."""
 
@@ -122,28 +106,20 @@ class BenchFiles:
 
 @dataclass(frozen=True, eq=False)
 class Protocol:
-    """Standard test figures of one drive.
-
-    Attributes
-    ----------
-    design, rated
-        Name of the design, and rated torque on the output [N m].
-    model, bench
-        Figures by the keys of `LINES`, as far as they exist: the mean over the positions of the crank, and the
-        smallest and largest with their intervals.
-    loops, bench_loops
-        Loops from which the loop figures are computed.
-    notes
-        Assumptions, a sentence each.
-    """
+    """Standard test figures of one drive."""
 
     design: str
     rated: float
+    """Name of the design, and rated torque on the output [N m]."""
     model: Mapping[str, LoopFigure]
     bench: Mapping[str, LoopFigure]
+    """Figures by the keys of `LINES`, as far as they exist: the mean over the positions of the crank, and the smallest
+    and largest with their intervals."""
     loops: tuple[MeasuredLoop, ...]
     bench_loops: tuple[MeasuredLoop, ...]
+    """Loops from which the loop figures are computed."""
     notes: tuple[str, ...]
+    """Assumptions, a sentence each."""
 
     def table(self) -> Table:
         """Tabulate the figures of model and bench."""
@@ -320,11 +296,8 @@ def _merge(figures: Sequence[LoopFigure]) -> LoopFigure:
 
 def _of_model(reducer: Reducer, rated: float) -> dict[str, LoopFigure]:
     """Compute the model's figures that are not of a loop, by the functions of the catalogue."""
-    of_catalogue = {
-        "starting_torque_nm": "starting_torque_nm",
-        "running_torque_nm": "no_load_torque_nm",
-        "back_driving_torque_nm": "back_driving_torque_free_nm",
-    }
+    of_catalogue = {"starting_torque_nm": "starting_torque_nm", "running_torque_nm": "no_load_torque_nm"}
+    of_catalogue |= {"back_driving_torque_nm": "back_driving_torque_free_nm"}
     return {
         "te_arcsec": LoopFigure.about(float(np.ptp(model_error(reducer, UNLOADED_SHARE * rated))) / ARCSECOND),
         **{line: LoopFigure.about(figure(key).value(reducer)) for line, key in of_catalogue.items()},

@@ -81,24 +81,17 @@ class Trials:
 
 @dataclass(frozen=True, eq=False)
 class FitProblem:
-    """Residuals of a model and their slopes as functions of the scaled values.
-
-    Attributes
-    ----------
-    model, parameters, loops, bench
-        The model, its fitted parameters, the measured loops, and the condition under which they were measured.
-    trials
-        Counter of the model's evaluations.
-    torque_offset
-        Whether each loop has a zero offset of torque that is fitted; else all of them are 0.
-    """
+    """Residuals of a model and their slopes as functions of the scaled values."""
 
     model: Model
     parameters: tuple[Parameter, ...]
     loops: tuple[MeasuredLoop, ...]
     bench: LoopCondition
+    """The model, its fitted parameters, the measured loops, and the condition under which they were measured."""
     trials: Trials
+    """Counter of the model's evaluations."""
     torque_offset: bool = True
+    """Whether each loop has a zero offset of torque that is fitted; else all of them are 0."""
 
     @cached_property
     def prior_weights(self) -> Array:
@@ -115,7 +108,9 @@ class FitProblem:
     @cached_property
     def point_weights(self) -> Array:
         """Share of its loop that each residual is; 1 for the residual of a prior."""
-        return np.concatenate([*_weights(self.loops), np.ones(np.count_nonzero(self.prior_weights))])
+        lengths = [len(loop.torque) - loop.lead for loop in self.loops]
+        weights = [np.full(length, 1.0 / length) for length in lengths]
+        return np.concatenate([*weights, np.ones(np.count_nonzero(self.prior_weights))])
 
     @property
     def bounds(self) -> tuple[Array, Array]:
@@ -144,7 +139,7 @@ class FitProblem:
 
     @cached_property
     def _models(self) -> Callable[[tuple[float, ...]], Model]:
-        """Cached function from the first scaled values, as many as there are, to the model with them."""
+        """Function from the scaled values of the parameters to the model with these values, cached."""
 
         @lru_cache(maxsize=8 * len(self.parameters))
         def with_first(scaled: tuple[float, ...]) -> Model:
@@ -212,7 +207,7 @@ class FitProblem:
     def slopes(
         self,
         scaled: Array,
-        by: Sequence[int],
+        indices: Sequence[int],
         central: bool = False,
         ends: tuple[Array, Array] | None = None,
         residuals: Callable[[Array], Array] | None = None,
@@ -223,7 +218,7 @@ class FitProblem:
         ----------
         scaled
             The values.
-        by
+        indices
             Indices of the values by which to differentiate.
         central
             Whether differences are central, not forward.
@@ -239,7 +234,7 @@ class FitProblem:
         """
         low, high = ends or self.bounds
         compute, columns = residuals or self.residuals, []
-        for index in by:
+        for index in indices:
             pair = np.stack([scaled, scaled])
             pair[1, index] += SETTINGS.difference_step
             pair[0, index] -= SETTINGS.difference_step if central else 0.0
@@ -373,11 +368,6 @@ def _filler(start: Array, free: Sequence[int] | Integers) -> Callable[[Array], A
         return scaled
 
     return fill
-
-
-def _weights(loops: Sequence[MeasuredLoop]) -> list[Array]:
-    lengths = [len(loop.torque) - loop.lead for loop in loops]
-    return [np.full(length, 1.0 / length) for length in lengths]
 
 
 def _centre(loop: MeasuredLoop) -> float:

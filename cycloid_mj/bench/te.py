@@ -61,33 +61,23 @@ class MeasuredError:
 
 @dataclass(frozen=True, eq=False)
 class BenchComparison:
-    """Measured transmission error and that of a design.
-
-    Attributes
-    ----------
-    design, load, zero
-        Name of the design, torque of the model [N m], and the model's crank angle at the bench's zero [rad].
-    measured
-        The measured error.
-    model
-        The model's error at the measured angles, about its mean [rad], shape (n,).
-    order
-        Orders that are compared [1], shape (k,).
-    bench_amplitude, model_amplitude
-        Complex amplitudes by order [rad], shape (k,).
-    causes
-        Possible causes of each order, in words.
-    """
+    """Measured transmission error and that of a design."""
 
     design: str
     load: float
     zero: float
+    """Name of the design, torque of the model [N m], and the model's crank angle at the bench's zero [rad]."""
     measured: MeasuredError
+    """The measured error."""
     model: Array
+    """The model's error at the measured angles, about its mean [rad], shape (n,)."""
     order: Array
+    """Orders that are compared [1], shape (k,)."""
     bench_amplitude: Array
     model_amplitude: Array
+    """Complex amplitudes by order [rad], shape (k,)."""
     causes: tuple[str, ...]
+    """Possible causes of each order, in words."""
 
     @property
     def explained(self) -> Array:
@@ -219,17 +209,8 @@ def compare_bench(design: Design, measured: MeasuredError, load: float | None = 
     amplitude = solved[1 : len(order) + 1] - 1j * solved[len(order) + 1 :]
     known = causes(reducer)
     names = tuple(", ".join(item.name for item in known if item.has(float(each))) or "none" for each in order)
-    return BenchComparison(
-        reducer.design.name,
-        torque,
-        zero,
-        measured,
-        model - model.mean(),
-        order,
-        amplitude[:, 0],
-        amplitude[:, 1],
-        names,
-    )
+    name, model = reducer.design.name, model - model.mean()
+    return BenchComparison(name, torque, zero, measured, model, order, amplitude[:, 0], amplitude[:, 1], names)
 
 
 def model_error(reducer: Reducer, torque: float) -> Array:

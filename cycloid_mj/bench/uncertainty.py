@@ -46,24 +46,16 @@ def autocorrelation_time(residuals: Array) -> float:
 
 @dataclass(frozen=True, eq=False)
 class FitUncertainty:
-    """Uncertainty of v fitted values.
-
-    Attributes
-    ----------
-    covariance
-        Covariance of the values, shape (v, v).
-    inverse
-        Inverse of half the curvature of the sum of squares: the covariance for noise of size 1, shape (v, v).
-    influence
-        Change of the values per point, over the root of 1 less its leverage, shape (n, v).
-    point_count
-        How many points count as one at each point, shape (n,).
-    """
+    """Uncertainty of v fitted values."""
 
     covariance: Array
+    """Covariance of the values, shape (v, v)."""
     inverse: Array
+    """Inverse of half the curvature of the sum of squares: the covariance for noise of size 1, shape (v, v)."""
     influence: Array
+    """Change of the values per point, over the root of 1 less its leverage, shape (n, v)."""
     point_count: Array
+    """How many points count as one at each point, shape (n,)."""
 
     @property
     def errors(self) -> Array:

@@ -20,28 +20,19 @@ from cycloid_mj.explore.zone import Zone
 
 @dataclass(frozen=True)
 class SobolSettings:
-    """Settings of the Sobol indices: pick-freeze estimators with a cross-fitted linear control variate.
-
-    Attributes
-    ----------
-    min_samples
-        Samples of each set below which there is no budget. From 64 on the 95 % intervals of a nearly linear figure
-        contain the exact share in 90 % or more of the studies (`tests/explore/test_budget.py`).
-    min_drawn
-        Samples of each set that are drawn at least, so that some may jam.
-    max_samples
-        Samples of each set at most: a share is then known to 0.03.
-    folds
-        Parts of the samples; the linear part that is subtracted from one part is fitted to the others.
-    max_columns
-        Columns of a linear fit at most, as a share of its rows.
-    """
+    """Settings of the Sobol indices: pick-freeze estimators with a cross-fitted linear control variate."""
 
     min_samples: int = 64
+    """Samples of each set below which there is no budget. From 64 on the 95 % intervals of a nearly linear figure
+    contain the exact share in 90 % or more of the studies (`tests/explore/test_budget.py`)."""
     min_drawn: int = 80
+    """Samples of each set that are drawn at least, so that some may jam."""
     max_samples: int = 512
+    """Samples of each set at most: a share is then known to 0.03."""
     folds: int = 4
+    """Parts of the samples; the linear part that is subtracted from one part is fitted to the others."""
     max_columns: float = 0.25
+    """Columns of a linear fit at most, as a share of its rows."""
 
 
 SOBOL = SobolSettings()
@@ -49,22 +40,15 @@ SOBOL = SobolSettings()
 
 @dataclass(frozen=True)
 class Share:
-    """Share of one tolerance in the variance of a figure.
-
-    Attributes
-    ----------
-    source
-        Its key in the design file's table; ``profile_2`` is the wave of the profile of order 2.
-    first_order, total
-        Sobol indices: the share of the variance that it causes alone, and together with all others.
-    ci95
-        Bounds of the 95 % confidence interval of `total`.
-    """
+    """Share of one tolerance in the variance of a figure."""
 
     source: str
+    """Its key in the design file's table; ``profile_2`` is the wave of the profile of order 2."""
     first_order: float
     total: float
+    """Sobol indices: the share of the variance that it causes alone, and together with all others."""
     ci95: tuple[float, float]
+    """Bounds of the 95 % confidence interval of `total`."""
 
 
 def budget_samples(samples: int) -> int:

@@ -90,11 +90,8 @@ def explain_jams(reducer: Reducer, zones: Mapping[str, Zone], seed: int, jams: M
         for key in zones
         if max(_interference(reducer, {other: drawn[other] for other in zones if other != key})[0]) <= 0.0
     ]
-    remedy = (
-        f"without {' or '.join(sufficient)} the parts of these samples fit"
-        if sufficient
-        else "no single tolerance is the cause"
-    )
+    remedy = f"without {' or '.join(sufficient)} the parts of these samples fit"
+    remedy = remedy if sufficient else "no single tolerance is the cause"
     return (
         f"in the first {rows.size} of them {' and '.join(pairs)} interfere{'' if len(pairs) > 1 else 's'} by "
         f"{MICROMETRES * max(min(depths), 0.0):.3g} to {MICROMETRES * max(depths):.3g} um (rigid parts, in the "

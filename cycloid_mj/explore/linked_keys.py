@@ -14,32 +14,21 @@ from cycloid_mj.reducer import Reducer
 _EXAMPLE = "'output.hole_radius_mm=output.pin_radius_mm+gear.eccentricity_mm'"
 
 _OPERATIONS: Mapping[type[ast.AST], Callable[..., float]] = {
-    ast.Add: operator.add,
-    ast.Sub: operator.sub,
-    ast.Mult: operator.mul,
-    ast.Div: operator.truediv,
-    ast.USub: operator.neg,
-    ast.UAdd: operator.pos,
+    **{ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv},
+    **{ast.USub: operator.neg, ast.UAdd: operator.pos},
 }
 
 
 @dataclass(frozen=True)
 class LinkRule:
-    """Rule by which a key follows without a formula.
-
-    Attributes
-    ----------
-    words
-        The rule in words.
-    leaders
-        Keys that it follows.
-    apply
-        Sets the key: from the drive at the start and that at the point to the latter with the key set.
-    """
+    """Rule by which a key follows without a formula."""
 
     words: str
+    """The rule in words."""
     leaders: frozenset[str]
+    """Keys that it follows."""
     apply: Callable[[Reducer, Reducer], Reducer]
+    """Sets the key: from the drive at the start and that at the point to the latter with the key set."""
 
 
 def _set_hole_radius(start: Reducer, reducer: Reducer) -> Reducer:
@@ -53,33 +42,23 @@ def _set_torque(start: Reducer, reducer: Reducer) -> Reducer:
     return reducer.but(drive={"torque": design.drive.torque * start.design.rated_torque / design.rated_torque})
 
 
+_HOLE, _RATED = "output pin radius plus eccentricity plus the clearance of the start", "the rated torque on the output"
+_OF_HOLE, _OF_RATIO = {"gear.eccentricity_mm", "output.pin_radius_mm"}, {"ring.teeth", "output.member"}
 RULES: Mapping[str, LinkRule] = {
-    "output.hole_radius_mm": LinkRule(
-        "output pin radius plus eccentricity plus the clearance of the start",
-        frozenset({"gear.eccentricity_mm", "output.pin_radius_mm"}),
-        _set_hole_radius,
-    ),
-    "drive.torque_nm": LinkRule(
-        "keeps the rated torque on the output", frozenset({"ring.teeth", "output.member"}), _set_torque
-    ),
+    "output.hole_radius_mm": LinkRule(_HOLE, frozenset(_OF_HOLE), _set_hole_radius),
+    "drive.torque_nm": LinkRule(f"keeps {_RATED}", frozenset(_OF_RATIO), _set_torque),
 }
 """Keys that have a rule of their own."""
 
 
 @dataclass(frozen=True)
 class Link:
-    """A key that follows others, in the words and units of the design file.
-
-    Attributes
-    ----------
-    key
-        The key that is set.
-    formula
-        Sums, differences, products and quotients of numbers and keys; empty for the key's rule in `RULES`.
-    """
+    """A key that follows others, in the words and units of the design file."""
 
     key: str
+    """The key that is set."""
     formula: str = ""
+    """Sums, differences, products and quotients of numbers and keys; empty for the key's rule in `RULES`."""
 
     @property
     def words(self) -> str:

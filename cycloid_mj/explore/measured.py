@@ -21,41 +21,27 @@ from cycloid_mj.reducer import Reducer
 
 @dataclass(frozen=True)
 class MeasureSettings:
-    """Settings of the measures.
-
-    Attributes
-    ----------
-    quick
-        Whether they use fewer angles and runs, as by their flag of that name.
-    real_pins
-        Whether runs keep the inertia of moving pins under a load.
-    solver
-        Solver of the runs.
-    """
+    """Settings of the measures."""
 
     quick: bool = False
+    """Whether they use fewer angles and runs, as by their flag of that name."""
     real_pins: bool = False
+    """Whether runs keep the inertia of moving pins under a load."""
     solver: Solver = "planar"
+    """Solver of the runs."""
 
 
 @dataclass(frozen=True)
 class Measured:
-    """Result of one measure of one design.
-
-    Attributes
-    ----------
-    values
-        Column -> number, text or switch; a column of a number ends in its unit.
-    units
-        Column -> unit, of numbers that have one.
-    assumptions, warnings
-        Sentences about the numbers.
-    """
+    """Result of one measure of one design."""
 
     values: Mapping[str, Cell]
+    """Column -> number, text or switch; a column of a number ends in its unit."""
     units: Mapping[str, str] = field(default_factory=dict)
+    """Column -> unit, of numbers that have one."""
     assumptions: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
+    """Sentences about the numbers."""
 
 
 def _from_quantities(quantities: Iterable[Quantity], **more: Any) -> Measured:
@@ -97,11 +83,8 @@ def _simulate(reducer: Reducer, options: MeasureSettings) -> Measured:
     if (steps := schedule(ran, compiled.timestep).steps) > MAX_STEPS:
         raise RunError(f"the run would take {steps:.3g} time steps; allowed: {MAX_STEPS:.0e}. Shorten drive.hold_s")
     findings = analyze(simulate(ran.design, compiled))
-    values = {
-        "solver": options.solver,
-        "pins": ran.design.ring.pins if ran.design.ring.kind == "pin" else "none",
-        **dict(_flat(findings.as_json())),
-    }
+    pins = ran.design.ring.pins if ran.design.ring.kind == "pin" else "none"
+    values = {"solver": options.solver, "pins": pins, **dict(_flat(findings.as_json()))}
     assumptions = (
         massless_assumptions(reducer, "loaded runs (mean values; speeds sway up to a fifth less)") if light else ()
     )
@@ -185,10 +168,7 @@ def _figure(row: Figure, reducer: Reducer, _: MeasureSettings) -> Measured:
 MEASURED: Mapping[str, Callable[[Reducer, MeasureSettings], Measured]] = {
     "statics": _statics,
     **{name: partial(_measure, name) for name in MEASURES},
-    "simulate": _simulate,
-    "mass": _mass,
-    "checks": _checks,
-    "figures": _figures,
+    **{"simulate": _simulate, "mass": _mass, "checks": _checks, "figures": _figures},
 }
 """Name -> measure; only `checks` accepts a design that cannot be built; `figures` are those of geometry and statics."""
 

@@ -119,8 +119,7 @@ def optimize(
     CycloidError
         The folder cannot be written; its rows are kept.
     """
-    design = resolve(design)
-    reducer = Reducer(design)
+    reducer = Reducer(resolve(design))
     task = define_problem(reducer, vary, _as_tuple(minimize), _as_tuple(maximize), _as_tuple(limits), strict, follow)
     optimum = run_search(task, evaluations, starts, seed, out, engine, progress)
     if optimum.best is None:
@@ -158,19 +157,13 @@ def check_best(optimum: Optimum, solver: Solver = "planar", progress: Progress =
     """Return the optimisation with checks of its best design: statics, dynamics, and tolerances where it has some."""
     best = optimum.design()
     try:
-        ranges = (
-            tolerance(best, OPTIMIZER.tolerance_samples, optimum.seed, progress=progress)
-            if tolerance_zones(Reducer(best))
-            else None
-        )
+        zones, samples = tolerance_zones(Reducer(best)), OPTIMIZER.tolerance_samples
+        ranges = tolerance(best, samples, optimum.seed, progress=progress) if zones else None
     except TooManyJams as jam:
         ranges = jam.tolerances
-    return Optimum(
-        optimum.task,
-        optimum.rows,
-        optimum.seed,
-        BestChecks(_sheet(Reducer(best)), _sheet(optimum.task.reducer), verify_design(Reducer(best), solver), ranges),
-    )
+    sheets = _sheet(Reducer(best)), _sheet(optimum.task.reducer)
+    checks = BestChecks(*sheets, verify_design(Reducer(best), solver), ranges)
+    return Optimum(optimum.task, optimum.rows, optimum.seed, checks)
 
 
 def _sheet(reducer: Reducer) -> Sheet | None:

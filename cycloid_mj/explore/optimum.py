@@ -29,22 +29,15 @@ AT_END = 0.01
 
 @dataclass(frozen=True, eq=False)
 class BestChecks:
-    """Checks of the best design.
-
-    Attributes
-    ----------
-    sheet, start
-        Static sheets of the best design and of the start; None where it cannot be built or balanced.
-    dynamics
-        Its run in full dynamics.
-    tolerances
-        Its tolerance study; None where it has no tolerances.
-    """
+    """Checks of the best design."""
 
     sheet: Sheet | None
     start: Sheet | None
+    """Static sheets of the best design and of the start; None where it cannot be built or balanced."""
     dynamics: DynamicsCheck
+    """Its run in full dynamics."""
     tolerances: Tolerances | None = None
+    """Its tolerance study; None where it has no tolerances."""
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -304,14 +297,9 @@ def tables(optimum: Optimum) -> tuple[Table, ...]:
     assert optimum.best is not None
     start, best = optimum.values(0), optimum.values(optimum.best)
     keys = tuple((key, _short(start[key]), _short(best[key])) for key in optimum.task.keys)
+    before, change = optimum.start_figures, optimum.change
     figures = tuple(
-        (
-            figure(key).name,
-            _number(optimum.start_figures.get(key)),
-            _number(value),
-            _percent(optimum.change(key)),
-            figure(key).unit,
-        )
+        (figure(key).name, _number(before.get(key)), _number(value), _percent(change(key)), figure(key).unit)
         for key, value in optimum.best_figures.items()
     )
     total = optimum.evaluations

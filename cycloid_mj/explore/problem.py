@@ -60,31 +60,21 @@ class Choice:
 
 @dataclass(frozen=True)
 class Problem:
-    """A design, and the variables, objectives and limits of its optimisation.
-
-    Attributes
-    ----------
-    reducer
-        The start.
-    ranges, choices
-        Keys that vary: real numbers, which are searched; whole numbers and words, which are tried one by one.
-    objectives
-        One or two.
-    limits
-        Limits on figures.
-    strict
-        Whether warnings of the checks reject a point, too.
-    links
-        Keys that follow those of the points.
-    """
+    """A design, and the variables, objectives and limits of its optimisation."""
 
     reducer: Reducer
+    """The start."""
     ranges: tuple[SearchRange, ...]
     choices: tuple[Choice, ...]
+    """Keys that vary: real numbers, which are searched; whole numbers and words, which are tried one by one."""
     objectives: tuple[Objective, ...]
+    """One or two."""
     limits: tuple[FigureLimit, ...]
+    """Limits on figures."""
     strict: bool
+    """Whether warnings of the checks reject a point, too."""
     links: tuple[Link, ...] = ()
+    """Keys that follow those of the points."""
 
     @property
     def variables(self) -> tuple[SearchRange | Choice, ...]:

@@ -29,19 +29,13 @@ HEADLINES = (
 
 @dataclass(frozen=True)
 class Ranks:
-    """Spearman's rank correlations.
-
-    Attributes
-    ----------
-    inputs, quantities
-        Names of columns.
-    rho
-        Correlation of each quantity with each input, shape (quantities, inputs); NaN where one of them never changes.
-    """
+    """Spearman's rank correlations."""
 
     inputs: tuple[str, ...]
     quantities: tuple[str, ...]
+    """Names of columns."""
     rho: Array
+    """Correlation of each quantity with each input, shape (quantities, inputs); NaN where one of them never changes."""
 
 
 def number_inputs(sweep: Sweep) -> tuple[str, ...]:

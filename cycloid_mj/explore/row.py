@@ -16,27 +16,18 @@ from cycloid_mj.reducer import Reducer
 
 @dataclass(frozen=True)
 class Task:
-    """Task of each point: the design, its keys and measures.
-
-    Attributes
-    ----------
-    reducer
-        The drive that the points change.
-    keys
-        Keys of the design file that the points have values of.
-    measures
-        Names of measures, or keys of figures.
-    options
-        Settings of the measures.
-    links
-        Keys that follow those of the points.
-    """
+    """Task of each point: the design, its keys and measures."""
 
     reducer: Reducer
+    """The drive that the points change."""
     keys: tuple[str, ...]
+    """Keys of the design file that the points have values of."""
     measures: tuple[str, ...]
+    """Names of measures, or keys of figures."""
     options: MeasureSettings
+    """Settings of the measures."""
     links: tuple[Link, ...] = ()
+    """Keys that follow those of the points."""
 
     def column(self, measure: str, name: str) -> str:
         """Return the name of a column: ``measure.name`` where there are several measures, the key of a figure."""
@@ -45,29 +36,20 @@ class Task:
 
 @dataclass(frozen=True)
 class PointResult:
-    """Result of a point.
-
-    Attributes
-    ----------
-    values, units
-        By column.
-    error
-        Why the point, or one of its measures, failed; empty where all succeeded.
-    warnings, assumptions
-        Sentences of all its measures.
-    cpu
-        CPU time [s].
-    followed
-        Values of the keys that follow.
-    """
+    """Result of a point."""
 
     values: dict[str, Cell] = field(default_factory=dict)
     units: dict[str, str] = field(default_factory=dict)
+    """By column."""
     error: str = ""
+    """Why the point, or one of its measures, failed; empty where all succeeded."""
     warnings: tuple[str, ...] = ()
     assumptions: tuple[str, ...] = ()
+    """Sentences of all its measures."""
     cpu: float = 0.0
+    """CPU time [s]."""
     followed: dict[str, Cell] = field(default_factory=dict)
+    """Values of the keys that follow."""
 
 
 def evaluate_row(task: Task, values: Sequence[Value]) -> PointResult:

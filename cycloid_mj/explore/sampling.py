@@ -22,17 +22,8 @@ FIRST_BATCH = 200
 """Samples that are balanced before all others, to see whether they jam."""
 
 SOURCES = (
-    "mesh",
-    "seat",
-    "cam",
-    "output",
-    "pin_position",
-    "pin_radius",
-    "pin_circle",
-    "hole_position",
-    "eccentricity",
-    "disc_size",
-    "cam_position",
+    *("mesh", "seat", "cam", "output", "pin_position", "pin_radius", "pin_circle"),
+    *("hole_position", "eccentricity", "disc_size", "cam_position"),
 )
 """Tolerances, as in the design file; the index of each is the number of its random stream."""
 
@@ -83,27 +74,18 @@ def tolerance_zones(reducer: Reducer) -> dict[str, Zone]:
 
 @dataclass(frozen=True)
 class Batch:
-    """Samples that are drawn and balanced together.
-
-    Attributes
-    ----------
-    number
-        Number of their block.
-    count
-        Number of samples.
-    first
-        Number of samples of the block before these.
-    compared
-        Whether they are a set of the error budget; it is drawn from random streams of its own.
-    second
-        Tolerances that have the values of the budget's second set: all of them, one, or none.
-    """
+    """Samples that are drawn and balanced together."""
 
     number: int
+    """Number of their block."""
     count: int
+    """Number of samples."""
     first: int = 0
+    """Number of samples of the block before these."""
     compared: bool = False
+    """Whether they are a set of the error budget; it is drawn from random streams of its own."""
     second: tuple[str, ...] = ()
+    """Tolerances that have the values of the budget's second set: all of them, one, or none."""
 
 
 def list_batches(samples: int) -> list[Batch]:
@@ -163,29 +145,16 @@ def _shape(reducer: Reducer, key: str) -> tuple[int, ...]:
     """Return the shape of the random numbers of a tolerance for one sample."""
     design = reducer.design
     pins, discs = design.ring.teeth, design.gear.discs
-    shapes = {
-        "pin_position": (pins, 2),
-        "pin_radius": (pins,),
-        "hole_position": (discs, design.output.pins, 2),
-        "disc_size": (discs,),
-        "cam_position": (discs, 2),
-    }
+    shapes = {"pin_position": (pins, 2), "pin_radius": (pins,), "hole_position": (discs, design.output.pins, 2)}
+    shapes |= {"disc_size": (discs,), "cam_position": (discs, 2)}
     return (2,) if key.startswith(WAVE) else shapes.get(key, ())
 
 
 def apply_departures(reducer: Reducer, nominal: Samples, changed: Mapping[str, Array]) -> Samples:
     """Return samples of the nominal design with departures [m] added, by tolerance, shape (samples, ...)."""
-    fields = {
-        "pin_position": "pin_place",
-        "hole_position": "hole_place",
-        "disc_size": "disc_radius",
-        "cam_position": "cam_place",
-    }
-    parts = {
-        fields.get(key, key): getattr(nominal, fields.get(key, key)) + changed[key]
-        for key in SOURCES
-        if key in changed and key != "pin_circle"
-    }
+    fields = {f"{key}_position": f"{key}_place" for key in ("pin", "hole", "cam")} | {"disc_size": "disc_radius"}
+    names = {key: fields.get(key, key) for key in SOURCES if key in changed and key != "pin_circle"}
+    parts = {name: getattr(nominal, name) + changed[key] for key, name in names.items()}
     if "pin_circle" in changed:
         outwards = profile.unit(profile.pin_angles(reducer.tooth_profile))
         position = parts.get("pin_place", nominal.pin_place)
@@ -243,11 +212,8 @@ def list_omissions(reducer: Reducer, zones: Mapping[str, Zone], unfiled: int) ->
     An internal gear's lobes are cut together, so its file has no errors of single lobes. `unfiled` samples do not jam,
     but have a clearance of 0 or less.
     """
-    lobes = [
-        key
-        for key in ("pin_position", "pin_radius", "pin_circle")
-        if key in zones and reducer.design.ring.kind != "pin"
-    ]
+    of_pins = ("pin_position", "pin_radius", "pin_circle") if reducer.design.ring.kind != "pin" else ()
+    lobes = [key for key in of_pins if key in zones]
     errors = (
         f"the design files of the worst samples lack {', '.join(lobes)}: an internal gear's file has no such errors"
     )
@@ -263,12 +229,8 @@ def design_of_sample(reducer: Reducer, samples: Samples, row: int, name: str) ->
     clearance, errors = _parts(reducer, samples, row)
     if reducer.design.ring.kind != "pin":
         errors = {key: values for key, values in errors.items() if not key.startswith("pin_")}
-    return reducer.but(
-        name=name[:64],
-        clearance=clearance,
-        errors=errors,
-        tolerance=dict.fromkeys(type(reducer.design.tolerance).model_fields, ""),
-    ).design
+    none = dict.fromkeys(type(reducer.design.tolerance).model_fields, "")
+    return reducer.but(name=name[:64], clearance=clearance, errors=errors, tolerance=none).design
 
 
 def unchecked_design_of_sample(reducer: Reducer, samples: Samples, row: int) -> Design:

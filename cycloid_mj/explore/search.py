@@ -23,29 +23,20 @@ from cycloid_mj.explore.row import PointResult
 
 @dataclass(frozen=True)
 class CmaSettings:
-    """Settings of the searches; lengths are relative to the ranges.
-
-    Attributes
-    ----------
-    initial_sigma, local_sigma
-        First standard deviation of a search, and of a restart about the best point (Hansen recommends 0.2 to 0.5 of a
-        range for the first).
-    tolerance
-        Step length at which a search ends (``tolx``): far below what a part can be made to.
-    min_dimensions
-        Dimensions of a search at least; one over a single number has an idle second one, as CMA-ES requires two.
-    selection_share
-        Share of the evaluations for the rounds of combinations, and of those left for the rounds of starts.
-    max_restarts
-        Restarts about the best point at most, while they improve it.
-    """
+    """Settings of the searches; lengths are relative to the ranges."""
 
     initial_sigma: float = 0.25
     local_sigma: float = 0.03
+    """First standard deviation of a search, and of a restart about the best point (Hansen recommends 0.2 to 0.5 of a
+    range for the first)."""
     tolerance: float = 1e-6
+    """Step length at which a search ends (``tolx``): far below what a part can be made to."""
     min_dimensions: int = 2
+    """Dimensions of a search at least; one over a single number has an idle second one, as CMA-ES requires two."""
     selection_share: float = 0.5
+    """Share of the evaluations for the rounds of combinations, and of those left for the rounds of starts."""
     max_restarts: int = 5
+    """Restarts about the best point at most, while they improve it."""
 
 
 CMA = CmaSettings()

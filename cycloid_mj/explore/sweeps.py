@@ -35,6 +35,9 @@ SECONDS_BETWEEN_TABLES = 10.0
 PROCESSES = Engine()
 """All cores of this machine."""
 
+Rows = Mapping[int, PointResult]
+"""Index of a point, counted from 0 -> its result; points that are not evaluated yet are missing."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Sweep(Tabular):
@@ -45,12 +48,12 @@ class Sweep(Tabular):
     task, points
         What is measured, and where.
     rows
-        Index of a point, counted from 0 -> its result; points that are not evaluated yet are missing.
+        Its results so far.
     """
 
     task: Task
     points: Points
-    rows: Mapping[int, PointResult]
+    rows: Rows
 
     @property
     def line(self) -> str:
@@ -173,8 +176,7 @@ def sweep(
     RunError
         The engine's workers are lost, or of other versions.
     """
-    design = resolve(design)
-    reducer = Reducer(design)
+    reducer = Reducer(resolve(design))
     listed = choose_points(vary, table, sample, points, seed)
     measures = [measure] if isinstance(measure, str) else measure
     task = define_task(reducer, listed, measures, quick, real_pins, follow, solver)
@@ -238,12 +240,7 @@ def sweep_in_folder(task: Task, points: Points, into: Path, engine: Engine, prog
 
 
 def _evaluate_missing(
-    task: Task,
-    points: Points,
-    rows: Mapping[int, PointResult],
-    record: Callable[[int, PointResult], None],
-    engine: Engine,
-    progress: Progress,
+    task: Task, points: Points, rows: Rows, record: Callable[[int, PointResult], None], engine: Engine, report: Progress
 ) -> None:
     """Measure the points without a row, and record their rows."""
     missing = [index for index in range(len(points)) if index not in rows]
@@ -251,7 +248,7 @@ def _evaluate_missing(
     stream = engine.stream(work, [points.rows[index] for index in missing], lambda _, why: PointResult(error=why))
     for done, (item, row) in enumerate(stream, 1):
         record(missing[item], row)
-        progress(done, len(missing))
+        report(done, len(missing))
 
 
 def write_tables(sweep: Sweep, into: Path) -> None:

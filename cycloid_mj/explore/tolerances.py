@@ -17,22 +17,10 @@ from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.result import Table
 from cycloid_mj.design import Design, Named, resolve
 from cycloid_mj.dynamics.run import Solver
+from cycloid_mj.explore import sampling
 from cycloid_mj.explore.budget import SOBOL, Share, budget_blocks, budget_samples, shares, usable_rows
 from cycloid_mj.explore.constraints import FigureLimit, parse_limit, require_consistent
 from cycloid_mj.explore.jam import JAM, PRELOADS, explain_jams, find_jams, jams_too_often, preloaded_pairs
-from cycloid_mj.explore.sampling import (
-    Batch,
-    apply_departures,
-    departure_columns,
-    design_of_sample,
-    draw_departures,
-    draw_samples,
-    has_design_file,
-    list_batches,
-    list_omissions,
-    sample_design,
-    tolerance_zones,
-)
 from cycloid_mj.explore.verify import DynamicsCheck, table_rows, verify_design
 from cycloid_mj.explore.zone import Zone
 from cycloid_mj.figures import SAMPLED, Figure, compute_sampled, figure
@@ -243,13 +231,8 @@ class Tolerances(Tabular):
             tables.append(Table(f"{self.design}: {self.samples_text}", DISTRIBUTION_HEADER, rows))
         if self.budget:
             budget = tuple(
-                (
-                    share.source,
-                    f"{share.first_order:.3f}",
-                    f"{share.total:.3f}",
-                    f"{share.ci95[0]:.3f} to {share.ci95[1]:.3f}",
-                )
-                for share in self.budget
+                (each.source, f"{each.first_order:.3f}", f"{each.total:.3f}", "{:.3f} to {:.3f}".format(*each.ci95))
+                for each in self.budget
             )
             tables.append(Table(f"error budget: shares in the variance of {self.budget_of}", BUDGET_HEADER, budget))
         if compared := tuple(row for check in self.verified for row in table_rows(check)):
@@ -338,10 +321,9 @@ def tolerance(
     StudyInterrupted
         Ctrl-C; it holds the figures of the first samples, up to the first batch that is missing.
     """
-    design = resolve(design)
-    reducer = Reducer(design)
+    reducer = Reducer(resolve(design))
     require_one_ring(reducer, "tolerances: parts that press each other without a load count as jammed")
-    zones = tolerance_zones(reducer)
+    zones = sampling.tolerance_zones(reducer)
     if not zones:
         raise UsageError(
             f"the design {reducer.design.name!r} has no tolerances: set some in its table [tolerance], "
@@ -412,16 +394,16 @@ class _Study:
         return self.limits[0].key if self.limits else "backlash_arcmin"
 
     @cached_property
-    def main(self) -> list[Batch]:
-        return list_batches(self.samples)
+    def main(self) -> list[sampling.Batch]:
+        return sampling.list_batches(self.samples)
 
     @cached_property
-    def budget_sets(self) -> dict[str, Batch]:
+    def budget_sets(self) -> dict[str, sampling.Batch]:
         count = budget_samples(self.samples)
         return budget_blocks(self.zones, count) if count and len(self.zones) > 1 else {}
 
     @cached_property
-    def work(self) -> list[tuple[Batch, tuple[str, ...]]]:
+    def work(self) -> list[tuple[sampling.Batch, tuple[str, ...]]]:
         """All batches with the keys of their figures: those of the samples, then those of the budget."""
         keys = tuple(dict.fromkeys((self.budget_key, *PRELOADS, *PRELOADS.values())))
         budget = [(batch, keys) for batch in self.budget_sets.values()]
@@ -438,10 +420,10 @@ class _Study:
         figures = {key: np.concatenate([done[index][key] for index in range(len(main))]) for key in self.keys}
         jams = find_jams(figures)
         stopped = len(main) == 1 and jams_too_often(jams)
-        parts = [draw_departures(self.reducer, self.zones, self.seed, batch) for batch in main]
+        parts = [sampling.draw_departures(self.reducer, self.zones, self.seed, batch) for batch in main]
         departures = {key: np.concatenate([part[key] for part in parts]) for key in self.zones}
-        samples = apply_departures(self.reducer, identical_samples(self.reducer, jams.size), departures)
-        can_be_written = has_design_file(self.reducer, samples)
+        samples = sampling.apply_departures(self.reducer, identical_samples(self.reducer, jams.size), departures)
+        can_be_written = sampling.has_design_file(self.reducer, samples)
         budget, no_budget = ((), "") if stopped else self._budget(done, figures[self.budget_key][~jams])
         return Tolerances(
             design=self.reducer.design.name,
@@ -450,7 +432,7 @@ class _Study:
             asked=self.samples,
             seed=self.seed,
             figures=figures,
-            drawn=departure_columns(departures),
+            drawn=sampling.departure_columns(departures),
             jams=jams,
             jammed_by=explain_jams(self.reducer, self.zones, self.seed, jams) if stopped else "",
             limits=self.limits,
@@ -458,7 +440,7 @@ class _Study:
             budget=budget,
             no_budget=no_budget,
             worst=self._worst(figures[self.budget_key], ~jams & can_be_written),
-            left_out=list_omissions(self.reducer, self.zones, int(np.sum(~jams & ~can_be_written))),
+            left_out=sampling.list_omissions(self.reducer, self.zones, int(np.sum(~jams & ~can_be_written))),
         )
 
     def _worst(self, values: Array, eligible: Mask) -> tuple[Design, ...]:
@@ -466,7 +448,7 @@ class _Study:
         sense = 1.0 if not self.limits or self.limits[0].at_most else -1.0
         ranked = np.argsort(-sense * values, kind="stable")
         numbers = ranked[eligible[ranked]][:MAX_WORST].tolist()
-        return tuple(sample_design(self.reducer, self.zones, self.seed, number) for number in numbers)
+        return tuple(sampling.sample_design(self.reducer, self.zones, self.seed, number) for number in numbers)
 
     def _budget(self, done: Mapping[int, Mapping[str, Array]], values: Array) -> tuple[tuple[Share, ...], str]:
         """Return the error budget, or none and the reason; `values` are those of the samples that do not jam."""
@@ -482,7 +464,7 @@ class _Study:
             return (), "the study was stopped before its samples were balanced"
         figures = {name: done[index] for name, index in zip(self.budget_sets, indices, strict=True)}
         sets = {name: np.where(find_jams(each), np.nan, each[key]) for name, each in figures.items()}
-        drawn = [draw_departures(self.reducer, self.zones, self.seed, self.budget_sets[name]) for name in "AB"]
+        drawn = [sampling.draw_departures(self.reducer, self.zones, self.seed, self.budget_sets[name]) for name in "AB"]
         if budget := shares(self.zones, drawn, sets):
             return budget, ""
         used, count = usable_rows(sets).size, self.budget_sets["A"].count
@@ -494,7 +476,7 @@ class _Study:
 
 
 def balance_batch(
-    reducer: Reducer, zones: Mapping[str, Zone], seed: int, angles: int, work: tuple[Batch, Sequence[str]]
+    reducer: Reducer, zones: Mapping[str, Zone], seed: int, angles: int, work: tuple[sampling.Batch, Sequence[str]]
 ) -> dict[str, Array]:
     """Balance the samples of a batch, and compute figures of them.
 
@@ -512,18 +494,18 @@ def balance_batch(
     The figures by key, shape (samples,) each; those that are not in `SAMPLED` are NaN where a sample is no design.
     """
     batch, keys = work
-    samples = draw_samples(reducer, zones, seed, batch)
-    separate = {key: _compute_each(reducer, samples, figure(key)) for key in keys if figure(key).sampled is None}
+    samples = sampling.draw_samples(reducer, zones, seed, batch)
+    separate = {
+        key: np.array([_of_sample(reducer, samples, number, figure(key)) for number in range(len(samples))])
+        for key in keys
+        if figure(key).sampled is None
+    }
     return compute_sampled(reducer, samples, keys, angles) | separate
 
 
-def _compute_each(reducer: Reducer, samples: Samples, row: Figure) -> Array:
-    """Compute a figure of each sample as a design, shape (samples,); NaN where there is none."""
-    return np.array([_of_sample(reducer, samples, number, row) for number in range(len(samples))])
-
-
 def _of_sample(reducer: Reducer, samples: Samples, number: int, row: Figure) -> float:
+    """Compute a figure of a sample as a design; NaN where there is none."""
     try:
-        return row.value(Reducer(design_of_sample(reducer, samples, number, reducer.design.name)))
+        return row.value(Reducer(sampling.design_of_sample(reducer, samples, number, reducer.design.name)))
     except CycloidError:
         return math.nan

@@ -19,25 +19,17 @@ CONTACT_KINDS = {"output_pin_force_n": "output", "cam_force_n": "cam"}
 
 @dataclass(frozen=True)
 class DynamicsCheck:
-    """Figures of a run over a crank turn at the design's speed and rated torque, and by statics.
-
-    Attributes
-    ----------
-    design
-        Its name.
-    statics, dynamics
-        Figures by their keys in `SAMPLED`; `dynamics` has some of them, and none if the run failed.
-    note
-        Why the run failed.
-    solver
-        Solver of the run.
-    """
+    """Figures of a run over a crank turn at the design's speed and rated torque, and by statics."""
 
     design: str
+    """Its name."""
     statics: Mapping[str, float]
     dynamics: Mapping[str, float]
+    """Figures by their keys in `SAMPLED`; `dynamics` has some of them, and none if the run failed."""
     note: str = ""
+    """Why the run failed."""
     solver: Solver = "planar"
+    """Solver of the run."""
 
     @property
     def differences(self) -> dict[str, float]:
@@ -74,13 +66,6 @@ def _dynamics(reducer: Reducer, solver: Solver) -> dict[str, float]:
 def table_rows(check: DynamicsCheck) -> list[tuple[str, ...]]:
     """Format statics, dynamics and their difference, a row for each figure."""
     return [
-        (
-            check.design,
-            key,
-            f"{check.statics[key]:.5g}",
-            f"{value:.5g}",
-            f"{100.0 * check.differences[key]:+.2f} %",
-            figure(key).unit,
-        )
-        for key, value in check.dynamics.items()
+        (check.design, key, f"{check.statics[key]:.5g}", f"{value:.5g}", f"{100.0 * change:+.2f} %", figure(key).unit)
+        for (key, value), change in zip(check.dynamics.items(), check.differences.values(), strict=True)
     ]

@@ -17,28 +17,13 @@ from cycloid_mj.measure.vibration import vibration
 from cycloid_mj.reducer import Reducer, once
 
 MEASURES: Mapping[str, Callable[..., Measurement]] = {
-    "te": te,
-    "backlash": backlash,
-    "lost-motion": lost_motion,
-    "loads": loads,
-    "torque": torque,
-    "efficiency": efficiency,
-    "vibration": vibration,
+    **{"te": te, "backlash": backlash, "lost-motion": lost_motion, "loads": loads},
+    **{"torque": torque, "efficiency": efficiency, "vibration": vibration},
 }
 """Name on the command line -> measure. Each takes a design, its own options, `quick`, and `progress`."""
 
-__all__ = [
-    "MEASURES",
-    "Measurement",
-    "backlash",
-    "efficiency",
-    "loads",
-    "lost_motion",
-    "measured",
-    "te",
-    "torque",
-    "vibration",
-]
+__all__ = ["MEASURES", "Measurement", "backlash", "efficiency", "loads", "lost_motion", "measured"]
+__all__ += ["te", "torque", "vibration"]
 
 
 def __dir__() -> list[str]:

@@ -42,24 +42,16 @@ START = BreakAwaySettings()
 
 @dataclass(frozen=True, eq=False)
 class FromRest:
-    """A free crank under a growing output torque, from one position at rest.
-
-    Attributes
-    ----------
-    torque
-        Output torque from which the crank speeds up [N m]; not a number where it stays at rest: self-locking.
-    error
-        Largest change of the torque if only the first quarter, or the second half, of the samples is used [N m].
-    largest
-        Largest output torque that was tried [N m].
-    run
-        The run.
-    """
+    """A free crank under a growing output torque, from one position at rest."""
 
     torque: float
+    """Output torque from which the crank speeds up [N m]; not a number where it stays at rest: self-locking."""
     error: float
+    """Largest change of the torque if only the first quarter, or the second half, of the samples is used [N m]."""
     largest: float
+    """Largest output torque that was tried [N m]."""
     run: Run
+    """The run."""
 
     @property
     def locked(self) -> bool:
@@ -170,13 +162,10 @@ def _under(reducer: Reducer, largest: float, solver: Solver) -> FromRest:
     forward = -braking(reducer)
     compiled = model_for(solver, reducer.at_rated_load, held="")
     light = largest / (6.0 * reducer.design.reduction * compiled.crank_inertia)
-    grows_for = max(START.min_time, math.sqrt(START.min_rotation / light), _crossing(reducer, largest))
-    course = DriveCycle(
-        angle=0.0,
-        speed=0.0,
-        drive=lambda time: np.zeros_like(time),
-        load=lambda time: forward * largest * time / grows_for,
-    )
+    # a torque that rises in this time crosses the output's play in a share of it
+    crossing = math.sqrt(6.0 * reducer.play * turning_inertia(reducer) / (largest * START.crossing**3))
+    grows_for = max(START.min_time, math.sqrt(START.min_rotation / light), crossing)
+    course = DriveCycle(0.0, 0.0, drive=np.zeros_like, load=lambda time: forward * largest * time / grows_for)
     run = simulate(reducer.at_rated_load.but(drive={"ramp": 0.0, "hold": grows_for}).design, compiled, course)
     moving = run.select(np.abs(run["crank_angle"]) > START.turned)
     if abs(run["crank_angle"][-1]) < START.min_travel * light * grows_for**2 or len(moving) < START.min_samples:
@@ -185,11 +174,6 @@ def _under(reducer: Reducer, largest: float, solver: Solver) -> FromRest:
     parts = [slice(None), slice(0, count // 4), slice(count // 2, None)]
     torque, *others = (growth * _start(moving.select(part)) for part in parts)
     return FromRest(torque, max(abs(other - torque) for other in others), largest, run)
-
-
-def _crossing(reducer: Reducer, largest: float) -> float:
-    """Compute the rise time [s] of a torque [N m] that crosses the output's play in a share of it."""
-    return math.sqrt(6.0 * reducer.play * turning_inertia(reducer) / (largest * START.crossing**3))
 
 
 def _start(moving: Run) -> float:

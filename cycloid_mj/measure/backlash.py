@@ -66,12 +66,8 @@ PRESS = PressSettings()
 
 
 NAMES = {
-    "pin_gear": "teeth on pins",
-    "pin_socket": "pins in sockets",
-    "pin_sleeve": "sleeves on pins",
-    "tooth": "teeth",
-    "cam": "cam",
-    "output": "output pins",
+    **{"pin_gear": "teeth on pins", "pin_socket": "pins in sockets", "pin_sleeve": "sleeves on pins"},
+    **{"tooth": "teeth", "cam": "cam", "output": "output pins"},
 }
 _FORMULAS = {
     "cam": "2 delta/(c (N-1))",
@@ -113,10 +109,8 @@ def backlash(
         Number of crank angles, spread over the turn and over the mesh period; by default `PRESS.angles`.
     quick
         Whether the default is `PRESS.quick_angles`.
-    progress
-        Called after each run with the numbers of finished and of all runs.
-    solver
-        Solver of the runs.
+    progress, solver
+        Called after each run with the numbers of finished and of all runs; solver of the runs.
 
     Raises
     ------
@@ -125,8 +119,7 @@ def backlash(
     RunError
         A run failed, or the disc jams.
     """
-    design = resolve(design)
-    reducer = Reducer(design)
+    reducer = Reducer(resolve(design))
     angles = (PRESS.quick_angles if quick else PRESS.angles) if angles is None else angles
     if angles < 1:
         raise UsageError(f"the number of crank angles is {angles}; it must be 1 or more")
@@ -138,7 +131,7 @@ def backlash(
     if solver == "planar":
         cases = {name: massless(case) for name, case in cases.items()}
     longer = {name: PRESS.all_clearances if name == _ALL else 1.0 for name in cases}
-    finer = PRESS.planar_ratio if solver == "planar" and not design.settings.timestep else 1.0
+    finer = PRESS.planar_ratio if solver == "planar" and not reducer.design.settings.timestep else 1.0
     jobs = [(case, cranks[0], PRESS.longer * longer[name], PRESS.finer * finer) for name, case in cases.items()]
     jobs += [(case, crank, longer[name], finer) for name, case in cases.items() for crank in cranks]
     runs = each_in_threads(lambda job: press_to_stops(*job, solver), jobs, progress)
@@ -218,23 +211,15 @@ def _quantities(
     for name, presses in by_kind.items():
         values, known = np.array([pair.backlash for pair in presses]), closed.get(name)
         numerical = abs(checked[name].backlash - presses[0].backlash)
-        error = _arcminutes(add_errors(numerical, error_of_mean(values, known)))
+        error = add_errors(numerical, error_of_mean(values, known))
+        error = None if error is None else error / ARCMINUTE
         reference = None if known is None else float(known.turn.mean()) / ARCMINUTE
         mean = float(values.mean()) / ARCMINUTE
         if name == _ALL:
             source = "" if known is None else "rigid contacts: linear programme"
             yield Quantity("backlash", "backlash of the output, mean", mean, "arcmin", error, reference, source)
-            yield from extreme_quantities(
-                "backlash",
-                "backlash",
-                values,
-                numerical,
-                "arcmin",
-                scale=ARCMINUTE,
-                known=known,
-                reference=known,
-                source=source,
-            )
+            measured = "backlash", "backlash", values, numerical, "arcmin"
+            yield from extreme_quantities(*measured, scale=ARCMINUTE, known=known, reference=known, source=source)
         else:
             label, source = f"by clearance of {NAMES[name]} alone, mean", _FORMULAS.get(name, _MESH_FORMULA)
             parts.append(Quantity(f"backlash_{name}", label, mean, "arcmin", error, reference, source))
@@ -247,10 +232,6 @@ def _quantities(
         add_errors(*(part.error for part in parts)),
         note="less than the total: together, the clearances allow motions of the disc that none allows alone",
     )
-
-
-def _arcminutes(error: float | None) -> float | None:
-    return None if error is None else error / ARCMINUTE
 
 
 def _curves(reducer: Reducer, by_kind: dict[str, list[StopPair]], closed: dict[str, Known]) -> tuple[Curve, ...]:

@@ -90,7 +90,8 @@ def step(reducer: Reducer, torque: float, solver: Solver = "planar") -> float:
     if design.settings.timestep:
         return design.settings.timestep
     if solver == "planar":
-        return BENCH.max_planar_step if design.ring.has_pin_bodies else _longest_without_pins(reducer)
+        longest = BENCH.max_planar_step
+        return longest if design.ring.has_pin_bodies else max(longest, swing_period(reducer) / BENCH.steps_per_swing)
     ring, kind = design.ring, "pin_sleeve" if design.ring.has_sleeves else "pin_socket"
     if not ring.has_pin_bodies or torque == 0.0:
         return BENCH.max_step
@@ -100,11 +101,6 @@ def step(reducer: Reducer, torque: float, solver: Solver = "planar") -> float:
     force = float(ideal_loads.ideal_load_sharing(tooth_profile(design), abs(torque), 0.0).forces.max())
     bowl = force / (design.pin_play + force / reducer.contacts[kind].stiffness)
     return min(BENCH.max_step, (BENCH.held_pin_step if sticks else BENCH.pin_step) * 2.0 * math.sqrt(mass / bowl))
-
-
-def _longest_without_pins(reducer: Reducer) -> float:
-    """Compute the planar solver's step [s] where no pins move."""
-    return max(BENCH.max_planar_step, swing_period(reducer) / BENCH.steps_per_swing)
 
 
 def prepare_bench(

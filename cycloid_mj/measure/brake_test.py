@@ -1,4 +1,4 @@
-"""The paper's test stand: a motor of given torque on the crank, a brake that keeps the output's speed constant.
+"""The paper's test stand: a motor of constant torque on the crank, a brake that keeps the output's speed constant.
 
 The crank's inertia oscillates on the stiffness of the mesh for some 100 ms at about 100 Hz. The torque of a motor falls
 with its speed, which damps this; the mean torque is the given one, as the output determines the mean crank speed.
@@ -38,13 +38,10 @@ def run_brake_test(reducer: Reducer, torque: float, periods: int, solver: Solver
     drive = rising(math.copysign(torque, torque * speed), 2e-3)
     course = braked_output(compiled, reducer, lambda time: drive(time) + slope * speed)
     # the oscillation is below 0.2 % of the torque then
-    settled = max(15e-3, _drift(reducer, torque, slope) / slowness(reducer))
+    # the motor turns the crank across all of its play, at the speed at which the slope consumes its torque
+    crossing = reducer.play * reducer.design.reduction * slope / abs(torque) if torque else 0.0
+    settled = max(15e-3, crossing / slowness(reducer))
     return run_steady(reducer, settled, periods, solver, compiled, course)
-
-
-def _drift(reducer: Reducer, torque: float, slope: float) -> float:
-    """Estimate the time [s] in which the motor turns the crank across all of its play; 0 without a torque."""
-    return reducer.play * reducer.design.reduction * slope / abs(torque) if torque else 0.0
 
 
 def with_slope(compiled: Model, slope: float) -> Model:

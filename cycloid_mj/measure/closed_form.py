@@ -38,9 +38,9 @@ def ideal_efficiency(reducer: Reducer, load: float) -> Closed:
 
 
 def ideal_limit(reducer: Reducer) -> Reducer:
-    """Return a design as ideal sharing takes it: fixed pins with the same friction, next to no play, a cam that holds.
+    """Return the design for which ideal sharing holds: fixed pins of equal friction, nearly no play, and a rigid cam.
 
-    The cam gives a hundredth of what the teeth do.
+    The cam deflects by a hundredth of the deflection of the teeth.
     """
     design = reducer.design
     gear = mass_properties(gear_solid(reducer)).mass

@@ -16,27 +16,18 @@ CARRYING_SHARE = 0.01
 
 @dataclass(frozen=True, eq=False)
 class ContactPressures:
-    """The contacts of one kind over the samples of a run.
-
-    Attributes
-    ----------
-    kind
-        As in ``names.Pair``.
-    angle
-        Crank angle [rad], shape (n,), increasing or decreasing; its first is within a turn of 0.
-    vector
-        Forces on the gear (on the pin, in its socket) [N], shape (n, contacts, 2).
-    pressure
-        Hertz's peak pressure [Pa], shape (n, contacts), computed for conformal contacts as well.
-    holds
-        Whether Hertz's theory applies, shape (n, contacts): not to conformal contacts.
-    """
+    """The contacts of one kind over the samples of a run."""
 
     kind: str
+    """As in ``names.Pair``."""
     angle: Array
+    """Crank angle [rad], shape (n,), increasing or decreasing; its first is within a turn of 0."""
     vector: Array
+    """Forces on the gear (on the pin, in its socket) [N], shape (n, contacts, 2)."""
     pressure: Array
+    """Hertz's peak pressure [Pa], shape (n, contacts), computed for conformal contacts as well."""
     holds: Mask
+    """Whether Hertz's theory applies, shape (n, contacts): not to conformal contacts."""
 
     @property
     def force(self) -> Array:

@@ -55,51 +55,44 @@ def efficiency(
     quick
         Whether to average over a shorter time, skip the run with half the time step, and by default measure only the
         rated point.
-    progress
-        Called after each run with the numbers of finished and of all runs.
+    progress, solver
+        Called after each run with the numbers of finished and of all runs; solver of the runs.
     published
         Published torques of this design, for comparison.
-    solver
-        Solver of the runs.
     """
-    design = resolve(design)
-    reducer = Reducer(design)
+    reducer = Reducer(resolve(design))
     steady = steady_design(reducer)
     rated, speed = steady.design.rated_torque, steady.design.drive.speed
     torques = loads or [share * rated for share in ((1.0,) if quick else TORQUES)]
     speeds = speeds or [share * speed for share in ((1.0,) if quick else SPEEDS)]
     periods = QUICK_PERIODS if quick else PERIODS
     efficiency_map = run_map(steady, torques, speeds, periods, not quick, progress, solver)
+    point = efficiency_map.rated
     beside = [replace(one, friction=friction_for(efficiency_map.by_friction, one.rate)) for one in published]
     return Measurement(
         measure="efficiency",
         design=steady.design,
         condition=f"up to {max(torques):.4g} N m and {max(map(abs, speeds)) / RPM:.0f} rpm, {SOLVERS[solver]}",
         quantities=by_key(
-            _rated_quantities(steady, efficiency_map),
-            _losses(efficiency_map.rated),
-            _drag_quantities(steady, efficiency_map),
+            _rated_quantities(steady, efficiency_map), _losses(point), _drag_quantities(steady, efficiency_map)
         ),
         curves=_curves(efficiency_map),
         tables=(
-            loss_breakdown.table(efficiency_map.rated.powers, beside, efficiency_map.error),
-            spread.table(
-                f"efficiency at {rated:g} N m", efficiency_map.rated.powers.efficiency, efficiency_map.by_input
-            ),
+            loss_breakdown.table(point.powers, beside, efficiency_map.error),
+            spread.table(f"efficiency at {rated:g} N m", point.powers.efficiency, efficiency_map.by_input),
             *_tables(efficiency_map),
         ),
         assumptions=_assumptions(steady, whole_periods(steady, periods)),
         details={
-            "losses_by_pair": [_details(point) for point in efficiency_map.grid],
-            **loss_breakdown.as_json(efficiency_map.rated.powers, beside),
-            **spread.as_json(efficiency_map.rated.powers.efficiency, efficiency_map.by_input),
+            "losses_by_pair": [
+                {"torque_nm": each.torque, "speed_rpm": each.speed / RPM, **each.powers.loss_shares()}
+                for each in efficiency_map.grid
+            ],
+            **loss_breakdown.as_json(point.powers, beside),
+            **spread.as_json(point.powers.efficiency, efficiency_map.by_input),
             **efficiency_map.rest.as_json(),
         },
-        runs={
-            "rated": efficiency_map.rated.run,
-            "backward": efficiency_map.backward.run,
-            "from-rest": efficiency_map.rest.run,
-        },
+        runs={"rated": point.run, "backward": efficiency_map.backward.run, "from-rest": efficiency_map.rest.run},
     )
 
 
@@ -107,7 +100,7 @@ def _rated_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Q
     """List efficiency and residual at the rated point."""
     ours, load = 1e2 * efficiency_map.rated.powers.efficiency, efficiency_map.rated.torque
     ideal, wang = ideal_efficiency(reducer, load), wang_efficiency(reducer)
-    error = 1e2 * efficiency_map.error
+    error, residual = 1e2 * efficiency_map.error, max((each.powers.residual for each in efficiency_map.grid), key=abs)
     condition = f"at {load:g} N m, {efficiency_map.rated.speed / RPM:g} rpm"
     return [
         Quantity(
@@ -131,40 +124,22 @@ def _rated_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Q
             f"{wang.source}: {1e2 * wang.efficiency:.2f} %, without the cam's bearing and without the moment by which "
             "friction turns the disc back, which increases the tooth forces",
         ),
-        Quantity(
-            "balance_residual",
-            "largest residual of the energy balance",
-            1e2 * max((point.powers.residual for point in efficiency_map.grid), key=abs),
-            "% of input",
-        ),
+        Quantity("balance_residual", "largest residual of the energy balance", 1e2 * residual, "% of input"),
     ]
 
 
 def _losses(rated: Point) -> list[Quantity]:
     """List the losses of the rated point by pair [W]."""
     whole, shorter = rated.powers, rated.shorter
-    quantities = [
-        Quantity(
-            f"{kind}_friction_power",
-            f"friction of {kind}",
-            power,
-            "W",
-            abs(power - shorter.friction[kind]),
-            note="" if power else NO_FRICTION,
-        )
-        for kind, power in whole.friction.items()
-    ]
-    normal = sum(whole.normal.values())
+    quantities = []
+    for kind, power in whole.friction.items():
+        error, note = abs(power - shorter.friction[kind]), "" if power else NO_FRICTION
+        quantities.append(Quantity(f"{kind}_friction_power", f"friction of {kind}", power, "W", error, note=note))
+    normal, note = sum(whole.normal.values()), "damping, and errors of the time step, which cancel between the pairs"
+    error = abs(normal - sum(shorter.normal.values()))
     return [
         *quantities,
-        Quantity(
-            "normal_power",
-            "normal forces, all pairs",
-            normal,
-            "W",
-            abs(normal - sum(shorter.normal.values())),
-            note="damping, and errors of the time step, which cancel between the pairs",
-        ),
+        Quantity("normal_power", "normal forces, all pairs", normal, "W", error, note=note),
         Quantity("input_power", "input power", whole.supplied, "W"),
         Quantity("output_power", "output power", whole.delivered, "W"),
     ]
@@ -175,36 +150,23 @@ def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Qu
     design = reducer.design
     ratio, rest = design.reduction, efficiency_map.rest
     forward = efficiency_map.rated.powers.efficiency
-    backward, shift = _back_driving(efficiency_map)
+    driven = efficiency_map.backward
+    backward, shift = (0.0, 0.0) if driven.powers.note else (driven.powers.efficiency, driven.shift)
     locked = not backward > 0.0
     against = math.nan if locked else design.rated_torque / backward
     lock = f"{SELF_LOCKING} against {design.drive.torque:g} N m on the crank"
     contacts = f"contacts, {drag_assumption(reducer)}; the bearings of the shafts are neglected"
+    idle, coasting = efficiency_map.unloaded, efficiency_map.coasting
+    moving, moving_error, moving_note = math.nan, None, f"{SELF_LOCKING} with no torque on the crank"
+    if coasting is not None:
+        moving, moving_error, moving_note = ratio * coasting.drag, ratio * coasting.drag_shift, contacts
+    from_rest = "back_driving_torque_static", "back-driving torque from rest, crank free"
+    static, static_error = (rest.torque, rest.error) if rest.resolved else (math.nan, None)
+    at_speed = "back_driving_torque_moving", "back-driving torque at speed, crank free"
     return [
-        Quantity(
-            "no_load_torque",
-            "no-load torque, on the crank",
-            efficiency_map.unloaded.drag,
-            "N m",
-            efficiency_map.unloaded.drag_shift,
-            note=contacts,
-        ),
-        Quantity(
-            "back_driving_torque_moving",
-            "back-driving torque at speed, crank free",
-            math.nan if efficiency_map.coasting is None else ratio * efficiency_map.coasting.drag,
-            "N m",
-            None if efficiency_map.coasting is None else ratio * efficiency_map.coasting.drag_shift,
-            note=f"{SELF_LOCKING} with no torque on the crank" if efficiency_map.coasting is None else contacts,
-        ),
-        Quantity(
-            "back_driving_torque_static",
-            "back-driving torque from rest, crank free",
-            rest.torque if rest.resolved else math.nan,
-            "N m",
-            rest.error if rest.resolved else None,
-            note=rest.note,
-        ),
+        Quantity("no_load_torque", "no-load torque, on the crank", idle.drag, "N m", idle.drag_shift, note=contacts),
+        Quantity(*at_speed, moving, "N m", moving_error, note=moving_note),
+        Quantity(*from_rest, static, "N m", static_error, note=rest.note),
         Quantity(
             "back_driving_torque_rated",
             f"output torque that drives against {design.drive.torque:g} N m on the crank",
@@ -226,12 +188,6 @@ def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Qu
     ]
 
 
-def _back_driving(efficiency_map: EfficiencyMap) -> tuple[float, float]:
-    """Return the efficiency of back-driving and its error; 0 where the reducer is self-locking."""
-    backward = efficiency_map.backward
-    return (0.0, 0.0) if backward.powers.note else (backward.powers.efficiency, backward.shift)
-
-
 def _tables(efficiency_map: EfficiencyMap) -> tuple[Table, ...]:
     """Tabulate the map with the losses at each of its points."""
     rows: list[tuple[str | float, ...]] = []
@@ -241,11 +197,6 @@ def _tables(efficiency_map: EfficiencyMap) -> tuple[Table, ...]:
         rows.append((f"{point.speed / RPM:g}", point.torque, *(round(number, 4) for number in numbers)))
     header = ("speed [rpm]", "torque [N m]", "efficiency", "num. error", *_shares(efficiency_map.grid[0]), "residual")
     return (Table("efficiency, and losses by pair, in % of the input power", header, tuple(rows)),)
-
-
-def _details(point: Point) -> dict[str, float]:
-    """Convert a point's torque, speed and every loss, as shares of the input, to JSON values."""
-    return {"torque_nm": point.torque, "speed_rpm": point.speed / RPM, **point.powers.loss_shares()}
 
 
 def _shares(point: Point) -> dict[str, float]:

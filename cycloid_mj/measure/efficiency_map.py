@@ -35,28 +35,20 @@ _RUNS = {
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """A steady run.
-
-    Attributes
-    ----------
-    torque
-        Torque on the output against its motion [N m]; where the output drives, torque on the crank against its motion.
-    speed
-        Crank speed [rad/s].
-    powers, shorter
-        Mean powers of the run and of its first half.
-    run
-        The run.
-    reducer
-        What ran, under its load.
-    """
+    """A steady run."""
 
     torque: float
+    """Torque on the output against its motion [N m]; where the output drives, torque on the crank against its
+    motion."""
     speed: float
+    """Crank speed [rad/s]."""
     powers: Powers
     shorter: Powers
+    """Mean powers of the run and of its first half."""
     run: Run
+    """The run."""
     reducer: Reducer
+    """What ran, under its load."""
 
     @property
     def drag(self) -> float:
@@ -100,14 +92,11 @@ class EfficiencyMap:
         return max(step, self.rated.shift)
 
 
+Floats = Sequence[float]
+
+
 def run_map(
-    reducer: Reducer,
-    torques: Sequence[float],
-    speeds: Sequence[float],
-    periods: int,
-    check: bool,
-    progress: Progress,
-    solver: Solver,
+    reducer: Reducer, torques: Floats, speeds: Floats, periods: int, check: bool, progress: Progress, solver: Solver
 ) -> EfficiencyMap:
     """Run all points, several at a time.
 

@@ -53,32 +53,22 @@ LOOP = HysteresisSettings()
 
 @dataclass(frozen=True, eq=False)
 class HysteresisLoop:
-    """A period of the loop, from one peak of the torque to the next.
-
-    Attributes
-    ----------
-    crank
-        Angle at which the crank is locked [rad].
-    rated
-        Peak of the torque [N m].
-    phase
-        Of the torque's period, 0.25 to 1.25, shape (n,).
-    torque, turn
-        On the output [N m], and the output's turn from the ideal angle [rad], counter-clockwise, shape (n,).
-    gear_turn, centre_lead
-        As in `bench` [rad], [m], shape (n,).
-    run
-        The whole run.
-    """
+    """A period of the loop, from one peak of the torque to the next."""
 
     crank: float
+    """Angle at which the crank is locked [rad]."""
     rated: float
+    """Peak of the torque [N m]."""
     phase: Array
+    """Of the torque's period, 0.25 to 1.25, shape (n,)."""
     torque: Array
     turn: Array
+    """On the output [N m], and the output's turn from the ideal angle [rad], counter-clockwise, shape (n,)."""
     gear_turn: Array
     centre_lead: Array
+    """As in `bench` [rad], [m], shape (n,)."""
     run: Run
+    """The whole run."""
 
     def at(self, share: float, loading: bool, side: int, values: Array | None = None) -> float:
         """Read a branch of the curve at a share of the rated torque: by the straight line through the points nearby.

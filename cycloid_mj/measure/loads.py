@@ -85,10 +85,8 @@ def loads(
         Torque on the output [N m], more than 0; by default the rated one.
     quick
         Whether to run some mesh periods instead of a full turn.
-    progress
-        Called after each run with the numbers of finished and of all runs.
-    solver
-        Solver of the runs.
+    progress, solver
+        Called after each run with the numbers of finished and of all runs; solver of the runs.
 
     Raises
     ------
@@ -99,16 +97,13 @@ def loads(
     RunError
         A run failed.
     """
-    design = resolve(design)
-    reducer = Reducer(design)
+    reducer = Reducer(resolve(design))
     torque = reducer.design.rated_torque if load is None else load
     if not torque > 0.0:
         raise UsageError(f"the torque is {torque:g} N m; it must be more than 0")
     loaded = steady_design(reducer).but(load={"torque": torque})
-    work = [
-        (loaded, LOADS.periods if quick else reducer.mesh_periods),
-        (halve_time_step(loaded, solver), LOADS.periods),
-    ]
+    half = halve_time_step(loaded, solver)
+    work = [(loaded, LOADS.periods if quick else reducer.mesh_periods), (half, LOADS.periods)]
     whole = len(work) + 1
     run, finer = each_in_threads(
         lambda one: run_steady(one[0], SETTLING_TIME, one[1], solver), work, lambda done, _: progress(done, whole)
@@ -159,13 +154,13 @@ def _pressure_error(contacts: ContactPressures, coarse: ContactPressures, fine: 
     return sum(2.0 * abs(ratio - 1.0) for ratio in ratios)
 
 
-def _peak_excess(reducer: Reducer, one: ContactPressures) -> float:
+def _peak_excess(reducer: Reducer, contacts: ContactPressures) -> float:
     """Compute the relative excess of a kind's largest force over the turn above that of the samples, by ideal sharing.
 
     It is 0 where the samples cover the turn.
     """
     turn = np.linspace(0.0, 2.0 * math.pi, LOADS.per_period * reducer.design.ring.teeth + 1)
-    return max(0.0, ideal_peak(reducer, one.kind, turn) / ideal_peak(reducer, one.kind, one.angle) - 1.0)
+    return max(0.0, ideal_peak(reducer, contacts.kind, turn) / ideal_peak(reducer, contacts.kind, contacts.angle) - 1.0)
 
 
 def _no_capacity(key: str, name: str) -> Quantity:
@@ -276,12 +271,8 @@ def _limits(kinds: Kinds, reducer: Reducer, allowed: float) -> dict[str, float]:
 
     Kinds that are conformal or without pressure are omitted; `allowed` is the limit relative to the yield strength.
     """
-    pressures = {kind: one.peak_pressure for kind, one in kinds.items()}
-    return {
-        kind: (allowed * reducer.contacts[kind].strength / pressure) ** 2
-        for kind, pressure in pressures.items()
-        if pressure > 0.0
-    }
+    pressures = {kind: each.peak_pressure for kind, each in kinds.items() if each.peak_pressure > 0.0}
+    return {kind: (allowed * reducer.contacts[kind].strength / most) ** 2 for kind, most in pressures.items()}
 
 
 def _scale_limits(limits: Mapping[str, float], torque: float) -> dict[str, float]:
@@ -294,23 +285,23 @@ def _curves(kinds: Kinds, reducer: Reducer) -> tuple[Curve, ...]:
     return (*single, *cams, *_ring_curves(kinds[reducer.design.tooth_pair], reducer))
 
 
-def _contacts(one: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
+def _contacts(contacts: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
     """Yield the force on some of the loaded contacts of a kind, including the most loaded.
 
     That of teeth is shown with ideal sharing.
     """
-    peaks = one.force.max(axis=0)
-    loaded = np.flatnonzero(peaks > CARRYING_SHARE * one.peak_force)
+    peaks = contacts.force.max(axis=0)
+    loaded = np.flatnonzero(peaks > CARRYING_SHARE * contacts.peak_force)
     most = int(np.argmax(peaks))
     spread = loaded[np.linspace(0, len(loaded) - 1, min(LOADS.shown, len(loaded))).astype(int)]
     places = sorted({*spread[spread != most][: LOADS.shown - 1].tolist(), most})
-    panel = f"{one.kind}: force on {len(places)} of the {len(loaded)} that carry, of {len(peaks)}"
-    degrees = np.degrees(one.angle)
-    if one.kind == reducer.design.tooth_pair:
-        ideal, of = _ideal_forces(reducer, one.angle)[:, most], _contact_name(reducer, len(peaks), most)
+    panel = f"{contacts.kind}: force on {len(places)} of the {len(loaded)} that carry, of {len(peaks)}"
+    degrees = np.degrees(contacts.angle)
+    if contacts.kind == reducer.design.tooth_pair:
+        ideal, of = _ideal_forces(reducer, contacts.angle)[:, most], _contact_name(reducer, len(peaks), most)
         yield Curve(panel, "ideal sharing", degrees, ideal, _CRANK, _FORCE, "theory", of)
     for index in places:
-        yield Curve(panel, _contact_name(reducer, len(peaks), index), degrees, one.force[:, index], _CRANK, _FORCE)
+        yield Curve(panel, _contact_name(reducer, len(peaks), index), degrees, contacts.force[:, index], _CRANK, _FORCE)
 
 
 def _contact_name(reducer: Reducer, contacts: int, index: int) -> str:
@@ -319,10 +310,10 @@ def _contact_name(reducer: Reducer, contacts: int, index: int) -> str:
     return f"number {number + 1}" + (f", disc {disc + 1}" if reducer.design.gear.discs > 1 else "")
 
 
-def _cam(one: ContactPressures, disc: int, phase: float) -> Iterator[Curve]:
+def _cam(contacts: ContactPressures, disc: int, phase: float) -> Iterator[Curve]:
     """Yield size and direction of the force of the cam at a phase on the crank [rad] on its disc."""
-    degrees, (x, y) = np.degrees(one.angle), one.vector[:, disc].T
-    name = f"disc {disc + 1}" if one.vector.shape[1] > 1 else ""
+    degrees, (x, y) = np.degrees(contacts.angle), contacts.vector[:, disc].T
+    name = f"disc {disc + 1}" if contacts.vector.shape[1] > 1 else ""
     yield Curve("cam: force", name, degrees, np.hypot(x, y), _CRANK, _FORCE)
     towards = np.mod(np.degrees(np.arctan2(y, x) - phase) - degrees - 90.0, 360.0)
     panel = "cam: direction of the force on the disc from the eccentric, counter-clockwise"

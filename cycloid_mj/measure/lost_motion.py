@@ -39,10 +39,8 @@ def lost_motion(
         Number of crank angles, spread over the turn and over the mesh period; by default `ANGLES`.
     quick
         Whether the default is `QUICK_ANGLES`.
-    progress
-        Called after each run with the numbers of finished and of all runs.
-    solver
-        Solver of the runs.
+    progress, solver
+        Called after each run with the numbers of finished and of all runs; solver of the runs.
 
     Raises
     ------
@@ -51,8 +49,7 @@ def lost_motion(
     RunError
         A run failed.
     """
-    design = resolve(design)
-    reducer = Reducer(design)
+    reducer = Reducer(resolve(design))
     rated = reducer.design.rated_torque if load is None else load
     angles = (QUICK_ANGLES if quick else ANGLES) if angles is None else angles
     if not rated > 0.0 or angles < 1:
@@ -71,6 +68,7 @@ def lost_motion(
     measured = LostMotionLoops(
         reducer, loops[:angles], loops[angles:], checks[:2], checks[2:], _statics(reducer, cranks, rated)
     )
+    loop = {"nominal_torque_nm": rated, "rated_torque_nm": rated, "period_s": period}
     return Measurement(
         measure="lost-motion",
         design=reducer.design,
@@ -79,17 +77,12 @@ def lost_motion(
         curves=curves(measured),
         assumptions=_assumptions(measured, period, solver),
         runs={"loop": measured.service[0].run, "loop-ideal": measured.ideal[0].run},
-        details={
-            "nominal_torque_nm": rated,
-            "rated_torque_nm": rated,
-            "period_s": period,
-            "angles": by_angle(measured),
-        },
+        details={**loop, "angles": by_angle(measured)},
     )
 
 
 def _statics(reducer: Reducer, cranks: list[float], rated: float) -> list[Windup]:
-    """List the static solutions; none where no balance is found."""
+    """List the static solutions; none where no balance exists."""
     try:
         return windups(reducer, cranks, rated)
     except RunError:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cycloid_mj.base.array import Array, Mask
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.result import Curve, Quantity, by_key
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.measure import bench, rigid_backlash
@@ -20,6 +20,9 @@ IDEAL = "without friction and weight"
 BY_WAY = "by the relative motion of the parts; the compliance of each spring is listed by statics"
 _PARTS = {"output": "output pins", "cam": "cam", "mesh": "teeth, pins and sockets"}
 _OF_SPRINGS = {**_PARTS, "output": "output pins, including bending and twisting parts"}
+
+Loops = list[HysteresisLoop]
+Reading = Callable[[HysteresisLoop], float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,9 +57,9 @@ def quantities(measured: LostMotionLoops) -> dict[str, Quantity]:
 def _quantity(
     key: str,
     name: str,
-    read: Callable[[HysteresisLoop], float],
-    loops: list[HysteresisLoop],
-    checks: list[HysteresisLoop],
+    read: Reading,
+    loops: Loops,
+    checks: Loops,
     unit: str = "arcmin",
     closed: Sequence[float] | Array = (),
     source: str = "",
@@ -70,19 +73,13 @@ def _quantity(
     return Quantity(key, name, float(np.mean(values)), unit, error, reference, source if len(closed) else "", note)
 
 
-def _error(read: Callable[[HysteresisLoop], float], loops: list[HysteresisLoop], checks: list[HysteresisLoop]) -> float:
+def _error(read: Reading, loops: Loops, checks: Loops) -> float:
     """Compute the sum of the changes of a reading at the first crank angle with each check."""
     return sum(abs(read(check) - read(loops[0])) for check in checks)
 
 
 def _extremes(
-    key: str,
-    name: str,
-    read: Callable[[HysteresisLoop], float],
-    loops: list[HysteresisLoop],
-    checks: list[HysteresisLoop],
-    unit: str,
-    known: Known | None = None,
+    key: str, name: str, read: Reading, loops: Loops, checks: Loops, unit: str, known: Known | None = None
 ) -> list[Quantity]:
     """List the smallest and the largest of a reading over the crank angles."""
     values, numerical = [read(loop) for loop in loops], _error(read, loops, checks)
@@ -162,7 +159,7 @@ def loop_series(reducer: Reducer, loop: HysteresisLoop) -> dict[str, float]:
 
 def _friction(measured: LostMotionLoops) -> list[Quantity]:
     """List width, work and shift of the loop."""
-    pair = measured.service, measured.service_checks
+    pair, width = (measured.service, measured.service_checks), "width of the loop at half the rated torque"
     damped = float(np.mean([loop.width for loop in measured.ideal])) / ARCMINUTE
     viscous = (
         f"friction, and {damped:.2g} arcmin of damping, which vanishes in slower loops; friction is viscous below the "
@@ -171,13 +168,7 @@ def _friction(measured: LostMotionLoops) -> list[Quantity]:
     shifts = [abs(a.offset - b.offset) / ARCMINUTE for a, b in zip(measured.service, measured.ideal, strict=True)]
     numerical = (_error(offset, *pair) + _error(offset, measured.ideal, measured.ideal_checks)) / ARCMINUTE
     return [
-        _quantity(
-            "hysteresis",
-            "width of the loop at half the rated torque",
-            lambda loop: loop.width / ARCMINUTE,
-            *pair,
-            note=viscous,
-        ),
+        _quantity("hysteresis", width, lambda loop: loop.width / ARCMINUTE, *pair, note=viscous),
         _quantity(
             "loop_work",
             "work of one loop",
@@ -209,7 +200,7 @@ def curves(measured: LostMotionLoops) -> tuple[Curve, ...]:
     drawn = [
         Curve(title, "no friction", ideal.torque, ideal.turn / ARCMINUTE, torque, turn, "theory"),
         Curve(title, "as designed", loop.torque, loop.turn / ARCMINUTE, torque, turn),
-        Curve("near zero torque", "as designed", *_cut(loop, near), torque, turn),
+        Curve("near zero torque", "as designed", loop.torque[near], loop.turn[near] / ARCMINUTE, torque, turn),
     ]
     marks = LOST_MOTION_SHARE * loop.rated * np.array([-1.0, 1.0])
     middles = np.array([loop.middle(LOST_MOTION_SHARE, side) for side in (-1, 1)]) / ARCMINUTE
@@ -234,10 +225,6 @@ def curves(measured: LostMotionLoops) -> tuple[Curve, ...]:
         for name, loops in (("as designed", measured.service), ("no friction", measured.ideal)):
             drawn.append(Curve(panel, name, crank, np.array([read(one) for one in loops]), *axes, "points"))
     return tuple(drawn)
-
-
-def _cut(loop: HysteresisLoop, rows: Mask) -> tuple[Array, Array]:
-    return loop.torque[rows], loop.turn[rows] / ARCMINUTE
 
 
 def by_angle(measured: LostMotionLoops) -> list[dict[str, Any]]:

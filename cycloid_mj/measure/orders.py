@@ -23,28 +23,19 @@ Place = Literal["gear", "stage"]
 
 @dataclass(frozen=True)
 class Cause:
-    """A cause of errors with certain orders.
-
-    Attributes
-    ----------
-    key, name
-        For programs and for people.
-    place
-        Signal in which it appears.
-    base
-        Base of its orders [1].
-    takes
-        Function from multiples of the base, shape (n,), to a mask of those that are its orders.
-    why
-        The orders, and the reason, in words.
-    """
+    """A cause of errors with certain orders."""
 
     key: str
     name: str
+    """For programs and for people."""
     place: Place
+    """Signal in which it appears."""
     base: float
+    """Base of its orders [1]."""
     takes: Callable[[Integers], Mask]
+    """Function from multiples of the base, shape (n,), to a mask of those that are its orders."""
     why: str
+    """The orders, and the reason, in words."""
 
     def rms(self, orders: Orders) -> float:
         """Compute the rms value of its orders in a spectrum of this base."""

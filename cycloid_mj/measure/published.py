@@ -9,26 +9,18 @@ from cycloid_mj.base.result import Quantity, Table
 
 @dataclass(frozen=True)
 class Published:
-    """A published output torque, and the friction that explains it.
-
-    Attributes
-    ----------
-    way, source
-        Whether it was simulated or measured, and the reference.
-    torque, ideal
-        The torque, and that without losses at the same input torque [N m].
-    friction
-        Coefficient of all sliding pairs at which the model has this rate, interpolated; NaN outside of the range run.
-    error
-        Error of the interpolation, by a run with that friction; None without such a run.
-    """
+    """A published output torque, and the friction that explains it."""
 
     way: str
     source: str
+    """Whether it was simulated or measured, and the reference."""
     torque: float
     ideal: float
+    """The torque, and that without losses at the same input torque [N m]."""
     friction: float = math.nan
+    """Coefficient of all sliding pairs at which the model has this rate, interpolated; NaN outside of the range run."""
     error: float | None = None
+    """Error of the interpolation, by a run with that friction; None without such a run."""
 
     @property
     def rate(self) -> float:
@@ -39,21 +31,15 @@ class Published:
 def friction_quantities(published: Sequence[Published]) -> list[Quantity]:
     """List the frictions as quantities."""
     note = "the same for all sliding pairs; rolling bearings and seals as designed"
+    names = [f"friction at the paper's {each.torque:g} N m, {each.way}" for each in published]
     return [
-        Quantity(
-            f"friction_for_paper_{one.way}",
-            f"friction at the paper's {one.torque:g} N m, {one.way}",
-            one.friction,
-            "1",
-            one.error,
-            note=note,
-        )
-        for one in published
+        Quantity(f"friction_for_paper_{each.way}", name, each.friction, "1", each.error, note=note)
+        for each, name in zip(published, names, strict=True)
     ]
 
 
 def tables(output_torque: float, published: Sequence[Published]) -> tuple[Table, ...]:
-    """Tabulate the output torque [N m] at the design's friction and the published ones, if there are any."""
+    """Tabulate the output torque [N m] at the design's friction, and the published torques, if there are any."""
     if not published:
         return ()
     first = published[0]

@@ -25,22 +25,15 @@ from cycloid_mj.statics.bearings import Reactions, spatial
 
 @dataclass(frozen=True)
 class Unbalance:
-    """Unbalance of the parts that rotate with the crank.
-
-    Attributes
-    ----------
-    bare
-        Static unbalance of gears and cams without a counterweight, the sum of m c [kg m].
-    balanced
-        The same with the counterweight, if there is one [kg m].
-    couple
-        Unbalance of the couple as built, about the middle plane of all discs, the sum of m y z [kg m2]; of several
-        discs the size of the sums of m x z and m y z.
-    """
+    """Unbalance of the parts that rotate with the crank."""
 
     bare: float
+    """Static unbalance of gears and cams without a counterweight, the sum of m c [kg m]."""
     balanced: float
+    """The same with the counterweight, if there is one [kg m]."""
     couple: float
+    """Unbalance of the couple as built, about the middle plane of all discs, the sum of m y z [kg m2]; of several discs
+    the size of the sums of m x z and m y z."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -103,21 +103,12 @@ def table(reducer: Reducer, by_variant: Mapping[FrictionVariant, float]) -> Tabl
     """Tabulate the rates, and their change from the design's friction."""
     ideal = reducer.design.rated_torque
     base = {row.pins: rate for row, rate in by_variant.items() if row.pair == OWN}
-    return Table(
-        "output rate by friction, one pair at a time",
-        ("pins", "pair", "friction", "output torque [N m]", "rate [%]", "change [points]"),
-        tuple(
-            (
-                row.pins,
-                row.pair,
-                "" if row.pair == OWN else row.friction,
-                ideal * rate,
-                1e2 * rate,
-                1e2 * (rate - base[row.pins]),
-            )
-            for row, rate in by_variant.items()
-        ),
-    )
+    header = ("pins", "pair", "friction", "output torque [N m]", "rate [%]", "change [points]")
+    rows: list[tuple[str | float, ...]] = []
+    for row, rate in by_variant.items():
+        friction = "" if row.pair == OWN else row.friction
+        rows.append((row.pins, row.pair, friction, ideal * rate, 1e2 * rate, 1e2 * (rate - base[row.pins])))
+    return Table("output rate by friction, one pair at a time", header, tuple(rows))
 
 
 def curves(by_variant: Mapping[FrictionVariant, float], published: Sequence[Published]) -> list[Curve]:
@@ -141,11 +132,8 @@ def _of_ring(reducer: Reducer, quick: bool) -> list[FrictionVariant]:
     pins, pairs = pins_of(reducer), sliding_pairs(reducer)
     rows = [FrictionVariant(pins, OWN, design.friction_of(design.tooth_pair), design)]
     if len(pairs) > 1 and not quick:
-        rows += [
-            FrictionVariant(pins, pair, value, reducer.but(friction={pair: value}).design)
-            for pair in pairs
-            for value in (0.0, 0.1)
-        ]
+        cases = [(pair, value) for pair in pairs for value in (0.0, 0.1)]
+        rows += [FrictionVariant(pins, *case, reducer.but(friction=dict([case])).design) for case in cases]
     return rows + [FrictionVariant(pins, EVERY, value, with_common_friction(reducer, value).design) for value in COMMON]
 
 

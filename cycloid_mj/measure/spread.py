@@ -42,31 +42,22 @@ INPUTS = InputRanges()
 
 @dataclass(frozen=True)
 class Input:
-    """An input at the ends of its range.
-
-    Attributes
-    ----------
-    name, unit
-        Name and unit, for tables.
-    low, high
-        Values at the ends [`unit`].
-    table
-        Table of the design that it belongs to.
-    low_values, high_values
-        Values at the ends [SI], by key.
-    low_design, high_design
-        Designs with these values.
-    """
+    """An input at the ends of its range."""
 
     name: str
     unit: str
+    """Name and unit, for tables."""
     low: float
     high: float
+    """Values at the ends [`unit`]."""
     table: str
+    """Table of the design that it belongs to."""
     low_values: Mapping[str, float]
     high_values: Mapping[str, float]
+    """Values at the ends [SI], by key."""
     low_design: Design
     high_design: Design
+    """Designs with these values."""
 
     @property
     def ends(self) -> tuple[Design, Design]:
@@ -139,22 +130,12 @@ def plain_roller(reducer: Reducer) -> float:
 def table(rate: str, base: float, effects: Sequence[InputEffect]) -> Table:
     """Tabulate the effect of each input on a rate in percent; `base` is the rate of the design [1]."""
     rows = [
-        (
-            effect.input.name,
-            effect.input.unit,
-            effect.input.low,
-            effect.input.high,
-            1e2 * effect.value_low,
-            1e2 * effect.value_high,
-        )
-        for effect in effects
+        (item.input.name, item.input.unit, item.input.low, item.input.high, 1e2 * item.value_low, 1e2 * item.value_high)
+        for item in effects
     ]
     low, high = spread(base, effects)
-    return Table(
-        f"{rate} by assumed inputs, one at a time: {1e2 * low:.1f} to {1e2 * high:.1f} %",
-        ("input", "unit", "low", "high", "at low [%]", "at high [%]"),
-        tuple(rows),
-    )
+    title = f"{rate} by assumed inputs, one at a time: {1e2 * low:.1f} to {1e2 * high:.1f} %"
+    return Table(title, ("input", "unit", "low", "high", "at low [%]", "at high [%]"), tuple(rows))
 
 
 def spread_text(base: float, effects: Sequence[InputEffect]) -> str:
@@ -175,14 +156,8 @@ def as_json(base: float, effects: Sequence[InputEffect]) -> dict[str, Any]:
     low, high = spread(base, effects)
     return {
         "sensitivity": [
-            {
-                "input": effect.input.name,
-                "unit": effect.input.unit,
-                "low": effect.input.low,
-                "high": effect.input.high,
-                "value_low": effect.value_low,
-                "value_high": effect.value_high,
-            }
+            {"input": effect.input.name, "unit": effect.input.unit, "low": effect.input.low, "high": effect.input.high}
+            | {"value_low": effect.value_low, "value_high": effect.value_high}
             for effect in effects
         ],
         "spread": {"value": base, "low": low, "high": high},
@@ -207,14 +182,11 @@ def _play(reducer: Reducer, name: str, kinds: Sequence[str], factors: Sequence[f
     return _between(reducer, name, "um", (least, most), "clearance", low, high)
 
 
+Values = Mapping[str, float]
+
+
 def _between(
-    reducer: Reducer,
-    name: str,
-    unit: str,
-    ends: tuple[float, float],
-    table: str,
-    low: Mapping[str, float],
-    high: Mapping[str, float],
+    reducer: Reducer, name: str, unit: str, ends: tuple[float, float], table: str, low: Values, high: Values
 ) -> Input:
     """Return an input, with the designs at its ends."""
     designs = [reducer.but(**{table: values}).design for values in (low, high)]

@@ -19,7 +19,7 @@ from cycloid_mj.measure import te_table
 from cycloid_mj.measure.conditions import DRAG_SHARE, halve_time_step, require_motion
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.orders import base_orders, causes
-from cycloid_mj.measure.trace import ErrorCurves, Trace, TraceCondition, copied, run_trace
+from cycloid_mj.measure.trace import ErrorCurves, Trace, TraceCondition, copy_model, run_trace
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import transmission_error
 from cycloid_mj.statics.structure import structure_text
@@ -57,13 +57,10 @@ def te(
         Crank turns relative to the ring; N - 1 of them separate the orders of the ring from those of the holes.
     quick
         Whether to skip the slow runs and those with half the time step.
-    progress
-        Called after each run with the numbers of finished and of all runs.
-    solver
-        Solver of the runs.
+    progress, solver
+        Called after each run with the numbers of finished and of all runs; solver of the runs.
     """
-    design = resolve(design)
-    reducer = Reducer(design)
+    reducer = Reducer(resolve(design))
     require_motion(reducer)
     rated = reducer.design.rated_torque
     torques = {"unloaded": DRAG_SHARE * rated if drag is None else drag, "loaded": rated if load is None else load}
@@ -102,7 +99,9 @@ def _traces(
         models[0.5] = (half, model_for(solver, half), CHECKED / reducer.mesh_periods)
     work = [(case, share) for share in models for case in cases if share == 1.0 or case.way == "forward"]
     tasks = [
-        (reducer, copied(compiled), turns, case) for case, share in work for reducer, compiled, turns in [models[share]]
+        (reducer, copy_model(compiled), turns, case)
+        for case, share in work
+        for reducer, compiled, turns in [models[share]]
     ]
     traces = each_in_threads(lambda task: run_trace(*task), tasks, progress)
     return dict(zip(work, traces, strict=True))

@@ -52,7 +52,7 @@ def quantities(reducer: Reducer, traces: Found, finer: Finer, statics: Statics, 
 def curves(reducer: Reducer, traces: Found, statics: Statics) -> tuple[Curve, ...]:
     """List the errors over the crank angle, in full and about their means, and the spectra of the `chosen` cases."""
     paces = dict.fromkeys(case.pace for case in traces)
-    drawn = [*_panel(traces, statics, next(iter(paces)), "output", whole=True)]
+    drawn = [*_panel(traces, statics, next(iter(paces)), "output", with_mean=True)]
     drawn += [curve for pace in paces for shaft in ("gear", "output") for curve in _panel(traces, statics, pace, shaft)]
     for place, base in _bases(reducer).items():
         for case in chosen(traces):
@@ -62,22 +62,22 @@ def curves(reducer: Reducer, traces: Found, statics: Statics) -> tuple[Curve, ..
     return tuple(drawn)
 
 
-def _panel(traces: Found, statics: Statics, pace: str, shaft: str, whole: bool = False) -> Iterator[Curve]:
-    """Yield the curves of a shaft at one pace with those of statics, minus their means unless `whole` is set."""
-    panel = f"{shaft}, {_PACES[pace]}" + ("" if whole else ", minus its mean")
+def _panel(traces: Found, statics: Statics, pace: str, shaft: str, with_mean: bool = False) -> Iterator[Curve]:
+    """Yield the curves of a shaft at one pace with those of statics, minus their means unless `with_mean` is set."""
+    panel = f"{shaft}, {_PACES[pace]}" + ("" if with_mean else ", minus its mean")
     shown = {case: f"{case.load}, {case.way}" for case in traces if case.pace == pace}
     for case, words in shown.items():
         solved = statics[case]
-        error = _about_mean(getattr(solved, shaft), whole)
+        error = _about_mean(getattr(solved, shaft), with_mean)
         yield Curve(panel, STATICS, np.degrees(solved.crank), error, _CRANK, _ERROR, "theory", words)
     for case, words in shown.items():
         trace = traces[case]
-        error = _about_mean(getattr(trace, shaft), whole)
+        error = _about_mean(getattr(trace, shaft), with_mean)
         yield Curve(panel, words, np.degrees(trace.crank), error, _CRANK, _ERROR)
 
 
-def _about_mean(error: Array, whole: bool) -> Array:
-    return error if whole else error - error.mean()
+def _about_mean(error: Array, with_mean: bool) -> Array:
+    return error if with_mean else error - error.mean()
 
 
 def separates_orders(reducer: Reducer, turns: int) -> bool:
@@ -176,8 +176,8 @@ def _bases(reducer: Reducer) -> dict[str, float]:
     return {cause.place: cause.base for cause in causes(reducer)}
 
 
-def _spectrum(reducer: Reducer, errors: ErrorCurves, place: str, base: float) -> Orders:
-    return periodic_orders(errors.crank, getattr(errors, place), base, 3 * reducer.design.ring.teeth)
+def _spectrum(reducer: Reducer, errors: ErrorCurves, signal: str, base: float) -> Orders:
+    return periodic_orders(errors.crank, getattr(errors, signal), base, 3 * reducer.design.ring.teeth)
 
 
 def _step_error(traces: Found, finer: Finer, case: TraceCondition, shaft: str, level: str) -> float | None:
@@ -190,19 +190,19 @@ def _step_error(traces: Found, finer: Finer, case: TraceCondition, shaft: str, l
     return abs(coarse - fine) + 0.5 * abs(first - second)
 
 
-def _mean_change(traces: Found, finer: Finer, case: TraceCondition, place: str) -> float:
-    coarse, fine = _change(traces, finer, case, place)
+def _mean_change(traces: Found, finer: Finer, case: TraceCondition, signal: str) -> float:
+    coarse, fine = _change(traces, finer, case, signal)
     return abs(float(np.mean(fine - coarse)))
 
 
-def _change(traces: Found, finer: Finer, case: TraceCondition, place: str) -> tuple[Array, Array]:
+def _change(traces: Found, finer: Finer, case: TraceCondition, signal: str) -> tuple[Array, Array]:
     """Compute the errors of the run forward under a case's load, and with half the step, where both have them."""
     fine = finer[case.load, case.pace]
     coarse = traces[
         next(trace for trace in traces if (trace.load, trace.pace, trace.way) == (case.load, case.pace, "forward"))
     ]
     inside = (coarse.crank >= fine.crank[0] - 1e-9) & (coarse.crank <= fine.crank[-1] + 1e-9)
-    return getattr(coarse, place)[inside], getattr(fine, place)
+    return getattr(coarse, signal)[inside], getattr(fine, signal)
 
 
 _LEVELS: dict[str, tuple[str, Callable[[Array], float]]] = {

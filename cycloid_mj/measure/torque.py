@@ -1,4 +1,4 @@
-"""Test of Hsieh 2014, Fig. 19: a given torque on the crank, the output held at its speed by a brake."""
+"""Test of Hsieh 2014, Fig. 19: constant torque on the crank, and a brake that keeps the speed of the output."""
 
 import math
 from collections.abc import Hashable, Mapping, Sequence
@@ -26,7 +26,7 @@ from cycloid_mj.measure.conditions import drag_assumption, halve_time_step
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.published import Published, friction_quantities, tables
 from cycloid_mj.measure.sensitivity import FrictionVariant
-from cycloid_mj.measure.spread import InputEffect
+from cycloid_mj.measure.spread import Input, InputEffect
 from cycloid_mj.measure.steady import SETTLING_TIME, first_half, run_steady, steady_design, whole_periods
 from cycloid_mj.reducer import Reducer
 
@@ -63,27 +63,19 @@ def torque(
     quick
         Whether to average over a shorter time, skip the run with half the time step, and vary only the friction of all
         sliding pairs together.
-    progress
-        Called after each run with the numbers of finished and of all runs.
+    progress, solver
+        Called after each run with the numbers of finished and of all runs; solver of the runs.
     published
         Published torques of this design, for comparison.
-    solver
-        Solver of the runs.
     """
-    design = resolve(design)
-    reducer = Reducer(design)
+    reducer = Reducer(resolve(design))
     steady = steady_design(reducer).working_at(reducer.design.rated_torque)
     main = whole_periods(steady, QUICK_PERIODS if quick else PERIODS)
-    rows = sensitivity.variations(reducer, quick)
-    assumed = spread.inputs(steady)
+    drive = steady.design.drive
+    rows, assumed = sensitivity.variations(reducer, quick), spread.inputs(steady)
     tested: dict[Hashable, tuple[Reducer, int]] = {"own": (steady, main)}
-    if not quick:
-        tested["halved"] = halve_time_step(steady, solver), main
-    tested |= {
-        row: (massless(Reducer(row.design)), whole_periods(Reducer(row.design), sensitivity.PERIODS)) for row in rows
-    }
-    periods = whole_periods(steady, spread.INPUTS.periods)
-    tested |= {end: (massless(Reducer(end)), periods) for one in assumed for end in one.ends}
+    tested |= {} if quick else {"halved": (halve_time_step(steady, solver), main)}
+    tested |= _variants(steady, rows, assumed)
     tasks = {key: partial(_untold_test, one, count, solver) for key, (one, count) in tested.items()}
     last = 1 + len(published)
     tests = all_in_threads(tasks, lambda done, whole: progress(done, whole + last))
@@ -97,33 +89,36 @@ def torque(
     beside = with_friction(published, steady, by_row, None if quick else rate_error(ours, finer), solver)
     called = _RUNS | {row: row.name for row in rows} | {end: name for one in assumed for end, name in one.names.items()}
     slow = spread.slow_ends(assumed)
-    by_name = {called[key]: _at_rated_torque(one) for key, (one, _) in tested.items() if key not in slow} | {
-        "crank held": held
-    }
-    by_name |= {
-        sensitivity.common_name(one.friction): _with_common(steady, one.friction)
-        for one in beside
-        if one.error is not None
-    }
-    warn(design.name, creeping_in(by_name))
+    by_name = {called[key]: _at_rated_torque(each) for key, (each, _) in tested.items() if key not in slow}
+    by_name["crank held"] = held
+    for friction in (each.friction for each in beside if each.error is not None):
+        by_name[sensitivity.common_name(friction)] = _with_common(steady, friction)
+    warn(reducer.design.name, creeping_in(by_name))
     progress(len(tasks) + last, len(tasks) + last)
+    losses = loss_breakdown.table(ours.powers, beside, rate_error(ours, finer))
+    inputs = spread.table("output rate", rates["own"], by_input)
     return Measurement(
         measure="torque",
         design=steady.design,
-        condition=f"{steady.design.drive.torque:.4g} N m on the crank, {abs(steady.design.drive.speed) / RPM:.0f} rpm, "
-        + SOLVERS[solver],
+        condition=f"{drive.torque:.4g} N m on the crank, {abs(drive.speed) / RPM:.0f} rpm, {SOLVERS[solver]}",
         quantities=by_key(_quantities(steady, ours, finer, at_held_crank, by_input), friction_quantities(beside)),
         curves=(*_curves(steady, ours), *sensitivity.curves(by_row, beside)),
-        tables=(
-            loss_breakdown.table(ours.powers, beside, rate_error(ours, finer)),
-            *tables(ours.output, beside),
-            spread.table("output rate", ours.powers.efficiency, by_input),
-            sensitivity.table(steady, by_row),
-        ),
+        tables=(losses, *tables(ours.output, beside), inputs, sensitivity.table(steady, by_row)),
         assumptions=_assumptions(steady, main),
         details=loss_breakdown.as_json(ours.powers, beside) | spread.as_json(ours.powers.efficiency, by_input),
         runs={"braked": ours.run},
     )
+
+
+def _variants(
+    steady: Reducer, rows: Sequence[FrictionVariant], assumed: Sequence[Input]
+) -> dict[Hashable, tuple[Reducer, int]]:
+    """Return each row of the friction table and each end of an input with massless pins, and their mesh periods."""
+    drives = {row: Reducer(row.design) for row in rows}
+    periods = whole_periods(steady, spread.INPUTS.periods)
+    return {row: (massless(drive), whole_periods(drive, sensitivity.PERIODS)) for row, drive in drives.items()} | {
+        end: (massless(Reducer(end)), periods) for each in assumed for end in each.ends
+    }
 
 
 def _at_rated_torque(reducer: Reducer) -> Reducer:
@@ -174,16 +169,11 @@ def with_friction(
         return figures
     slope = abs(sensitivity.slope(rates))
     periods = whole_periods(reducer, sensitivity.PERIODS)
-    reached = each_in_threads(lambda one: rate_test(reducer, one.friction, periods, solver), inside)
-    missed = {one: abs(rate - one.rate) for one, rate in zip(inside, reached, strict=True)}
+    reached = each_in_threads(lambda one: _untold_test(_with_common(reducer, one.friction), periods, solver), inside)
+    missed = {one: abs(test.powers.efficiency - one.rate) for one, test in zip(inside, reached, strict=True)}
     return [
         replace(figure, error=(missed[figure] + error) / slope) if figure in missed else figure for figure in figures
     ]
-
-
-def rate_test(reducer: Reducer, friction: float, periods: int, solver: Solver) -> float:
-    """Compute the rate with one friction for all sliding pairs."""
-    return _untold_test(_with_common(reducer, friction), periods, solver).powers.efficiency
 
 
 def _with_common(reducer: Reducer, friction: float) -> Reducer:
@@ -203,50 +193,19 @@ def _quantities(
     # what is left of the ringing shows in the second half, which has less of it
     later = ours.run.select(slice(len(ours.run) // 2, None))
     others = [run["load_torque"] for run in (later, *([finer.run] if finer else []))]
+    ripple_error = max(abs(float(np.ptp(other)) - ripple) for other in others)
+    rms_error = max(abs(float(np.std(other)) - rms) for other in others)
+    expected, rate = (closed.efficiency * ideal, closed.source), 1e2 * ours.output / ideal
+    inputs = spread.spread_text(powers.efficiency, by_input)
+    at_speed, rate_by_powers = "efficiency at constant crank speed under this load", 1e2 * powers.efficiency
     return [
-        Quantity(
-            "output_torque",
-            "output torque",
-            ours.output,
-            "N m",
-            torque_error,
-            closed.efficiency * ideal,
-            closed.source,
-            AS_BUILT,
-        ),
-        Quantity(
-            "output_rate",
-            f"output rate, of {ideal:g} N m",
-            1e2 * ours.output / ideal,
-            "%",
-            1e2 * torque_error / ideal,
-            note=spread.spread_text(powers.efficiency, by_input),
-        ),
-        Quantity(
-            "ripple_peak_to_peak",
-            "ripple of the output torque, p-p",
-            ripple,
-            "N m",
-            max(abs(float(np.ptp(other)) - ripple) for other in others),
-        ),
-        Quantity(
-            "ripple_rms",
-            "ripple of the output torque, rms",
-            rms,
-            "N m",
-            max(abs(float(np.std(other)) - rms) for other in others),
-        ),
+        Quantity("output_torque", "output torque", ours.output, "N m", torque_error, *expected, AS_BUILT),
+        Quantity("output_rate", f"output rate, of {ideal:g} N m", rate, "%", 1e2 * torque_error / ideal, note=inputs),
+        Quantity("ripple_peak_to_peak", "ripple of the output torque, p-p", ripple, "N m", ripple_error),
+        Quantity("ripple_rms", "ripple of the output torque, rms", rms, "N m", rms_error),
         Quantity("input_torque", "mean input torque", ours.input, "N m", None, reducer.design.drive.torque, "as given"),
-        Quantity("efficiency", "efficiency by powers", 1e2 * powers.efficiency, "%", 1e2 * error),
-        Quantity(
-            "efficiency_crank_held",
-            "efficiency at constant crank speed under this load",
-            1e2 * at_held_crank,
-            "%",
-            None,
-            1e2 * powers.efficiency,
-            "braked run",
-        ),
+        Quantity("efficiency", "efficiency by powers", rate_by_powers, "%", 1e2 * error),
+        Quantity("efficiency_crank_held", at_speed, 1e2 * at_held_crank, "%", None, rate_by_powers, "braked run"),
         Quantity("balance_residual", "residual of the energy balance", 1e2 * powers.residual, "% of input"),
     ]
 

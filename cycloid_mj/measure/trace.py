@@ -24,23 +24,16 @@ SAMPLES = 48
 
 @dataclass(frozen=True)
 class TraceCondition:
-    """Load, direction and speed of a run.
-
-    Attributes
-    ----------
-    load, way, pace
-        ``unloaded`` or ``loaded``; ``forward`` (counter-clockwise) or ``reverse``; ``slow`` or ``speed``.
-    torque
-        Against the output's rotation [N m].
-    speed
-        Of the crank [rad/s], signed.
-    """
+    """Load, direction and speed of a run."""
 
     load: str
     way: str
     pace: str
+    """``unloaded`` or ``loaded``; ``forward`` (counter-clockwise) or ``reverse``; ``slow`` or ``speed``."""
     torque: float
+    """Against the output's rotation [N m]."""
     speed: float
+    """Of the crank [rad/s], signed."""
 
     @property
     def key(self) -> str:
@@ -74,7 +67,7 @@ class Trace(ErrorCurves):
     run: Run
 
 
-def copied(compiled: Model) -> Model:
+def copy_model(compiled: Model) -> Model:
     """Copy a model with its specification: one cannot be written to XML by two threads at a time."""
     if isinstance(compiled, PlanarModel):
         return compiled
@@ -117,15 +110,15 @@ def run_trace(reducer: Reducer, compiled: Model, turns: float, case: TraceCondit
     return _read(window, reducer, turns, way)
 
 
-def _read(run: Run, reducer: Reducer, turns: float, way: float) -> Trace:
+def _read(run: Run, reducer: Reducer, turns: float, sense: float) -> Trace:
     """Evaluate the errors at equal intervals of the crank angle, without the end of the window."""
     from scipy.interpolate import CubicSpline
 
-    order = slice(None, None, int(way))
+    order = slice(None, None, int(sense))
     crank = run["crank_angle"][order]
     points = round(SAMPLES * reducer.mesh_periods * turns)
     swept = 2.0 * np.pi * turns
-    first = 0.0 if way > 0.0 else 2.0 * np.pi * np.ceil(turns) - swept
+    first = 0.0 if sense > 0.0 else 2.0 * np.pi * np.ceil(turns) - swept
     grid = first + swept * np.arange(points) / points
     # linear interpolation would lose 2.6 % of the third harmonic of the mesh
     twisted = wind_up(reducer) * run["load_torque"]

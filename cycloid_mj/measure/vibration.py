@@ -18,7 +18,7 @@ from cycloid_mj.dynamics.run import Solver, model_for
 from cycloid_mj.measure.conditions import DRAG_SHARE, halve_time_step, require_motion
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.reaction import unbalance, weight
-from cycloid_mj.measure.trace import copied
+from cycloid_mj.measure.trace import copy_model
 from cycloid_mj.measure.vibration_runs import VibrationRun, run_vibration
 from cycloid_mj.reducer import Reducer
 
@@ -28,11 +28,8 @@ SHOWN = ("gear_centre", "output", "housing")
 """Signals whose spectra are drawn."""
 _RPM, _HZ = "crank speed [rpm]", "frequency [Hz]"
 _NOTE = "sum of all contact forces; m a does not include the inertia of free pins and sleeves"
-_SIGNALS = {
-    "gear_centre": ("acceleration of the disc's centre", "m/s2"),
-    "output": ("acceleration of the output", "rad/s2"),
-    "housing": ("force on the housing", "N"),
-}
+_SIGNALS = {"gear_centre": ("acceleration of the disc's centre", "m/s2")}
+_SIGNALS |= {"output": ("acceleration of the output", "rad/s2"), "housing": ("force on the housing", "N")}
 _OF_COUNTERWEIGHT = {"housing_bare": ("force on the housing, no counterweight", "N")}
 """Signals of a single disc, which a counterweight balances."""
 _OF_PLANES = {
@@ -68,13 +65,10 @@ def vibration(
         Crank turns of each run after it has settled.
     quick
         Whether to measure only the design's speed, and skip the runs with half the time step.
-    progress
-        Called after each run with the numbers of finished and of all runs.
-    solver
-        Solver of the runs.
+    progress, solver
+        Called after each run with the numbers of finished and of all runs; solver of the runs.
     """
-    design = resolve(design)
-    reducer = Reducer(design)
+    reducer = Reducer(resolve(design))
     require_motion(reducer)
     require_pin_bodies(reducer, "vibration")
     rated, speed = reducer.design.rated_torque, reducer.design.drive.speed
@@ -86,7 +80,9 @@ def vibration(
     half = halve_time_step(reducer, solver)
     points = [(reducer, model_for(solver, reducer), one) for one in sorted({speed, *swept}, key=abs)]
     points += [] if quick else [(half, model_for(solver, half), speed)]
-    tasks = [(one, copied(model), *loaded, pace, turns) for one, model, pace in points for loaded in torques.items()]
+    tasks = [
+        (one, copy_model(model), *loaded, pace, turns) for one, model, pace in points for loaded in torques.items()
+    ]
     levels = each_in_threads(lambda task: run_vibration(*task), tasks, progress)
     checks = {} if quick else {level.load: level for level in levels[-len(torques) :]}
     full = levels[: len(levels) - len(checks)]
@@ -98,21 +94,7 @@ def vibration(
         + f", spectra at {abs(speed) / RPM:.0f} rpm, {SOLVERS[solver]}",
         quantities=by_key(_levels(reducer, at_speed, checks), _unbalance(reducer, at_speed, checks)),
         curves=(*_sweep(reducer, full), *_spectra(reducer, at_speed)),
-        assumptions=(
-            "bearings and housing are rigid; a bearing's force is the inertia of its body minus contact forces and "
-            "weight",
-            "accelerations are relative to the closed form (Eqs 12 and 14) at the measured crank angle, forces to "
-            "their mean",
-            *_planes_assumption(reducer),
-            _band_assumption(at_speed[0]),
-            f"unloaded: a drag of {DRAG_SHARE:.0%} of the rated torque, which presses the flanks together before the "
-            "window; the spectra are at the design's speed",
-            "contacts have the secant stiffness of one working force in all runs, that of the loaded ones: "
-            f"{reducer.contacts.working_forces_text(reducer.design.pair_kinds)}",
-            "numerical error: change with half the time step at the design's speed (not available with --quick), of an "
-            "rms also the change with half the window; unloaded pins rattle, and a run with other rounding may differ "
-            "by some percent",
-        ),
+        assumptions=_assumptions(reducer, at_speed[0]),
         runs={f"{one.load}_{abs(one.rpm):.0f}rpm": one.run for one in full},
         details={"band_hz": 0.5 * at_speed[0].rate, "sweep": [_row(reducer, one) for one in full]},
     )
@@ -224,21 +206,28 @@ def _spectra(reducer: Reducer, at_speed: Sequence[VibrationRun]) -> Iterator[Cur
                 yield Curve(panel, one.load, frequency, size, words, f"amplitude [{unit}]")
 
 
-def _planes_assumption(reducer: Reducer) -> tuple[str, ...]:
-    if reducer.design.gear.discs == 1:
-        return ()
-    return (
+def _assumptions(reducer: Reducer, run: VibrationRun) -> tuple[str, ...]:
+    """List the assumptions of the runs."""
+    planes = (
         "several discs: the disc's centre is that of disc 1; forces act in the plane of each disc, tilting moments "
         "are about the middle of all discs, and the shaft is a beam on its two bearings, without its own unbalance",
     )
-
-
-def _band_assumption(one: VibrationRun) -> str:
     return (
-        f"accelerations and forces are sampled at {1e-3 * one.sampled_rate:.4g} kHz and filtered before they are "
-        f"stored at {1e-3 * one.rate:.4g} kHz: their rms includes the part below {5e-4 * one.rate:.3g} kHz (the "
-        f"filter falls from {1e-3 * BAND * one.rate:.3g} to {1e-3 * (1.0 - BAND) * one.rate:.3g} kHz), the spectra "
-        f"end at {1e-3 * BAND * one.rate:.3g} kHz"
+        "bearings and housing are rigid; a bearing's force is the inertia of its body minus contact forces and weight",
+        "accelerations are relative to the closed form (Eqs 12 and 14) at the measured crank angle, forces to their "
+        "mean",
+        *(planes if reducer.design.gear.discs > 1 else ()),
+        f"accelerations and forces are sampled at {1e-3 * run.sampled_rate:.4g} kHz and filtered before they are "
+        f"stored at {1e-3 * run.rate:.4g} kHz: their rms includes the part below {5e-4 * run.rate:.3g} kHz (the "
+        f"filter falls from {1e-3 * BAND * run.rate:.3g} to {1e-3 * (1.0 - BAND) * run.rate:.3g} kHz), the spectra "
+        f"end at {1e-3 * BAND * run.rate:.3g} kHz",
+        f"unloaded: a drag of {DRAG_SHARE:.0%} of the rated torque, which presses the flanks together before the "
+        "window; the spectra are at the design's speed",
+        "contacts have the secant stiffness of one working force in all runs, that of the loaded ones: "
+        f"{reducer.contacts.working_forces_text(reducer.design.pair_kinds)}",
+        "numerical error: change with half the time step at the design's speed (not available with --quick), of an "
+        "rms also the change with half the window; unloaded pins rattle, and a run with other rounding may differ by "
+        "some percent",
     )
 
 

@@ -30,46 +30,32 @@ ACCELERATIONS = ("gear_centre", "output", "momentum")
 
 @dataclass(frozen=True, eq=False)
 class VibrationRun:
-    """Vibration at one speed and load over full crank turns, up to half of the stored rate.
-
-    Attributes
-    ----------
-    load
-        ``unloaded`` or ``loaded``.
-    speed
-        Of the crank [rad/s], signed.
-    crank
-        Swept crank angles [rad], increasing, shape (n,).
-    signals
-        Key -> departures from the closed form or the mean: ``gear_centre`` [m/s2], (n, 2), ``output`` [rad/s2],
-        (n, 1), ``housing``, ``housing_bare`` (without counterweight) and ``momentum`` [N], (n, 2). The last is the
-        force on the housing by the accelerations of gears and shaft alone, without that of free pins. Of several discs
-        the centre is the first's, and there are ``shaft_tilting`` and ``output_tilting`` [N m], the moments of the
-        discs' forces about the middle of all, ``shaft_bearing_far`` and ``shaft_bearing_near`` [N], (n, 2).
-    orbit
-        The rms size of the gear centre's acceleration [m/s2].
-    rate
-        Samples kept per second.
-    whole_rms
-        Key -> rms size of a signal with what is above half of the rate, up to half of `sampled_rate`.
-    sampled_rate
-        Samples taken per second.
-    mean_force
-        On the housing [N], shape (2,).
-    run
-        The whole run.
-    """
+    """Vibration at one speed and load over full crank turns, up to half of the stored rate."""
 
     load: str
+    """``unloaded`` or ``loaded``."""
     speed: float
+    """Of the crank [rad/s], signed."""
     crank: Array
+    """Swept crank angles [rad], increasing, shape (n,)."""
     signals: Mapping[str, Array]
+    """Key -> departures from the closed form or the mean: ``gear_centre`` [m/s2], (n, 2), ``output`` [rad/s2], (n, 1),
+    ``housing``, ``housing_bare`` (without counterweight) and ``momentum`` [N], (n, 2). The last is the force on the
+    housing by the accelerations of gears and shaft alone, without that of free pins. Of several discs the centre is the
+    first's, and there are ``shaft_tilting`` and ``output_tilting`` [N m], the moments of the discs' forces about the
+    middle of all, ``shaft_bearing_far`` and ``shaft_bearing_near`` [N], (n, 2)."""
     orbit: float
+    """The rms size of the gear centre's acceleration [m/s2]."""
     rate: float
+    """Samples kept per second."""
     whole_rms: Mapping[str, float]
+    """Key -> rms size of a signal with what is above half of the rate, up to half of `sampled_rate`."""
     sampled_rate: float
+    """Samples taken per second."""
     mean_force: Array
+    """On the housing [N], shape (2,)."""
     run: Run
+    """The whole run."""
 
     def rms(self, key: str) -> float:
         """Compute the rms size of a signal."""

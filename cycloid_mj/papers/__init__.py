@@ -1,4 +1,4 @@
-"""The papers that this project is held against: each a package of its own, found by the entry points of `GROUP`.
+"""Papers with which this project is compared: each is a separate package with an entry point of `GROUP`.
 
 Nothing in `cycloid_mj` imports a paper by its name: a second one is a second package, with a `Paper` of its own.
 """
@@ -33,12 +33,12 @@ GROUP = "cycloid_mj.papers"
 
 @dataclass(frozen=True, eq=False)
 class RunsJudged:
-    """What a paper's own question comes to for the runs of a comparison.
+    """Answer to a paper's question by the runs of a comparison.
 
     Attributes
     ----------
     summary, notes
-        Sentences: what it comes to, and by what.
+        Sentences: the answer, and its reasons.
     content
         The same as JSON values.
     figures
@@ -53,7 +53,7 @@ class RunsJudged:
 
 @dataclass(frozen=True)
 class Paper:
-    """What a paper adds to the commands.
+    """Contributions of a paper to the commands.
 
     Attributes
     ----------
@@ -64,9 +64,9 @@ class Paper:
     command, examples
         Where the function behind ``cycloid-mj reproduce`` is, as ``module:function``; the examples of its help.
     torques
-        Gives the output torques that the paper has for a design, if it is one of the paper's.
+        Returns the paper's output torques of a design, if it is one of the paper's.
     stress_references
-        Gives what the paper has on the stress of a design's parts, by their names.
+        Returns the paper's stress of a design's parts, by their names.
     judged_runs
         Answers the paper's question by the runs of a comparison, and by the same with one thing varied at a time.
     stress_claims
@@ -89,7 +89,7 @@ def papers() -> tuple[Paper, ...]:
     installed: dict[str, Paper] = {}
     points = {point.name: point for point in entry_points(group=GROUP)}
     for name in sorted(points):
-        paper = _answer(name, "ignored", partial(_checked, points[name], installed))
+        paper = _answer(name, "ignored", partial(_load_paper, points[name], installed))
         installed |= {paper.key: paper} if paper else {}
     return tuple(installed.values())
 
@@ -144,7 +144,7 @@ def _answer(name: str, instead: str, ask: Callable[[], Answer]) -> Answer | None
         return None
 
 
-def _checked(point: EntryPoint, taken: Container[str]) -> Paper:
+def _load_paper(point: EntryPoint, taken: Container[str]) -> Paper:
     """Load a paper and its command; raise any exception where either is not to be used."""
     try:
         paper = point.load()

@@ -25,11 +25,8 @@ MIN_FIT_SHARE = 0.25
 """Share of the rated torque from which friction is fitted, up to the rated torque."""
 
 WITHOUT_STRIBECK = {
-    "friction_stribeck": 0.0,
-    "load_friction_motor_stribeck": 0.0,
-    "load_friction_external_stribeck": 0.0,
-    "dtheta_stribeck": 0.2,
-    "alpha": 1.35,
+    **dict.fromkeys(("friction_stribeck", *(f"load_friction_{part}_stribeck" for part in ("motor", "external"))), 0.0),
+    **{"dtheta_stribeck": 0.2, "alpha": 1.35},
 }
 """Parameters without a Stribeck effect; the last two are BAM's start values, and have no effect."""
 
@@ -43,18 +40,13 @@ def bam(reduced: ReducedJoint) -> dict[str, Any]:
     external, motor, lost = _loads(reduced)
     m3, _ = nnls((external + motor)[:, np.newaxis], lost)
     m5, _ = nnls(np.stack([external, motor], axis=1), lost)
+    by_torque = {"load_friction_motor": float(m5[1]), "load_friction_external": float(m5[0])}
     common = {"friction_base": base, "friction_viscous": viscous, "armature": reduced.reflected_inertia}
     return {
         "source": "BAM, Rhoban, ICRA 2025: arXiv 2410.08650",
         "joint": f"output of {reduced.name}, {reduced.ratio:g}:1; torques at the joint [N m], speeds in rad/s",
         "m3": {"model": "m3", **common, "load_friction_base": float(m3[0])},
-        "m5": {
-            "model": "m5",
-            **common,
-            "load_friction_motor": float(m5[1]),
-            "load_friction_external": float(m5[0]),
-            **WITHOUT_STRIBECK,
-        },
+        "m5": {"model": "m5", **common, **by_torque, **WITHOUT_STRIBECK},
         "largest_error_nm": {
             "m3": float(np.abs(m3[0] * (external + motor) - lost).max()),
             "m5": float(np.abs(m5[0] * external + m5[1] * motor - lost).max()),

@@ -67,24 +67,16 @@ DIRECTIONS = {"forward": 1, "reverse": -1}
 
 @dataclass(frozen=True, eq=False)
 class ModelComparison:
-    """Comparison of a joint with the full model.
-
-    Attributes
-    ----------
-    rows
-        Quantities of the joint, with the full model's value as reference.
-    bounds
-        Allowed difference by the key of a row, in its unit.
-    curves
-        Curves of both, for figures.
-    highest_speed
-        Speed of the crank [rad/s] up to which the strongest harmonic is transmitted, with the matched inertia.
-    """
+    """Comparison of a joint with the full model."""
 
     rows: tuple[Quantity, ...]
+    """Quantities of the joint, with the full model's value as reference."""
     bounds: dict[str, float]
+    """Allowed difference by the key of a row, in its unit."""
     curves: tuple[Curve, ...]
+    """Curves of both, for figures."""
     highest_speed: float
+    """Speed of the crank [rad/s] up to which the strongest harmonic is transmitted, with the matched inertia."""
 
     @property
     def highest_speed_rpm(self) -> float:
@@ -102,15 +94,9 @@ class ModelComparison:
 
     def table(self) -> Table:
         """Tabulate the rows."""
+        words = {True: "ok", False: "exceeds bound"}
         rows = tuple(
-            (
-                row.name,
-                row.value,
-                row.reference or 0.0,
-                row.unit,
-                self._difference(row),
-                "ok" if self.is_within(row) else "exceeds bound",
-            )
+            (row.name, row.value, row.reference or 0.0, row.unit, self._difference(row), words[self.is_within(row)])
             for row in self.rows
         )
         return Table(
@@ -141,16 +127,11 @@ def compare_with_full_model(reducer: Reducer, reduced: ReducedJoint) -> ModelCom
     lossy, lossy_curves = _efficiencies(reducer, smooth)
     both = [_transmission(reducer, reduced.at("full"), name, sign) for name, sign in DIRECTIONS.items()]
     rows = (*slow, *_resonance(reduced.at("backlash"), play), *lossy, *(row for rows, _ in both for row in rows))
-    bounds = {row.key: COMPARISON.max_efficiency if row.unit == "%" else _bound(row) for row in rows}
+    bounds = {row.key: BOUNDS.get(row.key, BOUNDS["te_harmonic"]) * abs(row.reference or 0.0) for row in rows}
+    bounds |= {row.key: COMPARISON.max_efficiency for row in rows if row.unit == "%"}
     resonance = math.sqrt(reduced.stiffness(reduced.rated_torque) / (2.0 * reduced.reflected_inertia))
     curves = (*slow_curves, *lossy_curves, *(curve for _, curves in both for curve in curves))
     return ModelComparison(rows, bounds, curves, COMPARISON.max_frequency * resonance / _strongest(reduced.ripple))
-
-
-def _bound(row: Quantity) -> float:
-    """Return the allowed difference of a quantity, in its unit."""
-    key = "te_harmonic" if row.unit == "arcsec" else row.key
-    return BOUNDS[key] * abs(row.reference or 0.0)
 
 
 def _strongest(ripple: Ripple) -> float:
@@ -173,25 +154,13 @@ def _loop(reduced: ReducedJoint, play: Play) -> tuple[list[Quantity], list[Curve
     width = 2.0 * small[GRID.small] - small[2.0 * GRID.small] - 2.0 * small[-GRID.small] + small[-2.0 * GRID.small]
     joint = {share: 0.5 * (turn(share) - turn(-share)) for share in (LOST_MOTION_SHARE, 1.0)}
     full = {share: 0.5 * play.backlash + play.wind_up[share] for share in joint}
-    rows = [
-        Quantity("backlash_arcmin", "backlash", width / ARCMINUTE, "arcmin", None, play.backlash / ARCMINUTE),
-        Quantity(
-            "loop_arcmin",
-            "loop at +-3 % of the rated torque",
-            2.0 * joint[LOST_MOTION_SHARE] / ARCMINUTE,
-            "arcmin",
-            None,
-            2.0 * full[LOST_MOTION_SHARE] / ARCMINUTE,
-        ),
-        Quantity(
-            "wind_up_arcmin",
-            "wind-up beyond the stop at the rated torque",
-            (joint[1.0] - 0.5 * width) / ARCMINUTE,
-            "arcmin",
-            None,
-            play.wind_up[1.0] / ARCMINUTE,
-        ),
-    ]
+    loop_name, small_share = "loop at +-3 % of the rated torque", LOST_MOTION_SHARE
+    values = (
+        ("backlash_arcmin", "backlash", width, play.backlash),
+        ("loop_arcmin", loop_name, 2.0 * joint[small_share], 2.0 * full[small_share]),
+        ("wind_up_arcmin", "wind-up beyond the stop at the rated torque", joint[1.0] - 0.5 * width, play.wind_up[1.0]),
+    )
+    rows = [Quantity(key, name, x / ARCMINUTE, "arcmin", None, y / ARCMINUTE) for key, name, x, y in values]
     ramp = np.linspace(-1.0, 1.0, COMPARISON.loop_points)
     joint_turn = np.array([turn(share) for share in ramp])
     shares = np.array([0.0, *sorted(play.wind_up)])
@@ -214,15 +183,8 @@ def _resonance(reduced: ReducedJoint, play: Play) -> Iterator[Quantity]:
         trial_scene(reduced, inertia, COMPARISON.phase_step / expected, "implicitfast"), inertia
     )
     still = math.sqrt(reduced.stiffness(play.rated) / (inertia + reduced.output_inertia))
-    frequency = still * (1.0 + off) / (2.0 * np.pi)
-    yield Quantity(
-        "resonance_hz",
-        f"resonance with {inertia:.3g} kg m2, crank locked",
-        frequency,
-        "Hz",
-        None,
-        expected / (2.0 * np.pi),
-    )
+    frequency, name = still * (1.0 + off) / (2.0 * np.pi), f"resonance with {inertia:.3g} kg m2, crank locked"
+    yield Quantity("resonance_hz", name, frequency, "Hz", None, expected / (2.0 * np.pi))
 
 
 def _efficiencies(reducer: Reducer, reduced: ReducedJoint) -> tuple[list[Quantity], list[Curve]]:

@@ -13,22 +13,15 @@ Rows = tuple[tuple[float, ...], ...]
 
 @dataclass(frozen=True)
 class FrictionMap:
-    """Map of friction: linear interpolation; beyond the largest torque the last line continues.
-
-    Attributes
-    ----------
-    torques
-        Torques on the output [N m], rising from 0, shape (n,).
-    speeds
-        Speeds of the crank [rad/s], rising, shape (m,); outside, the nearest is used.
-    driving, driven
-        Friction torque on the crank [N m] where the crank drives, and where the output drives, shape (m, n).
-    """
+    """Map of friction: linear interpolation; beyond the largest torque the last line continues."""
 
     torques: tuple[float, ...]
+    """Torques on the output [N m], rising from 0, shape (n,)."""
     speeds: tuple[float, ...]
+    """Speeds of the crank [rad/s], rising, shape (m,); outside, the nearest is used."""
     driving: Rows
     driven: Rows
+    """Friction torque on the crank [N m] where the crank drives, and where the output drives, shape (m, n)."""
 
     def torque(self, torque: float, speed: float, driving: bool) -> float:
         """Compute the torque of friction [N m] under a torque on the output [N m] at a speed of the crank [rad/s]."""

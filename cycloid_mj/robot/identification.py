@@ -84,8 +84,7 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
     RunError
         No static balance exists, as where friction jams the reducer.
     """
-    design = resolve(design)
-    reducer = Reducer(design)
+    reducer = Reducer(resolve(design))
     require_sound(reducer)
     if reducer.design.drive.speed == 0.0:
         raise DesignError("drive.speed_rpm is 0, but friction needs a turning crank: set drive.speed_rpm, such as 1640")
@@ -119,21 +118,14 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
 
 @dataclass(frozen=True)
 class Play:
-    """Play and wind-up with a locked crank, without friction and weight; means over crank angles.
-
-    Attributes
-    ----------
-    rated
-        Rated torque [N m].
-    stops
-        Angles of the stops [rad], clockwise first, extrapolated to zero from two small torques.
-    wind_up
-        Turn beyond the stop [rad] by the share of the rated torque, mean of both sides.
-    """
+    """Play and wind-up with a locked crank, without friction and weight; means over crank angles."""
 
     rated: float
+    """Rated torque [N m]."""
     stops: tuple[float, float]
+    """Angles of the stops [rad], clockwise first, extrapolated to zero from two small torques."""
     wind_up: dict[float, float]
+    """Turn beyond the stop [rad] by the share of the rated torque, mean of both sides."""
 
     @property
     def backlash(self) -> float:
@@ -287,28 +279,15 @@ def _quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: Play)
 
     direction = "the output turns against the crank" if joint.way < 0 else "the output turns as the crank does"
     yield Quantity("ratio", "ratio, turns of the crank for one of the output", joint.ratio, "1", 0.0, note=direction)
-    yield Quantity(
-        "backlash_arcmin",
-        "backlash of the output, mean over the crank angle",
-        *_in(both(lambda item: item.backlash), ARCMINUTE, "arcmin"),
-    )
-    yield Quantity(
-        "wind_up_arcmin",
-        f"wind-up beyond the stop under {rated:.4g} N m, crank locked",
-        *_in(both(lambda item: item.wind_up[1.0]), ARCMINUTE, "arcmin"),
-    )
-    yield Quantity(
-        "polynomial_error",
-        f"largest relative error of the stiffness as a polynomial, up to {rated:.4g} N m",
-        fine.polynomial_error(),
-        "1",
-        abs(fine.polynomial_error() - coarse.polynomial_error()),
-    )
-    yield Quantity(
-        "stiffness_nm_per_arcmin",
-        "torsional stiffness, 50 to 100 % of the rated torque",
-        *_in(both(lambda item: item.stiffness), 1.0 / ARCMINUTE, "N m/arcmin"),
-    )
+    play, wound = both(lambda item: item.backlash), both(lambda item: item.wind_up[1.0])
+    name = "backlash of the output, mean over the crank angle"
+    yield Quantity("backlash_arcmin", name, *_in(play, ARCMINUTE, "arcmin"))
+    name = f"wind-up beyond the stop under {rated:.4g} N m, crank locked"
+    yield Quantity("wind_up_arcmin", name, *_in(wound, ARCMINUTE, "arcmin"))
+    name = f"largest relative error of the stiffness as a polynomial, up to {rated:.4g} N m"
+    yield Quantity("polynomial_error", name, *_in(both(Play.polynomial_error), 1.0, "1"))
+    name, stiffness = "torsional stiffness, 50 to 100 % of the rated torque", both(lambda item: item.stiffness)
+    yield Quantity("stiffness_nm_per_arcmin", name, *_in(stiffness, 1.0 / ARCMINUTE, "N m/arcmin"))
     efficiency = 100.0 * friction.efficiency(rated, speed, joint.ratio, driving=True)
     error, moved = 100.0 * _angle_error(reducer, 1.0), _efficiency_spread(reducer)
     yield Quantity("efficiency", f"efficiency {at}", efficiency, "%", error, note=moved)
@@ -334,9 +313,8 @@ def _quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: Play)
     what = "shaft, rotor and the discs' orbit"
     yield Quantity("rotor_inertia_kg_m2", f"inertia on the crank: {what}", joint.rotor_inertia, "kg m2", 0.0)
     yield Quantity("output_inertia_kg_m2", "inertia of discs and output", joint.output_inertia, "kg m2", 0.0)
-    yield Quantity(
-        "reflected_inertia_kg_m2", "inertia at the output, crank free", joint.reflected_inertia, "kg m2", 0.0
-    )
+    name = "inertia at the output, crank free"
+    yield Quantity("reflected_inertia_kg_m2", name, joint.reflected_inertia, "kg m2", 0.0)
     yield Quantity("damping_nm_s_per_rad", "damping of the wind-up", joint.damping, "N m s/rad", None)
 
 

@@ -43,18 +43,12 @@ IMPACT = ImpactSettings()
 
 @dataclass(frozen=True)
 class ImpactLoad:
-    """Rated load cos(2 pi f t) on the output, from rest on the upper stop.
-
-    Attributes
-    ----------
-    frequency
-        Frequency f [Hz].
-    peak
-        Largest wind-up beyond the mean lower stop [rad], by an integrator of variable order and step size.
-    """
+    """Rated load cos(2 pi f t) on the output, from rest on the upper stop."""
 
     frequency: float
+    """Frequency f [Hz]."""
     peak: float
+    """Largest wind-up beyond the mean lower stop [rad], by an integrator of variable order and step size."""
 
     @property
     def duration(self) -> float:
@@ -76,7 +70,7 @@ def solve_impact(reduced: ReducedJoint, inertia: float) -> ImpactLoad:
     """
     for halving in range(IMPACT.max_halvings):
         frequency = IMPACT.start_frequency / 2.0**halving
-        crossed, peak = _swing(reduced, inertia, frequency)
+        crossed, peak = _solve_motion(reduced, inertia, frequency)
         if crossed <= 0.5 / frequency:
             return ImpactLoad(frequency, peak)
     raise RunError(
@@ -95,7 +89,7 @@ def run_impact(scene: TrialScene, load: ImpactLoad) -> float | None:
     return None if lengths is None else reduced.stops[0] - float(lengths.min())
 
 
-def _swing(reduced: ReducedJoint, inertia: float, frequency: float) -> tuple[float, float]:
+def _solve_motion(reduced: ReducedJoint, inertia: float, frequency: float) -> tuple[float, float]:
     """Compute the time at which the output reaches the lower stop [s], or infinity, and its largest wind-up [rad]."""
     from scipy.integrate import odeint
 

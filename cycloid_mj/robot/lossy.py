@@ -64,27 +64,18 @@ SHOE = ShoeSettings()
 
 @dataclass(frozen=True)
 class Shoe:
-    """Shoe of a joint.
-
-    Attributes
-    ----------
-    shares
-        Coefficient of its axial position in the length of each spring [rad/m], shape (springs,).
-    friction
-        Friction torque about the axis over the force on the plate [m].
-    leading
-        Share t of its force by which friction presses it on, or lifts it: the force is S/(1 - t) or S/(1 + t).
-    armature
-        Axial armature [kg].
-    creep
-        Reference damping of the friction [1/s].
-    """
+    """Shoe of a joint."""
 
     shares: Array
+    """Coefficient of its axial position in the length of each spring [rad/m], shape (springs,)."""
     friction: float
+    """Friction torque about the axis over the force on the plate [m]."""
     leading: float
+    """Share t of its force by which friction presses it on, or lifts it: the force is S/(1 - t) or S/(1 + t)."""
     armature: float
+    """Axial armature [kg]."""
     creep: float
+    """Reference damping of the friction [1/s]."""
 
 
 def fit_shoe(reduced: ReducedJoint) -> Shoe:
@@ -95,7 +86,8 @@ def fit_shoe(reduced: ReducedJoint) -> Shoe:
     from scipy.optimize import nnls
 
     loads = np.array(SHOE.fitted) * reduced.rated_torque
-    pulls = np.array([_pulls(reduced, load) for load in loads.tolist()])
+    wound = [reduced.wind_up(load) for load in loads.tolist()]
+    pulls = np.array([[each.stiffness * max(turn - each.start, 0.0) for each in reduced.springs] for turn in wound])
     driving, driven = (
         np.maximum(
             [
@@ -231,12 +223,6 @@ def lossy_efficiency(reduced: ReducedJoint, share: float, driving: bool) -> floa
         taken.append(-float(on.data.qfrc_constraint[dof]))
     lost = float(np.mean(taken[len(taken) // 2 :]))
     return joint_powers(torque / reduced.ratio, lost, driving).efficiency
-
-
-def _pulls(reduced: ReducedJoint, torque: float) -> Array:
-    """Compute the torque of each spring under a torque on the joint [N m], shape (springs,)."""
-    wound = reduced.wind_up(torque)
-    return np.array([spring.stiffness * max(wound - spring.start, 0.0) for spring in reduced.springs])
 
 
 def _number(value: float) -> str:

@@ -17,15 +17,7 @@ from cycloid_mj.base.engine import Engine, Progress, silent
 from cycloid_mj.base.errors import CycloidError, RunError
 from cycloid_mj.base.frame import Frame, Tabular
 from cycloid_mj.base.result import Table
-from cycloid_mj.explore.sampling import (
-    BLOCK_SAMPLES,
-    Batch,
-    departure_columns,
-    design_of_sample,
-    draw_departures,
-    draw_samples,
-    tolerance_zones,
-)
+from cycloid_mj.explore import sampling
 from cycloid_mj.figures import figure
 from cycloid_mj.measure.spread import Input, inputs
 from cycloid_mj.reducer import Reducer
@@ -99,14 +91,11 @@ class Population(Tabular):
         """Assumptions of the distributions, a sentence each."""
         ranges = "; ".join(f"{item.name} {item.low:.4g} to {item.high:.4g} {item.unit}" for item in self.ranges)
         lost = self.requested - self.samples
+        drives = f"{lost} of {self.requested} drives"
         return (
             f"drawn with a log-uniform distribution: {ranges}",
             *([] if self.has_tolerances else ["the design states no tolerances, so its play does not vary"]),
-            *(
-                [f"{lost} of {self.requested} drives are left out: they cannot be assembled (interference of parts)"]
-                if lost
-                else []
-            ),
+            *([f"{drives} are left out: they cannot be assembled (interference of parts)"] if lost else []),
         )
 
     def tables(self) -> tuple[Table, Table]:
@@ -193,7 +182,7 @@ def draw_population(
         values=values,
         departures=drawn_values,
         ranges=ranges,
-        has_tolerances=bool(tolerance_zones(reducer)),
+        has_tolerances=bool(sampling.tolerance_zones(reducer)),
     )
 
 
@@ -210,13 +199,8 @@ def _centred_range(reducer: Reducer, item: Input) -> Input:
     low_values, high_values = (
         {key: shifts[key] * value for key, value in end.items()} for end in (item.low_values, item.high_values)
     )
-    return replace(
-        item,
-        low=min(low_values.values()),
-        high=max(high_values.values()),
-        low_values=low_values,
-        high_values=high_values,
-    )
+    low, high = min(low_values.values()), max(high_values.values())
+    return replace(item, low=low, high=high, low_values=low_values, high_values=high_values)
 
 
 def parameters(reducer: Reducer) -> dict[str, float]:
@@ -234,8 +218,8 @@ def _draw_drive(
     reducer: Reducer, ranges: tuple[Input, ...], seed: int, number: int
 ) -> tuple[dict[str, float], dict[str, float]] | None:
     """Draw a drive by its number; return its parameters and drawn values, or None if it cannot be assembled."""
-    zones, (block, row) = tolerance_zones(reducer), divmod(number, BLOCK_SAMPLES)
-    batch = Batch(block, 1, row)
+    zones, (block, row) = sampling.tolerance_zones(reducer), divmod(number, sampling.BLOCK_SAMPLES)
+    batch = sampling.Batch(block, 1, row)
     # tolerances use lower numbers of streams
     shares = np.random.default_rng([seed, 10_000, number]).random(len(ranges)).tolist()
     changes: dict[str, dict[str, float]] = {}
@@ -243,13 +227,16 @@ def _draw_drive(
         changes.setdefault(item.table, {}).update(item.between(share))
     try:
         built = Reducer(
-            design_of_sample(reducer, draw_samples(reducer, zones, seed, batch), 0, reducer.design.name)
+            sampling.design_of_sample(
+                reducer, sampling.draw_samples(reducer, zones, seed, batch), 0, reducer.design.name
+            )
         ).but(**changes)
         values = parameters(built)
     except CycloidError:
         return None
     of_parts = {
-        key: float(values[0]) for key, values in departure_columns(draw_departures(reducer, zones, seed, batch)).items()
+        key: float(values[0])
+        for key, values in sampling.departure_columns(sampling.draw_departures(reducer, zones, seed, batch)).items()
     }
     of_ranges = {f"drawn_{table}_{key}": value for table, of in changes.items() for key, value in of.items()}
     return values, {**of_ranges, **of_parts}

@@ -286,23 +286,15 @@ class ReducedJoint(Presented):
         UsageError
             There is none.
         """
-        starts = [
-            (int(start), int(size))
-            for start, size in zip(model.tuple_adr, model.tuple_size, strict=True)
-            if size and model.tuple_objprm[start] == self.fingerprint
-        ]
+        tuples = zip(model.tuple_adr.tolist(), model.tuple_size.tolist(), strict=True)
+        starts = [(start, size) for start, size in tuples if size and model.tuple_objprm[start] == self.fingerprint]
         if not starts:
             raise UsageError(f"no joint of the model has the reducer {self.name!r}; attach it with attach_reducer")
         for start, size in starts:
             output, *others = model.tuple_objid[start : start + size].tolist()
             crank, *tendons = others or [output]
-            yield JointAddresses(
-                int(model.jnt_qposadr[output]),
-                int(model.jnt_dofadr[output]),
-                int(model.jnt_qposadr[crank]),
-                int(model.jnt_dofadr[crank]),
-                tuple(tendons),
-            )
+            driven, motor = ((int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])) for joint in (output, crank))
+            yield JointAddresses(*driven, *motor, tuple(tendons))
 
     def _step_between(self, model: Any, data: Any, addresses: JointAddresses) -> None:
         """Update a joint with springs: its tendons follow the error, its crank has the friction of their torque."""

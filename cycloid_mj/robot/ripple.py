@@ -19,28 +19,20 @@ Rows = tuple[tuple[float, ...], ...]
 
 @dataclass(frozen=True)
 class Ripple:
-    """Harmonics at several loads; at the order n, the error is a cos(n theta) + b sin(n theta).
-
-    Attributes
-    ----------
-    orders
-        Cycles in a turn of the crank, shape (k,).
-    loads
-        Shares of the rated torque, rising, shape (l,); errors are interpolated linearly.
-    low_cos, low_sin, high_cos, high_sin
-        Factors a and b at the lower and at the upper stop [rad], shape (l, k).
-    low_error, high_error
-        Numerical errors of the amplitudes [rad], shape (l, k).
-    """
+    """Harmonics at several loads; at the order n, the error is a cos(n theta) + b sin(n theta)."""
 
     orders: tuple[float, ...]
+    """Cycles in a turn of the crank, shape (k,)."""
     loads: tuple[float, ...]
+    """Shares of the rated torque, rising, shape (l,); errors are interpolated linearly."""
     low_cos: Rows
     low_sin: Rows
     high_cos: Rows
     high_sin: Rows
+    """Factors a and b at the lower and at the upper stop [rad], shape (l, k)."""
     low_error: Rows
     high_error: Rows
+    """Numerical errors of the amplitudes [rad], shape (l, k)."""
 
     def errors(self, angle: float, share: float) -> tuple[float, float]:
         """Compute the errors of both stops [rad] at a crank angle [rad], under a share of the rated torque."""

@@ -4,6 +4,7 @@ A time step is stable if a vibration does not grow, with the crank locked and fr
 wind-up of an impact (`robot.impact`) is correct as well.
 """
 
+import itertools
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -55,38 +56,27 @@ INERTIAS = {"bare output": 1e-3, "matched": 1.0, "heavy": 10.0}
 
 @dataclass(frozen=True)
 class StepTrial:
-    """Trial of one time step of an integrator with one inertia.
-
-    Attributes
-    ----------
-    level, integrator, load
-        Level, integrator, and the key of `INERTIAS` or the inertia in words.
-    timestep, inertia
-        Time step [s], and inertia on the output [kg m2].
-    stable
-        Whether the vibration does not grow.
-    error
-        Relative error of the wind-up under the rated torque; at the level `rigid`, of the speed under the rated input
-        torque. NaN where it is unstable.
-    frequency
-        Relative error of the vibration's frequency against sqrt(k/J); NaN where it is not resolved, or decayed.
-    impact_frequency
-        Frequency of the load of the impact [Hz]; NaN at the level `rigid`, which has none.
-    impact_peak, impact_error
-        Wind-up beyond the stop at the end of the impact [rad], and its relative error; NaN where it runs away.
-    """
+    """Trial of one time step of an integrator with one inertia."""
 
     level: Level
     integrator: Integrator
     load: str
+    """Level, integrator, and the key of `INERTIAS` or the inertia in words."""
     timestep: float
     inertia: float
+    """Time step [s], and inertia on the output [kg m2]."""
     stable: bool
+    """Whether the vibration does not grow."""
     error: float
+    """Relative error of the wind-up under the rated torque; at the level `rigid`, of the speed under the rated input
+    torque. NaN where it is unstable."""
     frequency: float
+    """Relative error of the vibration's frequency against sqrt(k/J); NaN where it is not resolved, or decayed."""
     impact_frequency: float = math.nan
+    """Frequency of the load of the impact [Hz]; NaN at the level `rigid`, which has none."""
     impact_peak: float = math.nan
     impact_error: float = math.nan
+    """Wind-up beyond the stop at the end of the impact [rad], and its relative error; NaN where it runs away."""
 
     @property
     def good(self) -> bool:
@@ -137,7 +127,11 @@ class StepTrial:
 
 def study_time_steps(reduced: ReducedJoint) -> tuple[StepTrial, ...]:
     """Try all levels, integrators and inertias at `STUDY.steps`, and at `STUDY.finer_steps` where none is accurate."""
-    return tuple(_try_all(reduced))
+    trials: list[StepTrial] = []
+    for level, integrator in itertools.product(LEVELS, INTEGRATORS):
+        for load, share in INERTIAS.items():
+            trials += _try_time_steps(reduced.at(level), integrator, load, share * reduced.reflected_inertia)
+    return tuple(trials)
 
 
 def choose_time_step(
@@ -173,7 +167,7 @@ def try_time_step(
 
     run = reduced.level, integrator, load, timestep, inertia
     if reduced.level == "rigid":
-        return StepTrial(*run, *_rigid(scene(), inertia))
+        return StepTrial(*run, *_accelerate_rigid_joint(scene(), inertia))
     load_case = solve_impact(reduced, inertia)
     stable, error, frequency = measure_vibration(scene(), inertia)
     peak = run_impact(scene(), load_case) if stable and _is_stable_with_free_crank(scene(), inertia) else None
@@ -205,15 +199,8 @@ def recommend_time_steps(trials: tuple[StepTrial, ...]) -> list[dict[str, Any]]:
             best = {load: longest_accurate(trials, level, integrator, load) for load in INERTIAS}
             by_load = {load: item.timestep if item else 0.0 for load, item in best.items()}
             errors = {load: item.impact_error if item else math.nan for load, item in best.items()}
-            rows.append(
-                {
-                    "level": level,
-                    "integrator": integrator,
-                    "timestep_s": min(by_load.values()),
-                    "by_load": by_load,
-                    "impact_error": errors,
-                }
-            )
+            steps = {"timestep_s": min(by_load.values()), "by_load": by_load, "impact_error": errors}
+            rows.append({"level": level, "integrator": integrator, **steps})
     return rows
 
 
@@ -284,14 +271,6 @@ def _settled_wind_up_error(scene: TrialScene, steps: int, stop: float) -> float:
     return (float(lengths[steps // 2 :].mean()) - stop) / scene.reduced.wind_up(torque) - 1.0
 
 
-def _try_all(reduced: ReducedJoint) -> Iterator[StepTrial]:
-    """Yield the trials of all levels, integrators and inertias."""
-    for level in LEVELS:
-        for integrator in INTEGRATORS:
-            for load, share in INERTIAS.items():
-                yield from _try_time_steps(reduced.at(level), integrator, load, share * reduced.reflected_inertia)
-
-
 def _try_time_steps(reduced: ReducedJoint, integrator: Integrator, load: str, inertia: float) -> Iterator[StepTrial]:
     """Yield the trials of `STUDY.steps`, and of `STUDY.finer_steps` until one is accurate if the shortest is not."""
     runs = [try_time_step(reduced, integrator, item, inertia, load) for item in STUDY.steps]
@@ -321,12 +300,12 @@ def _is_stable_with_free_crank(scene: TrialScene, inertia: float) -> bool:
     return lengths is not None and float(np.ptp(lengths[steps // 2 :])) <= STUDY.max_vibration * wound
 
 
-def _steps(frequency: float, step: float) -> int:
+def _steps(frequency: float, timestep: float) -> int:
     """Return the number of time steps of a run that shows a vibration of this frequency [rad/s]."""
-    return max(STUDY.min_steps, math.ceil(2.0 * np.pi * STUDY.periods / frequency / step))
+    return max(STUDY.min_steps, math.ceil(2.0 * np.pi * STUDY.periods / frequency / timestep))
 
 
-def _rigid(scene: TrialScene, inertia: float) -> tuple[bool, float, float]:
+def _accelerate_rigid_joint(scene: TrialScene, inertia: float) -> tuple[bool, float, float]:
     """Apply the rated input torque to the motor, and compare the speed with that of the total inertia with friction."""
     reduced, step = scene.reduced, float(scene.model.opt.timestep)
     scene.data.ctrl[:] = reduced.rated_torque / reduced.ratio
@@ -339,7 +318,7 @@ def _rigid(scene: TrialScene, inertia: float) -> tuple[bool, float, float]:
     return bool(np.isfinite(error)), error, np.nan
 
 
-def _analyse_vibration(turn: Array, step: float) -> tuple[float, float]:
+def _analyse_vibration(turn: Array, timestep: float) -> tuple[float, float]:
     """Compute the middle of a vibration and its angular frequency [rad/s], NaN if it is not resolved."""
     middle = 0.5 * (float(turn.max()) + float(turn.min()))
     if np.ptp(turn) < STUDY.min_vibration * abs(middle):
@@ -350,4 +329,4 @@ def _analyse_vibration(turn: Array, step: float) -> tuple[float, float]:
         return float(turn[-len(turn) // 2 :].mean()), np.nan
     crossings = ups + (middle - turn[ups]) / (turn[ups + 1] - turn[ups])
     periods = slice(int(ups[0]), int(ups[-1]))
-    return float(turn[periods].mean()), 2.0 * np.pi * (len(ups) - 1) / float(crossings[-1] - crossings[0]) / step
+    return float(turn[periods].mean()), 2.0 * np.pi * (len(ups) - 1) / float(crossings[-1] - crossings[0]) / timestep

@@ -127,12 +127,8 @@ class Joint:
         output, crank = model.joint(joint), model.joint(f"{joint}_rotor")
         springs = [f"{joint}_reducer" + (f"_{n + 1}" if n else "") for n in range(len(self.values["springs"]))]
         tendons, dof = [model.tendon(name).id for name in springs], int(crank.dofadr[0])
-        terms = self.terms(
-            data.qpos[int(output.qposadr[0])],
-            data.qpos[int(crank.qposadr[0])],
-            data.qvel[dof],
-            data.qfrc_actuator[dof] + data.qfrc_applied[dof],
-        )
+        angle, turned = (data.qpos[int(each.qposadr[0])] for each in (output, crank))
+        terms = self.terms(angle, turned, data.qvel[dof], data.qfrc_actuator[dof] + data.qfrc_applied[dof])
         model.tendon_lengthspring[tendons] = terms.springlength
         model.tendon_damping[tendons[0]] = terms.damping
         model.dof_frictionloss[dof] = terms.frictionloss

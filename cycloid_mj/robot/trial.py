@@ -18,22 +18,15 @@ INTEGRATORS: tuple[Integrator, ...] = get_args(Integrator)
 
 @dataclass(frozen=True)
 class TrialScene:
-    """Scene that is ready to step.
-
-    Attributes
-    ----------
-    reduced
-        The joint, at its level.
-    model, data
-        ``MjModel`` and ``MjData``.
-    place
-        Addresses of the joint in them.
-    """
+    """Scene that is ready to step."""
 
     reduced: ReducedJoint
+    """The joint, at its level."""
     model: Any
     data: Any
+    """``MjModel`` and ``MjData``."""
     place: JointAddresses
+    """Addresses of the joint in them."""
 
     @property
     def length(self) -> float:

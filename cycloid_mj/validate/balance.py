@@ -100,15 +100,9 @@ def state_rows(layout: str) -> list[ValidationRow]:
     z, load = random_pose(number, BALANCE.near), 100.0 * random_pose(number, 1.0)
     computed = state(springs, 0, load, z)
     energy, force = exact.energy(z) - load @ z, load + exact.push(z)
+    energies = np.array([1e3 * computed.energy]), np.array([1e3 * energy])
     return [
-        deviation(
-            f"energy of displaced parts, {layout}",
-            np.array([1e3 * computed.energy]),
-            np.array([1e3 * energy]),
-            "mJ",
-            SOURCE,
-            0.02,
-        ),
+        deviation(f"energy of displaced parts, {layout}", *energies, "mJ", SOURCE, 0.02),
         deviation(f"forces on displaced parts, {layout}", computed.residual, force, "N", SOURCE, 0.02),
     ]
 
@@ -153,15 +147,8 @@ def sample_rows() -> list[ValidationRow]:
     ours = {name: getattr(figures, name) for name in (*of_turns, "tooth", "output_pin", "cam", "carrying")}
     return [
         *(
-            deviation(
-                f"{name.replace('_', ', ')} of a sample",
-                1e6 * ours[name],
-                np.array([lever * turn]),
-                "urad",
-                SOURCE,
-                0.1,
-            )
-            for name, turn in zip(of_turns, turns, strict=True)
+            deviation(f"{name.replace('_', ', ')} of a sample", 1e6 * ours[name], turn, "urad", SOURCE, 0.1)
+            for name, turn in zip(of_turns, np.reshape(lever * np.array(turns), (-1, 1)), strict=True)
         ),
         *(
             deviation(f"{name} force of a sample", ours[name], np.array([peak]), "N", SOURCE, 0.1)
@@ -177,11 +164,8 @@ def springs_with_friction(layout: str) -> tuple[KernelSprings, DisplacedSprings,
     design = design_with_errors(layout, *rubs, f"friction.cam_rolling={BALANCE.rolling}")
     reducer = Reducer(design)
     springs, exact = springs_and_reference(reducer)
-    return (
-        springs,
-        exact,
-        rubbing_of(reducer, springs, BALANCE.crank, Losses(drag=1.0, travel=1e-4, material=0.1), "crank"),
-    )
+    losses = Losses(drag=1.0, travel=1e-4, material=0.1)
+    return springs, exact, rubbing_of(reducer, springs, BALANCE.crank, losses, "crank")
 
 
 def step_rows(layout: str) -> list[ValidationRow]:

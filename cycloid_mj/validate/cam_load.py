@@ -109,13 +109,8 @@ def body_force(reducer: Reducer, crank: Array, speed: Array) -> Array:
 
 def _ideal_run(reducer: Reducer, rpm: float, duration: float) -> Run:
     """Simulate an ideal reducer at a crank speed [rpm]; return the samples of a last duration [s]."""
-    reducer = rig.with_changes(
-        reducer,
-        f"drive.speed_rpm={rpm!r}",
-        f"drive.hold_s={SETTLED + duration!r}",
-        "load.rise_s=0.004",
-        "settings.log_rate_hz=10000.0",
-    )
+    drive = f"drive.speed_rpm={rpm!r}", f"drive.hold_s={SETTLED + duration!r}"
+    reducer = rig.with_changes(reducer, *drive, "load.rise_s=0.004", "settings.log_rate_hz=10000.0")
     compiled = build(reducer.design)
     rig.stiffen_cam(compiled, STIFF_CAM)
     run = simulate(reducer.design, compiled)

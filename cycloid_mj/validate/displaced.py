@@ -60,11 +60,8 @@ def exact_gaps(reducer: Reducer, crank: float, z: Array, aside: Array | float = 
 
 def exact_contacts(reducer: Reducer, crank: float, z: Array, aside: Array | float = 0.0) -> tuple[Array, Array]:
     """Compute the gaps of `exact_gaps` [m], shape (n,), and their gradients [1], shape (n, u)."""
-    sides = [
-        side(reducer, crank, z, disc)
-        for side in (partial(_teeth, aside=aside), _holes)
-        for disc in range(reducer.design.gear.discs)
-    ]
+    discs, both = range(reducer.design.gear.discs), (partial(_teeth, aside=aside), _holes)
+    sides = [side(reducer, crank, z, disc) for side in both for disc in discs]
     return np.concatenate([gaps for gaps, _ in sides]), np.concatenate([slopes for _, slopes in sides])
 
 
@@ -114,31 +111,21 @@ def cam_offsets(reducer: Reducer, crank: float, z: Array) -> Array:
 
 @dataclass(frozen=True)
 class DisplacedSprings:
-    """Springs on exact gaps at one crank angle, without friction.
-
-    Attributes
-    ----------
-    design
-        The design, in the frame of its ring.
-    crank
-        Crank angle relative to the ring [rad].
-    stiffness
-        Stiffness of the contacts [N/m], shape (n,), in the order of `exact_gaps`.
-    cam_stiffness
-        Stiffness of each cam [N/m].
-    play
-        Free travel of each contact [m], shape (n,).
-    bending
-        Compliance of the output pins under a force at each disc, along these forces [m/N], shape (D, D); the diagonal
-        is part of `stiffness` and is 0 here. None if no disc bends the pins of another.
-    """
+    """Springs on exact gaps at one crank angle, without friction."""
 
     design: Design
+    """The design, in the frame of its ring."""
     crank: float
+    """Crank angle relative to the ring [rad]."""
     stiffness: Array
+    """Stiffness of the contacts [N/m], shape (n,), in the order of `exact_gaps`."""
     cam_stiffness: float
+    """Stiffness of each cam [N/m]."""
     play: Array
+    """Free travel of each contact [m], shape (n,)."""
     bending: Array | None
+    """Compliance of the output pins under a force at each disc, along these forces [m/N], shape (D, D); the diagonal is
+    part of `stiffness` and is 0 here. None if no disc bends the pins of another."""
 
     def contacts(self, z: Array) -> tuple[Array, Array]:
         """Compute the gaps of contacts after their free travel, then of cams [m], and the gradients of both."""

@@ -39,57 +39,38 @@ _RESIDUAL_RTOL = 1e-4
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """The equilibrium at one crank angle.
-
-    Attributes
-    ----------
-    gear_turn, output_turn
-        Rotations of disc and output from their ideal angles [rad].
-    ring_forces
-        Forces of the ring pins or ring lobes on the disc [N], shape (N, 2).
-    cam_force
-        Force of the cam on the disc [N], shape (2,).
-    departures
-        The unknowns z [m], shape (unknowns,); initial guess for a similar problem.
-    """
+    """The equilibrium at one crank angle."""
 
     gear_turn: float
     output_turn: float
+    """Rotations of disc and output from their ideal angles [rad]."""
     ring_forces: Array
+    """Forces of the ring pins or ring lobes on the disc [N], shape (N, 2)."""
     cam_force: Array
+    """Force of the cam on the disc [N], shape (2,)."""
     departures: Array
+    """The unknowns z [m], shape (unknowns,); initial guess for a similar problem."""
 
 
 @dataclass(frozen=True, eq=False)
 class LockedReducer:
-    """A reducer whose crank is locked.
-
-    Attributes
-    ----------
-    design, gear
-        The design and its ideal mesh.
-    stiffness
-        Contact stiffness of each kind of pair [N/m]; for teeth that of a pin on a flat.
-    crank
-        Crank angle [rad].
-    load
-        Generalised force on each unknown [N], shape (unknowns,).
-    roots
-        Roots of an internal gear that the disc may touch.
-    flanks
-        Flanks of the disc with their modification.
-    deviations
-        Manufacturing errors of the parts.
-    """
+    """A reducer whose crank is locked."""
 
     design: Design
     gear: CycloidGear
+    """The design and its ideal mesh."""
     stiffness: Mapping[str, float]
+    """Contact stiffness of each kind of pair [N/m]; for teeth that of a pin on a flat."""
     crank: float
+    """Crank angle [rad]."""
     load: Array
+    """Generalised force on each unknown [N], shape (unknowns,)."""
     roots: Integers
+    """Roots of an internal gear that the disc may touch."""
     flanks: Flanks
+    """Flanks of the disc with their modification."""
     deviations: Deviations
+    """Manufacturing errors of the parts."""
 
     @property
     def has_moving_pins(self) -> bool:
@@ -108,22 +89,15 @@ class LockedReducer:
 
 @dataclass(frozen=True)
 class PairSprings:
-    """The n springs of one kind of pair at one pose.
-
-    Attributes
-    ----------
-    gap, stiffness
-        Gaps [m] and stiffnesses [N/m], shape (n,).
-    slope
-        Gradient of the gaps with respect to the unknowns [1], shape (n, unknowns).
-    push
-        Direction of the force on the disc (for a socket: on its pin), shape (n, 2).
-    """
+    """The n springs of one kind of pair at one pose."""
 
     gap: Array
     stiffness: Array
+    """Gaps [m] and stiffnesses [N/m], shape (n,)."""
     slope: Array
+    """Gradient of the gaps with respect to the unknowns [1], shape (n, unknowns)."""
     push: Array
+    """Direction of the force on the disc (for a socket: on its pin), shape (n, 2)."""
 
     @property
     def force(self) -> Array:

@@ -66,35 +66,14 @@ def rows(quick: bool) -> list[ValidationRow]:
     stuck, sliding = descent(law, low, False), descent(law, high, False)
     rolling = descent(law, math.atan(2.0 * law.friction), True)
     slope = INCLINE.gravity * math.sin(math.atan(2.0 * law.friction))
-    creeping = INCLINE.mass * INCLINE.gravity * math.sin(low) / law.creep
+    creeps = 1e6 * stuck.speed, 1e6 * INCLINE.mass * INCLINE.gravity * math.sin(low) / law.creep
+    slides = sliding.acceleration, INCLINE.gravity * (math.sin(high) - law.friction * math.cos(high))
+    slips, rolls = (1e6 * rolling.slip, 1e6 * INCLINE.mass * slope / 3.0 / law.creep), 2.0 * slope / 3.0
     return [
-        relative(
-            "creep of a block below the friction angle",
-            1e6 * stuck.speed,
-            1e6 * creeping,
-            "um/s",
-            "m g sin/creep",
-            5e-6,
-        ),
-        relative(
-            "acceleration of a block above it",
-            sliding.acceleration,
-            INCLINE.gravity * (math.sin(high) - law.friction * math.cos(high)),
-            "m/s2",
-            "g (sin - mu cos)",
-            1e-6,
-        ),
-        relative(
-            "acceleration of a rolling cylinder", rolling.acceleration, 2.0 * slope / 3.0, "m/s2", "2/3 g sin", 5e-5
-        ),
-        relative(
-            "slip of the rolling cylinder",
-            1e6 * rolling.slip,
-            1e6 * INCLINE.mass * slope / 3.0 / law.creep,
-            "um/s",
-            "m g sin/(3 creep)",
-            2.5e-3,
-        ),
+        relative("creep of a block below the friction angle", *creeps, "um/s", "m g sin/creep", 5e-6),
+        relative("acceleration of a block above it", *slides, "m/s2", "g (sin - mu cos)", 1e-6),
+        relative("acceleration of a rolling cylinder", rolling.acceleration, rolls, "m/s2", "2/3 g sin", 5e-5),
+        relative("slip of the rolling cylinder", *slips, "um/s", "m g sin/(3 creep)", 2.5e-3),
     ]
 
 

@@ -171,24 +171,17 @@ def krol_stresses(case: KrolVariant) -> tuple[float, float, float]:
 
 def efficiency_rows(quick: bool) -> list[ValidationRow]:
     """Compare the efficiency by Wang's formula with its printed results and with the simulated reducer."""
-    printed = [
-        absolute(
-            f"efficiency by formula, row {number}",
-            100.0 * total_efficiency(case),
-            100.0 * case.printed,
-            "%",
-            "Wang et al. 2016",
-            100.0 * case.rounding,
-        )
-        for number, case in enumerate(WANG, start=1)
-    ]
+    printed = []
+    for number, case in enumerate(WANG, start=1):
+        values, name = (100.0 * total_efficiency(case), 100.0 * case.printed), f"efficiency by formula, row {number}"
+        printed.append(absolute(name, *values, "%", "Wang et al. 2016", 100.0 * case.rounding))
     case = WANG[0]
     formula = 100.0 * mesh_efficiency(case) * output_efficiency(case)
     ideal, ideal_design = wang_run(case, True, quick)
     real, real_design = wang_run(case, False, quick)
     closed = 100.0 / (1.0 + sum(ideal_losses(Reducer(ideal_design), ideal["crank_angle"], case.mesh_friction)))
     ours, built = 100.0 * mean_powers(ideal).efficiency, 100.0 * mean_powers(real).efficiency
-    logged = friction_by_force(real, Reducer(real_design))
+    logged, rubbed = friction_by_force(real, Reducer(real_design)), float(np.mean(real["pin_gear_friction_power"]))
     return [
         *printed,
         absolute(
@@ -211,14 +204,7 @@ def efficiency_rows(quick: bool) -> list[ValidationRow]:
             "1 um of clearance and the compliance of the cam displace the disc: pins far from the pitch point, which "
             "slide fastest, carry more; the next row has the loss of these forces",
         ),
-        relative(
-            "friction power of the mesh, as built",
-            float(np.mean(real["pin_gear_friction_power"])),
-            logged,
-            "W",
-            "mu w sum F (l - rho)/(N-1)",
-            0.45,
-        ),
+        relative("friction power of the mesh, as built", rubbed, logged, "W", "mu w sum F (l - rho)/(N-1)", 0.45),
     ]
 
 

@@ -26,12 +26,8 @@ PERIODS = 36
 """Mesh periods per turn of the crank: ring teeth of the paper's designs."""
 
 MATING = ("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "output")
-_RING = {
-    FIXED: ("pin", 'ring.pins="fixed"'),
-    FREE: ("pin", 'ring.pins="free"'),
-    SLEEVED: ("pin", 'ring.pins="sleeved"'),
-    NONPIN: ("nonpin", "ring.teeth=36"),
-}
+_RING = {f"{kind} pins": ("pin", f'ring.pins="{kind}"') for kind in ("fixed", "free", "sleeved")}
+_RING |= {NONPIN: ("nonpin", "ring.teeth=36")}
 
 
 def reducer_of(kind: str, *changes: str) -> Design:

@@ -64,7 +64,7 @@ Study = Mapping[float, StepFigures | RunError]
 
 def rows(kind: str, quick: bool) -> list[ValidationRow]:
     """Return the rows of a kind of ring."""
-    default = default_step(kind)
+    default = 1e6 * timestep(Reducer(rated_design(kind)))
     shares = (0.5, 1.0) if quick else SHARES[_is_moving(kind)]
     study = {share * default: _figures(kind, share * default, quick) for share in shares}
     rows = judge_study(kind, study, default)
@@ -119,11 +119,6 @@ def judge_study(kind: str, study: Study, default: float) -> list[ValidationRow]:
     return [*rows, *_order_rows(kind, study)]
 
 
-def default_step(kind: str) -> float:
-    """Compute the automatic time step [us] of a kind of ring at rated load."""
-    return 1e6 * timestep(Reducer(rated_design(kind)))
-
-
 def observed_order(steps: tuple[float, float, float], values: tuple[float, float, float]) -> float:
     """Solve for p in a + b h^p from the values at three increasing steps h; NaN if no p from 0.1 to 8 fits."""
 
@@ -135,10 +130,10 @@ def observed_order(steps: tuple[float, float, float], values: tuple[float, float
     return float(brentq(excess, low, high)) if excess(low) * excess(high) < 0.0 else math.nan
 
 
-def _figures(kind: str, step: float, quick: bool) -> StepFigures | RunError:
+def _figures(kind: str, timestep_us: float, quick: bool) -> StepFigures | RunError:
     """Simulate with one time step [us]; return the figures, or the error of a run that fails."""
     try:
-        return _run(kind, _periods(kind, quick), f"settings.timestep_us={step!r}")
+        return _run(kind, _periods(kind, quick), f"settings.timestep_us={timestep_us!r}")
     except RunError as error:
         return error
 

@@ -53,20 +53,13 @@ def mirror_rows(kind: str, quick: bool) -> list[ValidationRow]:
     backward, _ = rated_run(kind, -SPEED, periods, *rig.without_gravity())
     bounds, source = _bounds(kind), "mirror image"
     curve, mirrored_curve = ripple(forward, reducer, 1.0), -ripple(backward, reducer, -1.0)
-    middle = float(np.mean(curve))
+    ripples = mirrored_curve - float(np.mean(curve)), curve - float(np.mean(curve))
     ring = forward.forces(design.tooth_pair)
     opposite = -np.arange(design.ring.teeth) % design.ring.teeth
     mirrored_ring = backward.forces(design.tooth_pair)[:, opposite] * [-1.0, 1.0]
     shares = 100.0 * mean_powers(backward).efficiency, 100.0 * mean_powers(forward).efficiency
     return [
-        deviation(
-            f"reversed: ripple of the gear, {kind}",
-            mirrored_curve - middle,
-            curve - middle,
-            "arcsec",
-            source,
-            bounds.mirrored_ripple,
-        ),
+        deviation(f"reversed: ripple of the gear, {kind}", *ripples, "arcsec", source, bounds.mirrored_ripple),
         deviation(f"reversed: forces of the teeth, {kind}", mirrored_ring, ring, "N", source, bounds.mirrored_forces),
         absolute(f"reversed: efficiency, {kind}", *shares, "%", source, bounds.mirrored_efficiency),
     ]
@@ -83,12 +76,12 @@ def gravity_rows(kind: str, quick: bool) -> list[ValidationRow]:
     reducer = Reducer(design)
     down, _ = rated_run(kind, SPEED, PERIODS, *step, f"environment.gravity_y_m_s2={-GRAVITY}")
     sideways = [*rig.without_gravity(), f"environment.gravity_x_m_s2={GRAVITY}"]
-    turned, _ = rated_run(kind, SPEED, PERIODS, *step, *sideways)
+    aside, _ = rated_run(kind, SPEED, PERIODS, *step, *sideways)
     bounds = _bounds(kind)
     weight = mass_properties(gear_solid(reducer)).mass * GRAVITY
-    forces = {name: mean_force(run, reducer) for name, run in (("off", off), ("down", down), ("turned", turned))}
-    added = once_per_turn(down, off, reducer) * -1j, once_per_turn(turned, off, reducer)
-    vectors = [np.array([[harmonic.real, harmonic.imag]]) for harmonic in added]
+    forces = {name: mean_force(run, reducer) for name, run in (("off", off), ("down", down), ("turned", aside))}
+    added = once_per_turn(down, off, reducer) * -1j, once_per_turn(aside, off, reducer)
+    first, after = (np.array([[harmonic.real, harmonic.imag]]) for harmonic in added)
     means = [float(np.mean(gear_arcsec(run, reducer))) for run in (down, off)]
     shares = 100.0 * mean_powers(down).efficiency, 100.0 * mean_powers(off).efficiency
     return [
@@ -97,14 +90,7 @@ def gravity_rows(kind: str, quick: bool) -> list[ValidationRow]:
         absolute(
             f"gravity off: force, {kind}", float(np.hypot(*forces["off"])), 0.0, "N", "nothing", bounds.still * weight
         ),
-        deviation(
-            f"gravity turned: its ripple, {kind}",
-            vectors[1],
-            vectors[0],
-            "arcsec",
-            "a quarter turn later",
-            bounds.ripple,
-        ),
+        deviation(f"gravity turned: its ripple, {kind}", after, first, "arcsec", "a quarter turn later", bounds.ripple),
         relative(f"gravity: mean turn of the gear, {kind}", means[0], means[1], "arcsec", "gravity off", bounds.turn),
         absolute(f"gravity: efficiency, {kind}", *shares, "%", "gravity off", bounds.efficiency),
     ]

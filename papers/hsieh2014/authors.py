@@ -67,23 +67,17 @@ def authors(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     cases = planar_runs()
     progress("runs with IMPACT")
     base = {design.name: settle_run(runs(idle_runs(plan, design), plan.solver)[0]) for design in designs()}
-    soft = {
-        design.name: settle_run(runs(varied_idle_runs(plan, IMPACT, design), plan.solver)[0]) for design in designs()
-    }
+    struck = {each.name: runs(varied_idle_runs(plan, IMPACT, each), plan.solver) for each in designs()}
+    soft = {name: settle_run(starts[0]) for name, starts in struck.items()}
     progress("output torque with IMPACT")
-    torques = {
-        design.name: (_settled_torque(design), _settled_torque(IMPACT.of(Reducer(design)))) for design in designs()
-    }
+    torques = {each.name: (_settled_torque(each), _settled_torque(IMPACT.of(Reducer(each)))) for each in designs()}
     rated = {run.provenance["design"]: run for run in runs(rated_runs(plan))}
-    pin = designs()[0]
-    struck = [largest_of_halves(by_angle(run, [CAM])) for run in runs(varied_idle_runs(plan, IMPACT, pin), plan.solver)]
+    peaks = [largest_of_halves(by_angle(run, [CAM])) for run in struck[designs()[0].name]]
     stresses = {}
     for design in designs():
         progress(f"stress, {design.name}")
-        start, impact = idle_runs(plan, design)[:1], varied_idle_runs(plan, IMPACT, design)[:1]
-        stresses[design.name] = idle_stress(
-            runs(start, plan.solver), rated[design.name], settings(plan), runs(impact, plan.solver)[0]
-        )
+        start, name = runs(idle_runs(plan, design)[:1], plan.solver), design.name
+        stresses[name] = idle_stress(start, rated[name], settings(plan), struck[name][0])
     solver_words = SOLVERS[plan.solver]
     features = _features({name: stress.by_force for name, stress in stresses.items()})
     return StageResult(
@@ -91,12 +85,12 @@ def authors(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
         (*_feature_tables(cases, features), _torque_table(torques)),
         findings={
             "features": [_as_json(cases, feature) for feature in features],
-            "shaft_peaks_deg": [list(pair) for pair in struck],
+            "shaft_peaks_deg": [list(pair) for pair in peaks],
             "output_torque_nm": {name: {"line": line, "impact": impact} for name, (line, impact) in torques.items()},
         },
         notes=(
             f"With friction, {solver_words}, the cam's force of the pin design has its maxima of the two half turns at "
-            f"{angles_in_words(struck)} (75 and 255 deg, within {NEAR:g}).",
+            f"{angles_in_words(peaks)} (75 and 255 deg, within {NEAR:g}).",
             "IMPACT: F = k d^e + c step(d) v with k = 1e5 N/mm^2.2, c = 10 N s/mm, fully active from 0.1 mm on: the "
             "default of motion solvers such as ADAMS and SolidWorks Motion without a material. The paper states no "
             "contact parameters; this is a hypothesis with its evidence.",
@@ -149,24 +143,19 @@ def mean_curve(forces: Sequence[PeakForces]) -> Any:
 
 def _features(stress: Mapping[str, Mapping[str, Callable[[float], Any]]]) -> list[Feature]:
     """List the evaluated features; `stress` maps the largest force on a design's part [N] to its stress [MPa]."""
+    two = "pin: two maxima of the cam's force a turn, near 75 and 255 deg"
     features = [
-        Feature(
-            "Fig. 12", "pin: two maxima of the cam's force a turn, near 75 and 255 deg", _maxima("pin"), _two_peaks
-        ),
+        Feature("Fig. 12", two, _maxima("pin"), _two_peaks),
         Feature("Fig. 12", "nonpin: more and flatter maxima than pin", _maxima("nonpin"), _flatter),
         Feature("Fig. 6", "the gear's speed fluctuates more with pins", *_rougher("rms", 1.0, "rad/s")),
         Feature("Fig. 8", "the velocity of q fluctuates more with pins", *_rougher("q_rms", 1e3, "mm/s")),
         Feature("Fig. 9", "pins stay within their clearance, 1 um", _reach, _stay),
     ]
-    return features + [
-        Feature(
-            f"Fig. {number}",
-            f"{name}: the {part} stressed as high as in the paper",
-            *_height(part, name, stress[name][part]),
-        )
-        for number, part in ((12, "shaft"), (14, "ring"), (13, "gear"))
-        for name in ("pin", "nonpin")
-    ]
+    for figure, part in (("Fig. 12", "shaft"), ("Fig. 14", "ring"), ("Fig. 13", "gear")):
+        for name in ("pin", "nonpin"):
+            words = f"{name}: the {part} stressed as high as in the paper"
+            features.append(Feature(figure, words, *_height(part, name, stress[name][part])))
+    return features
 
 
 def _maxima(name: str) -> Callable[[Mapping[str, Sequence[PeakForces]]], str]:
@@ -235,6 +224,7 @@ def _feature_tables(cases: Cases, features: Sequence[Feature]) -> tuple[Table, T
     brought = {feature: brought_by({name: feature.holds(cases[name]) for name in CHANGES}) for feature in features}
 
     def rows(names: Sequence[str]) -> list[tuple[str, ...]]:
+        """Return a row for each feature, with the result of each of some cases."""
         return [
             (
                 f"{feature.figure}, {feature.words}",
@@ -253,6 +243,7 @@ def _feature_tables(cases: Cases, features: Sequence[Feature]) -> tuple[Table, T
 
 
 def _as_json(cases: Cases, feature: Feature) -> dict[str, Any]:
+    """Convert a feature to JSON values: which change causes it, and the result of each case."""
     return {
         "figure": feature.figure,
         "feature": feature.words,
@@ -265,16 +256,12 @@ def _as_json(cases: Cases, feature: Feature) -> dict[str, Any]:
 
 def _torque_table(torques: Mapping[str, tuple[float, float]]) -> Table:
     """Return the table of output torques with both contact laws, the paper's, and which law causes them."""
-    rows = [
-        (
-            f"{name}, {kind}",
-            *(f"{torque:.2f}, {100 * torque / IDEAL:.1f} %" for torque in both),
-            f"{paper:g}, {100 * paper / IDEAL:.1f} %",
-            torque_brought_by(*both, paper),
-        )
-        for name, both in torques.items()
-        for kind, paper in TORQUES[name].items()
-    ]
+    rows = []
+    for name, both in torques.items():
+        cells = [f"{torque:.2f}, {100 * torque / IDEAL:.1f} %" for torque in both]
+        for kind, paper in TORQUES[name].items():
+            stated = f"{paper:g}, {100 * paper / IDEAL:.1f} %"
+            rows.append((f"{name}, {kind}", *cells, stated, torque_brought_by(*both, paper)))
     head = ("output torque at 1.048 N m on the crank [N m]", "line contacts", "IMPACT", "the paper", "brought by")
     return Table("output torque by both contact laws, friction as designed, exact flanks", head, tuple(rows))
 

@@ -135,17 +135,18 @@ def _reporter(quiet: bool) -> "Report":
     """Return a function that reports the start and the progress of each stage."""
     last = [0.0]
 
-    def report(step: "Stage", text: str, left: float) -> None:
+    def report(stage: "Stage", text: str, left: float) -> None:
         now = monotonic()
         if quiet or (text and now - last[0] < SECONDS_BETWEEN_LINES):
             return
         last[0] = now
-        tell(f"{step.heading}{f': {text}' if text else ''}; about {left:.0f} s left")
+        tell(f"{stage.heading}{f': {text}' if text else ''}; about {left:.0f} s left")
 
     return report
 
 
-def _outcome(stages: "Sequence[StageRun]", plan: "Plan", place: Destination, seconds: float) -> Outcome:
+def _outcome(stages: "Sequence[StageRun]", plan: "Plan", destination: Destination, seconds: float) -> Outcome:
+    """Return what the command writes and prints: page, claims, figures and failed stages."""
     from cycloid_mj.plots.save import pictures
     from hsieh2014.errata import errata
     from hsieh2014.run import AUTHORS
@@ -160,7 +161,7 @@ def _outcome(stages: "Sequence[StageRun]", plan: "Plan", place: Destination, sec
         "stages": [stage.as_json() for stage in stages],
         "claims": [claim.as_json() for claim in claims],
         "errata": printed,
-        "page": str(place.page),
+        "page": str(destination.page),
     }
     counts = {verdict: sum(claim.verdict == verdict for claim in claims) for verdict in Verdict}
     flags = (
@@ -175,7 +176,7 @@ def _outcome(stages: "Sequence[StageRun]", plan: "Plan", place: Destination, sec
         if claims
         else {},
         failures=[f"stage {stage.step.key} ({stage.step.paper}) failed: {stage.error}" for stage in broken],
-        summary=[f"page: {place.page}"],
+        summary=[f"page: {destination.page}"],
         tables=[_table(claims)] if claims else [],
         frame=_frame(claims) if claims else None,
         files=files,
@@ -213,18 +214,11 @@ def _table(claims: "Sequence[Claim]") -> Table:
     """Return the table of claims for the terminal."""
     from hsieh2014.page import error_words
 
-    rows = tuple(
-        (
-            f"{claim.figure}, {claim.design}: {claim.claim}",
-            claim.condition.words,
-            claim.stated.text,
-            claim.ours.text,
-            error_words(claim),
-            str(claim.verdict),
-        )
-        for claim in claims
-    )
-    return Table("the paper's claims; what decides each is on the page", HEADER, rows, words=range(len(HEADER)))
+    rows = []
+    for claim in claims:
+        values = claim.condition.words, claim.stated.text, claim.ours.text, error_words(claim), str(claim.verdict)
+        rows.append((f"{claim.figure}, {claim.design}: {claim.claim}", *values))
+    return Table("the paper's claims; what decides each is on the page", HEADER, tuple(rows), words=range(len(HEADER)))
 
 
 def _frame(claims: "Sequence[Claim]") -> "Frame":

@@ -45,11 +45,8 @@ def _decision(base: Ranking, answers: Mapping[str, list[tuple[str, Ranking]]]) -
         f"{parameter} " + ", ".join(f"{value}: {ranking.ratio:.2f}" for value, ranking in points)
         for parameter, points in answers.items()
     ]
-    decisive = [
-        parameter
-        for parameter, points in answers.items()
-        if min(_difference(ranking) for _, ranking in points) < 1 / 3 * _difference(base)
-    ]
+    least = {key: min(_difference(ranking) for _, ranking in points) for key, points in answers.items()}
+    decisive = [key for key, difference in least.items() if difference < 1 / 3 * _difference(base)]
     if base.verdict == "not determined":
         verdict = "not determined, as the order of the designs is not"
     elif base.verdict == "alike":

@@ -18,35 +18,12 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.geometry import kinematics
 from cycloid_mj.geometry.kinematics import CrankLaw
 from cycloid_mj.geometry.profile import unit
-from hsieh2014.equations import (
-    GEAR,
-    HOLD,
-    RAMP,
-    SPEED,
-    Q,
-    centre,
-    eq2,
-    eq2_point,
-    eq6,
-    eq12,
-    eq13,
-    eq14_printed,
-    eq14_right,
-    eq17,
-    eq18,
-    eq19_printed,
-    eq19_right,
-    eq20,
-    eq21,
-    eq27,
-    place,
-    zeta_at,
-)
+from hsieh2014 import equations as eq
 
 TIMES = np.linspace(0.113, 0.149, 37)
 """Times of a crank turn at constant speed, and of part of one in the ramp [s]."""
 
-LAWS = ((HOLD, 5e-5), (RAMP, 2e-4))
+LAWS = ((eq.HOLD, 5e-5), (eq.RAMP, 2e-4))
 """Laws of the crank, and the step of second differences in each [s]."""
 
 GRAVITY = 9.8
@@ -76,18 +53,18 @@ class Erratum:
         return {**texts, "printed_error": printed, "right_error": right, "harmless": self.harmless}
 
 
-def first(function: Callable[[Array], Array], points: npt.ArrayLike, step: float) -> Array:
+def first(function: Callable[[Array], Array], points: npt.ArrayLike, h: float) -> Array:
     """Differentiate a function once, at points of shape (n,)."""
     x = np.asarray(points, float)
-    near, far = (function(x + k * step) - function(x - k * step) for k in (1, 2))
-    return (8 * near - far) / (12 * step)
+    near, far = (function(x + k * h) - function(x - k * h) for k in (1, 2))
+    return (8 * near - far) / (12 * h)
 
 
-def second(function: Callable[[Array], Array], points: npt.ArrayLike, step: float) -> Array:
+def second(function: Callable[[Array], Array], points: npt.ArrayLike, h: float) -> Array:
     """Differentiate a function twice, at points of shape (n,)."""
     x = np.asarray(points, float)
-    near, far = (function(x + k * step) + function(x - k * step) for k in (1, 2))
-    return (16 * near - far - 30 * function(x)) / (12 * step**2)
+    near, far = (function(x + k * h) + function(x - k * h) for k in (1, 2))
+    return (16 * near - far - 30 * function(x)) / (12 * h**2)
 
 
 def relative_error(computed: npt.ArrayLike, wanted: npt.ArrayLike) -> float:
@@ -113,105 +90,103 @@ def rubbing(sign: int) -> float:
     An outline touches a pin where its tangent is perpendicular to the pin's radius.
     """
     worst = 0.0
-    for pin_angle in 2 * np.pi * np.array([1, 5, 11]) / GEAR.ring_teeth:
+    for pin_angle in 2 * np.pi * np.array([1, 5, 11]) / eq.GEAR.ring_teeth:
         crank = pin_angle - np.linspace(0.3, 2.8, 26)
-        point, centre = eq2(sign, pin_angle, crank)
-        run = first(partial(eq2_point, sign, pin_angle), crank, 1e-3)
-        normal = (centre - point) / GEAR.pin_radius
+        point, pin = eq.eq2(sign, pin_angle, crank)
+        run = first(partial(eq.eq2_point, sign, pin_angle), crank, 1e-3)
+        normal = (pin - point) / eq.GEAR.pin_radius
         worst = max(worst, float(np.abs(np.sum(run * normal, axis=1) / np.linalg.norm(run, axis=1)).max()))
     return worst
 
 
 def _eq6() -> tuple[float, float]:
     angle = np.linspace(0.1, 6.0, 25)
-    wanted = first(lambda turn: GEAR.pin_circle_radius * unit(-turn), angle, 1e-3)
-    printed, right = (eq6(third, GEAR.pin_circle_radius * unit(-angle))[:, :2] for third in (1.0, 0.0))
+    wanted = first(lambda turn: eq.GEAR.pin_circle_radius * unit(-turn), angle, 1e-3)
+    printed, right = (eq.eq6(third, eq.GEAR.pin_circle_radius * unit(-angle))[:, :2] for third in (1.0, 0.0))
     return misses(printed, right, wanted)
 
 
 def orbit_speed(rate: float) -> float:
     """Speed [rad/s] at which the gear's centre by Eq. 16 goes round, counter-clockwise, at a rate dzeta/dt."""
-    centre = first(lambda time: kinematics.gear_centre(GEAR, GEAR.lobes * rate * time), np.array([0.01]), 1e-5)
-    later = kinematics.gear_centre(GEAR, GEAR.lobes * rate * 0.01)
-    return float((later[0] * centre[0, 1] - later[1] * centre[0, 0]) / GEAR.eccentricity**2)
+    moved = first(lambda time: kinematics.gear_centre(eq.GEAR, eq.GEAR.lobes * rate * time), np.array([0.01]), 1e-5)
+    later = kinematics.gear_centre(eq.GEAR, eq.GEAR.lobes * rate * 0.01)
+    return float((later[0] * moved[0, 1] - later[1] * moved[0, 0]) / eq.GEAR.eccentricity**2)
 
 
 def _eq12() -> tuple[float, float]:
-    return misses(orbit_speed(eq12(-1, SPEED)), orbit_speed(eq12(1, SPEED)), SPEED)
+    return misses(orbit_speed(eq.eq12(-1, eq.SPEED)), orbit_speed(eq.eq12(1, eq.SPEED)), eq.SPEED)
 
 
 def _eq13() -> tuple[float, float]:
-    speed = np.linalg.norm(first(partial(centre, HOLD), TIMES, 1e-5), axis=1)
-    return misses(eq13(SPEED / GEAR.lobes), eq13(SPEED), speed)
+    speed = np.linalg.norm(first(partial(eq.centre, eq.HOLD), TIMES, 1e-5), axis=1)
+    return misses(eq.eq13(eq.SPEED / eq.GEAR.lobes), eq.eq13(eq.SPEED), speed)
 
 
 def _eq14() -> tuple[float, float]:
     return least_and_most(
-        misses(eq14_printed(law, TIMES), eq14_right(law, TIMES), np.linalg.norm(at_law, axis=1))
-        for law, at_law in ((law, second(partial(centre, law), TIMES, step)) for law, step in LAWS)
+        misses(eq.eq14_printed(law, TIMES), eq.eq14_right(law, TIMES), np.linalg.norm(at_law, axis=1))
+        for law, at_law in ((law, second(partial(eq.centre, law), TIMES, step)) for law, step in LAWS)
     )
 
 
 def _eq17() -> tuple[float, float]:
-    zeta = zeta_at(HOLD)(TIMES)
-    wanted = first(place, zeta, 2e-4)
-    return misses(eq17(1, zeta), eq17(-1, zeta), wanted)
+    zeta = eq.zeta_at(eq.HOLD)(TIMES)
+    wanted = first(eq.place, zeta, 2e-4)
+    return misses(eq.eq17(1, zeta), eq.eq17(-1, zeta), wanted)
 
 
 def _eq18() -> tuple[float, float]:
-    zeta = zeta_at(HOLD)(TIMES)
-    wanted = np.linalg.norm(first(place, zeta, 2e-4), axis=1)
-    return misses(np.linalg.norm(eq17(1, zeta), axis=1), eq18(zeta), wanted)
+    zeta = eq.zeta_at(eq.HOLD)(TIMES)
+    wanted = np.linalg.norm(first(eq.place, zeta, 2e-4), axis=1)
+    return misses(np.linalg.norm(eq.eq17(1, zeta), axis=1), eq.eq18(zeta), wanted)
 
 
-def acceleration(law: CrankLaw, step: float) -> Array:
+def acceleration(law: CrankLaw, h: float) -> Array:
     """Second difference of the position of q by time [m/s^2], shape (n, 2)."""
-    return second(lambda time: place(zeta_at(law)(time)), TIMES, step)
+    return second(lambda time: eq.place(eq.zeta_at(law)(time)), TIMES, h)
 
 
 def _eq19() -> tuple[float, float]:
     return least_and_most(
-        misses(eq19_printed(law, TIMES), eq19_right(law, TIMES), acceleration(law, step)) for law, step in LAWS
+        misses(eq.eq19_printed(law, TIMES), eq.eq19_right(law, TIMES), acceleration(law, step)) for law, step in LAWS
     )
 
 
 def _eq20() -> tuple[float, float]:
-    wanted = np.linalg.norm(acceleration(HOLD, 5e-5), axis=1)
-    zeta, rate = zeta_at(HOLD)(TIMES), SPEED / GEAR.lobes
-    ramp_run = np.linalg.norm(acceleration(RAMP, 2e-4), axis=1)
-    motion = RAMP.angle_at(TIMES), RAMP.speed_at(TIMES), RAMP.acceleration_at(TIMES)
-    in_ramp = relative_error(kinematics.point_acceleration(GEAR, Q, *motion), ramp_run)
-    printed, right = misses(rate**2 * eq20(-1, zeta), rate**2 * eq20(1, zeta), wanted)
+    """Compare Eq. 20 with the size of the acceleration of q, at constant speed and in the ramp."""
+    wanted = np.linalg.norm(acceleration(eq.HOLD, 5e-5), axis=1)
+    zeta, rate = eq.zeta_at(eq.HOLD)(TIMES), eq.SPEED / eq.GEAR.lobes
+    ramp_run = np.linalg.norm(acceleration(eq.RAMP, 2e-4), axis=1)
+    motion = eq.RAMP.angle_at(TIMES), eq.RAMP.speed_at(TIMES), eq.RAMP.acceleration_at(TIMES)
+    in_ramp = relative_error(kinematics.point_acceleration(eq.GEAR, eq.Q, *motion), ramp_run)
+    printed, right = misses(rate**2 * eq.eq20(-1, zeta), rate**2 * eq.eq20(1, zeta), wanted)
     return printed, max(right, in_ramp)
 
 
 def _eq21() -> tuple[float, float]:
     """Check Eq. 21 with a unit mass that swings on the eccentric; its acceleration follows from constant energy."""
-    c, theta, rate = GEAR.eccentricity, 0.7, 30.0
+    c, theta, rate = eq.GEAR.eccentricity, 0.7, 30.0
     growth = GRAVITY / c * np.sin(theta)
     at_rest = np.array([0.0])
-    swing = second(lambda t: kinematics.gear_centre(GEAR, theta + rate * t + growth * t**2 / 2), at_rest, 2e-5)[0]
-    position = kinematics.gear_centre(GEAR, theta)
+    swing = second(lambda t: kinematics.gear_centre(eq.GEAR, theta + rate * t + growth * t**2 / 2), at_rest, 2e-5)[0]
+    position = kinematics.gear_centre(eq.GEAR, theta)
     variation = np.array([-np.cos(theta), -np.sin(theta)])
     weight = np.array([0.0, -GRAVITY])
-    return eq21(position, weight, swing), eq21(variation, weight, swing)
+    return eq.eq21(position, weight, swing), eq.eq21(variation, weight, swing)
 
 
 def _eq27() -> tuple[float, float]:
     time = 0.0123
-    wanted = second(partial(centre, HOLD), np.array([time]), 5e-5)[0]
-    speed = first(partial(centre, HOLD), np.array([time]), 1e-5)[0]
-    return misses(eq27(np.ones(2), time), eq27(speed, time), wanted)
+    wanted = second(partial(eq.centre, eq.HOLD), np.array([time]), 5e-5)[0]
+    speed = first(partial(eq.centre, eq.HOLD), np.array([time]), 1e-5)[0]
+    return misses(eq.eq27(np.ones(2), time), eq.eq27(speed, time), wanted)
 
 
+PERPENDICULAR = "at the contact, the outline is perpendicular to the pin's radius"
+ONCE = "Eq. 16, differentiated"
+SWING = "a mass that swings on the eccentric, its acceleration from constant energy"
 ERRATA = (
-    Erratum(
-        "2",
-        "α + ζ",
-        "α − ζ",
-        "at the contact, the outline is perpendicular to the pin's radius",
-        lambda: (rubbing(1), rubbing(-1)),
-    ),
+    Erratum("2", "α + ζ", "α − ζ", PERPENDICULAR, lambda: (rubbing(1), rubbing(-1))),
     Erratum("6, 10", "R with third component 1", "0", "velocity of a turning point, by differentiation", _eq6, True),
     Erratum(
         "12, 17",
@@ -235,13 +210,7 @@ ERRATA = (
         "Eq. 16, differentiated",
         _eq17,
     ),
-    Erratum(
-        "18",
-        "as the size of the printed Eq. 17",
-        "as printed: the size of the corrected one",
-        "Eq. 16, differentiated",
-        _eq18,
-    ),
+    Erratum("18", "as the size of the printed Eq. 17", "as printed: the size of the corrected one", ONCE, _eq18),
     Erratum(
         "19",
         "ω_c² = d²ζ/dt²",
@@ -256,13 +225,7 @@ ERRATA = (
         "the size of Eq. 16's second derivative, in hold and ramp",
         _eq20,
     ),
-    Erratum(
-        "21",
-        "κ sᵀ(F − M s″) = 0",
-        "δsᵀ(F − M s″) = 0",
-        "a mass that swings on the eccentric, its acceleration from constant energy",
-        _eq21,
-    ),
+    Erratum("21", "κ sᵀ(F − M s″) = 0", "δsᵀ(F − M s″) = 0", SWING, _eq21),
     Erratum(
         "27",
         "2 dΩ_s/dt (a matrix; compared with ones for s′)",

@@ -25,12 +25,8 @@ Case = tuple[str, SoftContact, float]
 
 def soft_cases(plan: Plan) -> list[Case]:
     """List the cases: line contacts, and both defaults of motion solvers, at every chord error."""
-    return [
-        (design.name, contact, error)
-        for error in chord_errors(plan)
-        for design in designs()
-        for contact in (line_contacts(design), GENERIC, STEEL)
-    ]
+    pairs = [(each, contact) for each in designs() for contact in (line_contacts(each), GENERIC, STEEL)]
+    return [(each.name, contact, error) for error in chord_errors(plan) for each, contact in pairs]
 
 
 def soft_runs(plan: Plan) -> dict[Case, PeakForces]:

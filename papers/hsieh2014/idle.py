@@ -30,7 +30,7 @@ def idle(plan: Plan, runs: Runs) -> Levels:
 
 
 def swept(plan: Plan, runs: Runs) -> dict[Variation, Levels]:
-    """Collect the idle fluctuations with one parameter varied at a time."""
+    """Run all starts without load with one parameter varied at a time; return their fluctuations by variation."""
     cases = {
         variation: {design.name: varied_idle_runs(plan, variation, design) for design in designs()}
         for variation in variations(plan)
@@ -60,19 +60,13 @@ SMALL, LARGE = 1e-6, 1e-1
 
 @dataclass(frozen=True)
 class Divergence:
-    """Divergence of two almost equal runs.
-
-    Attributes
-    ----------
-    foldings
-        Growth of their difference, in e-foldings per crank turn (roughly the largest Lyapunov exponent); NaN if the
-        difference stays below `SMALL`, which means no chaos.
-    turns
-        Crank turns after which they differ by a tenth of the motion itself; infinite if they never do.
-    """
+    """Divergence of two almost equal runs."""
 
     foldings: float
+    """Growth of their difference, in e-foldings per crank turn (roughly the largest Lyapunov exponent); NaN if the
+    difference stays below `SMALL`, which means no chaos."""
     turns: float
+    """Crank turns after which they differ by a tenth of the motion itself; infinite if they never do."""
 
 
 def nudge_gravity(design: Design) -> Design:

@@ -48,25 +48,17 @@ RATED_ANGLES = 23
 
 @dataclass(frozen=True)
 class ByForce:
-    """Estimate of a part's largest stress from the largest force on it, with an offset for weight and rotation.
-
-    Attributes
-    ----------
-    offset, slope
-        Line through the computed cases without load [MPa], [MPa/N].
-    reach
-        Largest force of these cases [N].
-    rated
-        Slope for larger forces, that of the rated load [MPa/N].
-    residual
-        Rms residual of the line [MPa].
-    """
+    """Estimate of a part's largest stress from the largest force on it, with an offset for weight and rotation."""
 
     offset: float
     slope: float
+    """Line through the computed cases without load [MPa], [MPa/N]."""
     reach: float
+    """Largest force of these cases [N]."""
     rated: float
+    """Slope for larger forces, that of the rated load [MPa/N]."""
     residual: float = 0.0
+    """Rms residual of the line [MPa]."""
 
     @classmethod
     def through(cls, force: Array, stress: Array, rated: float) -> "ByForce":
@@ -86,31 +78,21 @@ class ByForce:
 
 @dataclass(frozen=True, eq=False)
 class IdleStress:
-    """Stress of one design without load and under the rated load.
-
-    Attributes
-    ----------
-    study
-        The full study of the first start, under its impact peaks.
-    starts
-        Part -> largest bulk stress of each start [MPa].
-    rated
-        Part -> largest bulk stress at some crank angles under the rated load [MPa]; for the output, nominal stress
-        times notch factor at the fillet of its pins, because the grid omits the fillet.
-    soft
-        Part -> bulk stress over the crank angles of the study with the contact law IMPACT [MPa], of the first start.
-    outputs
-        Changed assumption on the output pins -> largest bulk stress of the output in each start [MPa].
-    by_force
-        Part -> its stress by the largest force on it.
-    """
+    """Stress of one design without load and under the rated load."""
 
     study: "StressStudy"
+    """The full study of the first start, under its impact peaks."""
     starts: Mapping[str, StartSpread]
+    """Part -> largest bulk stress of each start [MPa]."""
     rated: Mapping[str, StartSpread]
+    """Part -> largest bulk stress at some crank angles under the rated load [MPa]; for the output, nominal stress times
+    notch factor at the fillet of its pins, because the grid omits the fillet."""
     soft: Mapping[str, Array]
+    """Part -> bulk stress over the crank angles of the study with the contact law IMPACT [MPa], of the first start."""
     outputs: Mapping[str, StartSpread]
+    """Changed assumption on the output pins -> largest bulk stress of the output in each start [MPa]."""
     by_force: Mapping[str, ByForce]
+    """Part -> its stress by the largest force on it."""
 
     def curve(self, part: str) -> tuple[Array, Array] | None:
         """Return crank angles [deg] and bulk stress [MPa] of a part in the first start; None without such a part."""
@@ -130,11 +112,7 @@ class IdleStress:
 
 
 def idle_stress(
-    starts: Sequence[Run],
-    rated: Run,
-    settings: "StudySettings",
-    soft: Run | None = None,
-    progress: Any = lambda *_: None,
+    starts: Sequence[Run], rated: Run, settings: "StudySettings", soft: Run | None = None, report: Any = lambda *_: None
 ) -> IdleStress:
     """Compute the stress of one design: its full first start, the heaviest angles of the others, and the rated run.
 
@@ -146,7 +124,7 @@ def idle_stress(
         How much is computed.
     soft
         The first start with the contact law IMPACT.
-    progress
+    report
         Called with each part before it begins; see `stress.study.stress_study`.
     """
     from cycloid_mj.stress.field import solve
@@ -157,7 +135,7 @@ def idle_stress(
     reducer = Reducer(design)
     softly = at_peaks(soft, window) if soft else None
     study = stress_study(
-        at_peaks(starts[0], window), reducer, (), settings, on_part=progress, references=stress_references(design)
+        at_peaks(starts[0], window), reducer, (), settings, on_part=report, references=stress_references(design)
     )
     grids = {part_study.findings.part: part_study.grid for part_study in study.parts}
     turn = settings.turn
@@ -252,11 +230,8 @@ def largest_forces(loads: "PartLoads") -> Array:
 def join_loads(several: Sequence["PartLoads"]) -> "PartLoads":
     """Concatenate the loads of several runs on one part, so that one factorisation serves all."""
     first = several[0]
-    together: dict[str, Any] = {
-        field.name: np.concatenate([getattr(each, field.name) for each in several])
-        for field in fields(first)
-        if isinstance(getattr(first, field.name), np.ndarray)
-    }
+    arrays = [field.name for field in fields(first) if isinstance(getattr(first, field.name), np.ndarray)]
+    together: dict[str, Any] = {name: np.concatenate([getattr(each, name) for each in several]) for name in arrays}
     return replace(first, **together)
 
 

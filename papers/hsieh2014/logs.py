@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import overload
 
@@ -73,11 +73,9 @@ class Logs(Runs):
         KeyboardInterrupt
             Ctrl-C stopped the runs: it ends the command, not this stage alone.
         """
-        paths = {
-            design: self._into / log_name(design, provenance(Reducer(design), solver=solver))
-            for design in designs
-            if (design, solver) not in self._known
-        }
+        known, used = self._known, partial(provenance, solver=solver)
+        new = [design for design in designs if (design, solver) not in known]
+        paths = {design: self._into / log_name(design, used(Reducer(design))) for design in new}
         missing = {
             design: path for design, path in paths.items() if self._fresh or not self._is_there(design, solver, path)
         }

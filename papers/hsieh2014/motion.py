@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -13,23 +14,20 @@ from cycloid_mj.design import Design
 from hsieh2014 import statements
 from hsieh2014.over_starts import OverStarts, over_starts, ruling
 from hsieh2014.pin_claims import pin_claims
-from hsieh2014.pin_motion import PinMotion, pin_motion
+from hsieh2014.pin_motion import pin_motion
 from hsieh2014.plan import SAMPLES, Plan, designs, main_runs, ramp_run
-from hsieh2014.run_figures import RunFigures, mean_speed, transmission_error
+from hsieh2014.run_figures import mean_speed, transmission_error
 from hsieh2014.stage import PaperFigure, Progress, Runs, StageResult
 from hsieh2014.verdicts import spread_error, spread_value
 
+TE = "transmission error, peak to peak [arcsec]"
 NUMBERS: tuple[tuple[str, str, Callable[[Findings], float]], ...] = (
     ("gear_speed_mean_rad_s", "gear speed, mean [rad/s]", lambda each: each.gear_speed.mean_rad_s),
     ("gear_speed_rms_error_rad_s", "gear speed, rms error [rad/s]", lambda each: each.gear_speed.rms_error_rad_s),
     ("q_path_rms_error_um", "path of q, rms error [um]", lambda each: each.q_path.rms_error_um),
     ("q_path_max_error_um", "path of q, largest error [um]", lambda each: each.q_path.max_error_um),
     ("q_velocity_rms_error_mm_s", "velocity of q, rms error [mm/s]", lambda each: each.q_speed.rms_error_mm_s),
-    (
-        "transmission_error_arcsec",
-        "transmission error, peak to peak [arcsec]",
-        lambda each: each.transmission_error.peak_to_peak_arcsec,
-    ),
+    ("transmission_error_arcsec", TE, lambda each: each.transmission_error.peak_to_peak_arcsec),
     ("contacts_mean", "contacts that carry force, mean", lambda each: each.contact_summary.mean_active),
     ("peak_force_n", "largest force of a contact [N]", lambda each: each.contact_summary.peak_force_n),
 )
@@ -46,7 +44,7 @@ def _rated_run(compared: Sequence[Series], design: Design) -> Series:
 
 
 def input_law(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
-    """Fig. 5: the crank's speed over time."""
+    """Draw Fig. 5, the speed of the crank over time."""
     from cycloid_mj.plots.motion import input_figure
 
     cases = [ramp_run(plan, design) for design in designs()] if plan.ramp else main_runs(plan)[:2]
@@ -67,7 +65,7 @@ def input_law(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
 
 
 def gear_speed(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
-    """Fig. 6: the angular velocity of the cycloid gear."""
+    """Draw Fig. 6, the angular velocity of the gear, and judge its mean against the ratio."""
     from hsieh2014.paper_figures import speeds_figure
 
     compared = motions(plan, runs)
@@ -79,7 +77,8 @@ def gear_speed(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
         _plates(compared, "fig6_gear_speed", "Fig. 6", words, speeds_figure),
         (Table("Figs 6-8 in numbers", head, tuple(rows)),),
         tuple(
-            _ratio(over_starts(plan, runs, design, _mean_speed), _rated_run(compared, design)) for design in designs()
+            _ratio(over_starts(plan, runs, design, attrgetter("mean_speed")), _rated_run(compared, design))
+            for design in designs()
         ),
         {name: {key: number(each) for key, _, number in NUMBERS} for name, each in judged.items()},
         ("The paper: the gear turns at 4.907 rad/s against the crank, with small fluctuations, larger with pins.",),
@@ -87,7 +86,7 @@ def gear_speed(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
 
 
 def q_path(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
-    """Fig. 7: the path of q, with a local magnification."""
+    """Draw Fig. 7, the path of q with a magnified part, and judge the transmission error."""
     from cycloid_mj.plots.point import path_figure
     from hsieh2014.paper_figures import paths_figure
 
@@ -98,7 +97,9 @@ def q_path(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     )
     compared = motions(plan, runs)
     claims = [
-        _judge_transmission_error(over_starts(plan, runs, design, _transmission_error), _rated_run(compared, design))
+        _judge_transmission_error(
+            over_starts(plan, runs, design, attrgetter("transmission_error")), _rated_run(compared, design)
+        )
         for design in designs()
     ]
     plates = _plates(compared, "fig7_q_path", "Fig. 7", words, paths_figure)
@@ -107,7 +108,7 @@ def q_path(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
 
 
 def q_velocity(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
-    """Fig. 8: the velocity of q and its error."""
+    """Draw Fig. 8, the velocity of q and its error."""
     from hsieh2014.paper_figures import velocities_figure
 
     words = "velocity of q with Eq. 18, and its error"
@@ -118,7 +119,7 @@ def q_velocity(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
 
 
 def pin_1(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
-    """Fig. 9: spin and centre of pin 1."""
+    """Draw Fig. 9, rotation and centre of pin 1, and judge the claims on them."""
     from cycloid_mj.plots.pin import pin_figure
     from hsieh2014.paper_figures import pins_figure
 
@@ -131,7 +132,7 @@ def pin_1(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     note = "The paper: pin 1 sways within its clearance and turns; the nonpin design has no such part."
     design = designs()[0]
     claims = pin_claims(
-        over_starts(plan, runs, design, _pin_moves, lambda changed: changed.ring.has_moving_pins),
+        over_starts(plan, runs, design, attrgetter("pin_1"), lambda changed: changed.ring.has_moving_pins),
         pin_motion(_rated_run(compared, design)),
     )
     return StageResult(plates, claims=claims, notes=(note,))
@@ -181,30 +182,16 @@ def _pin(motion: Series) -> Any:
     return motion.pin_1
 
 
-def _mean_speed(each: RunFigures) -> float:
-    return each.mean_speed
-
-
-def _transmission_error(each: RunFigures) -> float:
-    return each.transmission_error
-
-
-def _pin_moves(each: RunFigures) -> PinMotion:
-    assert each.pin_1 is not None
-    return each.pin_1
-
-
 def _ratio(evidence: OverStarts[float], rated: Series) -> Claim:
     """Judge whether the mean gear speed of a design is that of the ratio within 1e-3, over the starts without load."""
     design, speeds = rated.design, StartSpread.of(evidence.base)
     exact = abs(design.drive.speed) / design.lobes
     fewer = exact * design.lobes / (design.lobes - 1)
-    judged = ruling(
-        evidence,
-        lambda speed: abs(speed - exact) <= 1e-3 * exact,
-        lambda some: f"{StartSpread.of(some).mean:.5g} rad/s",
-        "the number of teeth",
-    )
+
+    def words(some: Sequence[float]) -> str:
+        return f"{StartSpread.of(some).mean:.5g} rad/s"
+
+    judged = ruling(evidence, lambda speed: abs(speed - exact) <= 1e-3 * exact, words, "the number of teeth")
     lobe = Removal("a lobe of the gear, by Eq. 12", f"{fewer:.5g} rad/s", Verdict.DISAGREES)
     return statements.gear_speed(design.name).judged(
         ours=spread_value(f"{speeds.mean:.5g} rad/s", speeds, "rad/s"),
@@ -218,12 +205,8 @@ def _ratio(evidence: OverStarts[float], rated: Series) -> Claim:
 def _judge_transmission_error(evidence: OverStarts[float], rated: Series) -> Claim:
     """Judge whether the disc has a transmission error from 0.1 arcsec on, over the starts without load."""
     sizes, under = StartSpread.of(evidence.base), transmission_error(rated)
-    judged = ruling(
-        evidence,
-        lambda size: size >= 0.1,
-        lambda some: f"{StartSpread.of(some).words} arcsec",
-        "the clearances: within them an idle gear floats",
-    )
+    cause = "the clearances: within them an idle gear floats"
+    judged = ruling(evidence, lambda size: size >= 0.1, lambda some: f"{StartSpread.of(some).words} arcsec", cause)
     return statements.transmission_error(rated.design.name).judged(
         ours=spread_value(f"{sizes.words} arcsec peak to peak", sizes, "arcsec"),
         error=spread_error(sizes, "arcsec"),

@@ -10,17 +10,10 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.result import Claim, Value
 from cycloid_mj.base.units import MEGAPASCAL
 from cycloid_mj.stress.findings import PartFindings, StressFindings
+from hsieh2014 import statements
+from hsieh2014.cycle import RELIEVED
 from hsieh2014.plan import no_load
 from hsieh2014.stated import HEIGHTS, LEAST, MOST, NEAR, ORDER, PIN_1_LOADED, SHAFT_PEAKS
-from hsieh2014.statements import (
-    PIN_1_CYCLE,
-    Statement,
-    stress_height,
-    stress_of_designs,
-    stress_of_output,
-    stress_of_parts,
-    stress_peaks,
-)
 from hsieh2014.verdicts import majority_verdict
 
 ALSO = {
@@ -35,8 +28,6 @@ OUTPUT = {
     "the output pins, their fillets and the gap to the gear are assumed",
 }
 """Causes of the output's stress, by the dimension of its grid."""
-RELIEVED = 0.1
-"""Share of its largest stress below which pin 1 counts as relieved."""
 
 
 def claims(studies: Sequence[StressFindings]) -> tuple[Claim, ...]:
@@ -53,6 +44,7 @@ def claims(studies: Sequence[StressFindings]) -> tuple[Claim, ...]:
 
 
 def _alone(findings: StressFindings) -> Iterator[Claim]:
+    """Judge the claims on one design: height of each part, order of the parts, and patterns."""
     parts = [part for part in ORDER if part in findings]
     yield from (_height(findings, findings[part]) for part in parts)
     if len(parts) == len(ORDER):
@@ -62,17 +54,21 @@ def _alone(findings: StressFindings) -> Iterator[Claim]:
             yield judge(findings)
 
 
-def _judge(statement: Statement, name: str, value: str, holds: bool, decided_by: str) -> Claim:
+def _judge(statement: statements.Statement, name: str, value: str, holds: bool, decided_by: str) -> Claim:
     """Return the judged claim for a design; the tables of the study contain the numerical errors."""
     renamed = replace(statement, claim=f"{name}: {statement.claim}")
     return renamed.judged(Value(value), Value("one more refinement"), majority_verdict([holds]), decided_by)
 
 
 def _height(findings: StressFindings, part: PartFindings) -> Claim:
+    """Judge whether a part's largest bulk stress is near the paper's."""
     name, bound, height = findings.design, HEIGHTS[part.part, findings.ring], part.bulk_peak.stress / MEGAPASCAL
     ratio = height / bound
     return _judge(
-        replace(stress_height(part.part, findings.ring), claim=f"the {part.part}'s stress stays below {bound:g} MPa"),
+        replace(
+            statements.stress_height(part.part, findings.ring),
+            claim=f"the {part.part}'s stress stays below {bound:g} MPa",
+        ),
         name,
         f"bulk {height:.3g} MPa at {_degrees(part):.0f} deg ({part.bulk.min() / MEGAPASCAL:.3g} at least)",
         LEAST <= ratio <= MOST,
@@ -94,10 +90,11 @@ def _near(part: PartFindings) -> str:
 
 
 def _order(findings: StressFindings) -> Claim:
+    """Judge whether shaft, ring and gear are in the paper's order by stress."""
     peaks = [findings[part].bulk_peak.stress / MEGAPASCAL for part in ORDER]
     contacts = ", ".join(f"{part} {findings[part].contact_peak.stress / MEGAPASCAL:.3g}" for part in ORDER)
     return _judge(
-        stress_of_parts(findings.ring),
+        statements.stress_of_parts(findings.ring),
         findings.design,
         ", ".join(f"{part} {peak:.3g} MPa" for part, peak in zip(ORDER, peaks, strict=True)),
         peaks[0] > peaks[1] > peaks[2],
@@ -107,6 +104,7 @@ def _order(findings: StressFindings) -> Claim:
 
 
 def _shaft_peaks(findings: StressFindings) -> Claim:
+    """Judge whether the shaft's stress peaks near the paper's two angles."""
     shaft = findings["shaft"]
     degrees = np.degrees(shaft.angle)
     orders = [order for order in (1, 2, shaft.teeth) if 2 * order < shaft.angle.size]
@@ -114,7 +112,7 @@ def _shaft_peaks(findings: StressFindings) -> Claim:
     first = np.mod(degrees, 360.0) < 180.0
     best = [float(degrees[np.argmax(np.where(half, shaft.bulk, -np.inf))]) for half in (first, ~first)]
     return _judge(
-        stress_peaks(findings.ring),
+        statements.stress_peaks(findings.ring),
         findings.design,
         f"largest of each half turn at {best[0]:.0f} and {best[1]:.0f} deg; amplitudes of orders "
         f"{', '.join(map(str, orders))}: {', '.join(f'{size:.2g}' for size in amplitudes)} MPa about a mean of "
@@ -126,11 +124,12 @@ def _shaft_peaks(findings: StressFindings) -> Claim:
 
 
 def _output(findings: StressFindings) -> Claim:
+    """Judge whether the output's stress is low and regular."""
     output = findings["output"]
     others = [findings[part].governing for part in ORDER if part in findings]
     governing, share = output.governing, np.ptp(output.bulk) / output.bulk.mean()
     return _judge(
-        stress_of_output(findings.ring),
+        statements.stress_of_output(findings.ring),
         findings.design,
         f"at most {governing / MEGAPASCAL:.3g} MPa, peak to peak {share:.0%} of its mean",
         not others or governing < max(others),
@@ -139,6 +138,7 @@ def _output(findings: StressFindings) -> Claim:
 
 
 def _pin_cycle(findings: StressFindings) -> Claim:
+    """Judge whether pin 1 is loaded only near crank angle 0."""
     pin = findings["pin_1"]
     degrees = np.mod(np.degrees(pin.angle), 360.0)
     order = np.argsort(degrees)
@@ -148,7 +148,7 @@ def _pin_cycle(findings: StressFindings) -> Claim:
     cycle = cycle or ("always loaded" if loaded.all() else "never loaded")
     begins, ends = (degrees[changes[loaded[changes] == wanted]] for wanted in (True, False))
     return _judge(
-        PIN_1_CYCLE,
+        statements.PIN_1_CYCLE,
         findings.design,
         f"{cycle}; {loaded.mean():.0%} of the turn under load, most at {_degrees(pin):.0f} deg",
         bool(loaded[0]) and _is_near(begins, PIN_1_LOADED[0]) and _is_near(ends, PIN_1_LOADED[1]),
@@ -164,7 +164,7 @@ def _against(pin: StressFindings, nonpin: StressFindings) -> Iterator[Claim]:
             continue
         sizes = [findings[part].bulk_peak.stress / MEGAPASCAL for findings in (pin, nonpin)]
         forces = [findings[part].largest_force for findings in (pin, nonpin)]
-        stated = stress_of_designs(part)
+        stated = statements.stress_of_designs(part)
         words = f"less stress in {nonpin.design} than in {pin.design} (ranges {stated.stated.text})"
         yield _judge(
             replace(stated, claim=words),

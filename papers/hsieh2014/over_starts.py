@@ -18,21 +18,14 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, eq=False)
 class OverStarts(Generic[T]):
-    """One figure of every start of a design without load.
-
-    Attributes
-    ----------
-    base
-        Figure of each start of the design itself.
-    varied
-        Single change -> figure of each start.
-    ranges
-        Searched ranges of what the paper leaves open.
-    """
+    """One figure of every start of a design without load."""
 
     base: Sequence[T]
+    """Figure of each start of the design itself."""
     varied: Mapping[Variation, Sequence[T]]
+    """Single change -> figure of each start."""
     ranges: tuple[Range, ...]
+    """Searched ranges of what the paper leaves open."""
 
     @property
     def searched(self) -> dict[Variation, Sequence[T]]:
@@ -58,13 +51,10 @@ def over_starts(
     has: Callable[[Design], bool] = lambda changed: True,
 ) -> OverStarts[T]:
     """Return a figure of every start without load, and of those with single changes that affect a design."""
-    changed = [
-        variation
-        for variation in variations(plan)
-        if variation.of(Reducer(design)) != design and has(variation.of(Reducer(design)))
-    ]
+    designs = {variation: variation.of(Reducer(design)) for variation in variations(plan)}
+    changed = [variation for variation, other in designs.items() if other != design and has(other)]
     base, varied = idle_runs(plan, design), {each: varied_idle_runs(plan, each, design) for each in changed}
-    # asked for together, so that the runs fill every core
+    # requested together, so that the runs fill every core
     runs([*base, *(start for starts in varied.values() for start in starts)], plan.solver)
     figures = {each: list(map(figure, runs.figures(starts, plan.solver))) for each, starts in varied.items()}
     return OverStarts([figure(each) for each in runs.figures(base, plan.solver)], figures, ranges(plan))

@@ -44,13 +44,9 @@ def reproduction_page(
     """
     claims = [claim for stage in stages for claim in stage.result.claims]
     numbers = [f"{sum(claim.verdict == verdict for claim in claims)} {words}" for verdict, words in TALLY.items()]
+    keys = ("equation", "printed", "right", "proof")
     rows = [
-        (
-            *(each[key] for key in ("equation", "printed", "right", "proof")),
-            f"{each['printed_error']:.2g}",
-            f"{each['right_error']:.1g}",
-        )
-        for each in errata
+        (*(each[key] for key in keys), f"{each['printed_error']:.2g}", f"{each['right_error']:.1g}") for each in errata
     ]
     shared = environment()
     assert shared.loader

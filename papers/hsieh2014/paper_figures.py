@@ -172,11 +172,8 @@ def cam_figure(curves: Mapping[str, Array], marks: Sequence[float]) -> Figure:
         crank_axis(panel, np.array([0.0, 360.0]))
     panels[0].set_ylim(0.0, 1.05 * max(float(force.max()) for force in curves.values()))
     panels[0].set_ylabel("force of the cam [N]")
-    figure.legend(
-        handles=keys(*((case, _look(number)) for number, case in enumerate(cases))),
-        loc="outside lower center",
-        ncols=len(cases),
-    )
+    handles = keys(*((case, _look(number)) for number, case in enumerate(cases)))
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(cases))
     return figure
 
 
@@ -197,15 +194,8 @@ def torques_figure(
             rows, list(bars.values()), height=0.65, color=[COLORS[number]] * len(torques) + [GREY] * len(stated[name])
         )
         for row, torque in zip(rows, bars.values(), strict=True):
-            panel.annotate(
-                f"{torque:.2f}",
-                (torque, row),
-                (-4, 0),
-                textcoords="offset points",
-                ha="right",
-                va="center",
-                color="w",
-            )
+            look: dict[str, Any] = {"textcoords": "offset points", "ha": "right", "va": "center", "color": "w"}
+            panel.annotate(f"{torque:.2f}", (torque, row), (-4, 0), **look)
         panel.axvline(ideal, color=BLACK, linewidth=0.8, linestyle=(0, (4, 2)))
         panel.set_yticks(rows, list(bars))
         panel.set_title(name)
@@ -234,11 +224,8 @@ def picture_figure(pictures: Mapping[str, Any]) -> Figure:
 def _pin(axes: Axes, displacement: Array, turned: float, socket: float) -> None:
     """Draw a pin of unit radius in a socket, displaced by `displacement` and rotated by `turned` [deg]."""
     axes.add_patch(Circle((0.0, 0.0), socket, fill=False, color=GREY, linewidth=0.9))
-    axes.add_patch(
-        Circle(
-            (float(displacement[0]), float(displacement[1])), 1.0, facecolor="#DCE9F3", edgecolor=BLACK, linewidth=0.8
-        )
-    )
+    x, y = displacement.tolist()
+    axes.add_patch(Circle((x, y), 1.0, facecolor="#DCE9F3", edgecolor=BLACK, linewidth=0.8))
     angle = np.radians(90.0 + turned)
     end = displacement + np.array([np.cos(angle), np.sin(angle)])
     axes.plot([displacement[0], end[0]], [displacement[1], end[1]], color=BLACK, linewidth=1.1)

@@ -26,6 +26,7 @@ def pictures(rated: Sequence[Run]) -> tuple[tuple[PaperFigure, ...], tuple[str, 
 
 
 def _plates(run: Run) -> Iterator[PaperFigure]:
+    """Render a reducer from both sides, and its parts."""
     from cycloid_mj.scene.render import render, render_part
     from hsieh2014.paper_figures import picture_figure
 

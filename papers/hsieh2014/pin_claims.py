@@ -32,20 +32,13 @@ def sway(motions: Motions, rated: PinMotion) -> Claim:
         lambda one: one.span > SWAYS * one.clearance and one.reach <= (1.0 + GIVE) * one.clearance,
         lambda some: f"{_um(_spread(some, lambda one: one.reach))} um from the middle",
     )
+    words = f"{_um(span)} um across, {_um(reach)} um from the middle; clearance {1e6 * clearance:g} um"
+    under = f"{1e6 * rated.span:.3g} um across, {1e6 * rated.reach:.3g} um from the middle, by the give of the socket"
     return statements.pin_1_sway(clearance).judged(
-        ours=Value(
-            f"{_um(span)} um across, {_um(reach)} um from the middle; clearance {1e6 * clearance:g} um",
-            1e3 * reach.mean,
-            "mm",
-            (1e3 * reach.low, 1e3 * reach.high),
-        ),
+        ours=Value(words, 1e3 * reach.mean, "mm", (1e3 * reach.low, 1e3 * reach.high)),
         error=Value(f"spread of {len(starts)} starts", 1e6 * reach.half, "um"),
         searched=motions.ranges,
-        rated=Value(
-            f"{1e6 * rated.span:.3g} um across, {1e6 * rated.reach:.3g} um from the middle, by the give of the socket",
-            1e3 * rated.reach,
-            "mm",
-        ),
+        rated=Value(under, 1e3 * rated.reach, "mm"),
         **vars(judged),
     )
 
@@ -59,12 +52,11 @@ def spin(motions: Motions, rated: PinMotion) -> Claim:
     """Judge whether pin 1 keeps rotating: whether its mean speed has the same sign in most starts."""
     means = _spread(motions.base, lambda one: one.mean_spin)
     rocking = _spread(motions.base, lambda one: one.rms_spin)
-    judged = ruling(
-        motions,
-        lambda one: one.mean_spin > 0.0,
-        lambda some: f"mean {_spread(some, lambda one: one.mean_spin).words} rad/s",
-        judged=_one_way,
-    )
+
+    def words(some: Sequence[PinMotion]) -> str:
+        return f"mean {_spread(some, lambda one: one.mean_spin).words} rad/s"
+
+    judged = ruling(motions, lambda one: one.mean_spin > 0.0, words, judged=_one_way)
     return statements.PIN_1_SPIN.judged(
         ours=spread_value(f"mean {means.words} rad/s, rms {rocking.words} rad/s", means, "rad/s"),
         error=spread_error(means, "rad/s"),
@@ -100,17 +92,14 @@ def turns(motions: Motions, rated: PinMotion) -> Claim:
 def slides(motions: Motions, rated: PinMotion) -> Claim:
     """Judge whether pin 1 slides on the gear away from crank angle 0, in contrast to rolling."""
     shares = _spread(motions.base, lambda one: one.rolling)
+    percent = f"{100 * shares.low:.2g} to {100 * shares.high:.2g}"
     judged = ruling(
         motions,
         lambda one: one.rolling < ROLLS,
         lambda some: f"{100 * _spread(some, lambda one: one.rolling).high:.2g} % of the gear's at most",
     )
     return statements.PIN_1_SLIDES.judged(
-        ours=spread_value(
-            f"its surface goes along with {100 * shares.low:.2g} to {100 * shares.high:.2g} % of the gear's",
-            shares,
-            "1",
-        ),
+        ours=spread_value(f"its surface goes along with {percent} % of the gear's", shares, "1"),
         error=spread_error(shares, "1"),
         searched=motions.ranges,
         rated=Value(f"{100 * rated.rolling:.3g} %", rated.rolling, "1"),

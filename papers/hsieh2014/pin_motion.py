@@ -12,29 +12,20 @@ from hsieh2014.stated import PIN_1_LOADED, SHOWN
 
 @dataclass(frozen=True)
 class PinMotion:
-    """Motion of pin 1 in one run.
-
-    Attributes
-    ----------
-    clearance
-        Of its socket [m].
-    span, reach
-        Range of its centre, and its largest distance from the middle of its socket [m].
-    mean_spin, rms_spin
-        Rotational speed over full crank turns [rad/s].
-    turned
-        Rotation since the beginning of the turn, at the crank angles of Fig. 9(a) [deg].
-    rolling
-        Speed of its surface as a share of the gear's at the contact, from 10 to 350 deg [1].
-    """
+    """Motion of pin 1 in one run."""
 
     clearance: float
+    """Of its socket [m]."""
     span: float
     reach: float
+    """Range of its centre, and its largest distance from the middle of its socket [m]."""
     mean_spin: float
     rms_spin: float
+    """Rotational speed over full crank turns [rad/s]."""
     turned: tuple[float, ...]
+    """Rotation since the beginning of the turn, at the crank angles of Fig. 9(a) [deg]."""
     rolling: float
+    """Speed of its surface as a share of the gear's at the contact, from 10 to 350 deg [1]."""
 
     @property
     def seen_turned(self) -> float:

@@ -33,34 +33,24 @@ SAMPLES = PaperSampling()
 
 @dataclass(frozen=True)
 class Plan:
-    """Extent of the computation.
-
-    Attributes
-    ----------
-    quick
-        Whether stress and torque use coarser grids and shorter averages.
-    steps
-        Time steps per logged sample.
-    turns, varied_turns, finer_turns
-        Settled crank turns of the main runs, of each run of the sweep, and of the runs with half the step (0: none).
-    varied_starts
-        Independent starts of each run without load in the sweep, and of those with half the step; the main runs have
-        `SAMPLES.starts`. With fewer than 6, the rank test detects only starts that do not overlap; with 3, nothing.
-    ramp
-        Whether the ramp of 1 s is simulated for Fig. 5.
-    solver
-        Solver of the independent starts and of the variations. The runs of the figures, and the rated runs for stress
-        and torque, use MuJoCo.
-    """
+    """Extent of the computation."""
 
     quick: bool
+    """Whether stress and torque use coarser grids and shorter averages."""
     steps: int
+    """Time steps per logged sample."""
     turns: int
     varied_turns: int
     finer_turns: int
+    """Settled crank turns of the main runs, of each run of the sweep, and of the runs with half the step (0: none)."""
     varied_starts: int
+    """Independent starts of each run without load in the sweep, and of those with half the step; the main runs have
+    `SAMPLES.starts`. With fewer than 6, the rank test detects only starts that do not overlap; with 3, nothing."""
     ramp: bool
+    """Whether the ramp of 1 s is simulated for Fig. 5."""
     solver: Solver = "planar"
+    """Solver of the independent starts and of the variations. The runs of the figures, and the rated runs for stress
+    and torque, use MuJoCo."""
 
 
 PAIRS = ("pin_gear", "pin_socket", "tooth", "cam", "output")
@@ -109,15 +99,7 @@ CHORD_ERRORS = (0.0, 2e-6, 10e-6, 20e-6, 50e-6, 100e-6)
 QUICK = Plan(
     quick=True, steps=SAMPLES.steps, turns=1, varied_turns=1, finer_turns=0, varied_starts=SAMPLES.starts, ramp=False
 )
-FULL = Plan(
-    quick=False,
-    steps=2 * SAMPLES.steps,
-    turns=4,
-    varied_turns=2,
-    finer_turns=2,
-    varied_starts=SAMPLES.starts,
-    ramp=True,
-)
+FULL = Plan(False, 2 * SAMPLES.steps, turns=4, varied_turns=2, finer_turns=2, varied_starts=SAMPLES.starts, ramp=True)
 
 
 def designs() -> tuple[Design, Design]:

@@ -28,12 +28,8 @@ DOT: dict[str, Any] = {"linestyle": "", "marker": "o", "markersize": 2.6}
 
 def generation_figures(gear: CycloidGear) -> dict[str, Figure]:
     """Return the four figures by name."""
-    return {
-        "fig1_rolling": rolling_figure(gear),
-        "fig2_gear": gear_figure(gear),
-        "fig3_meshing": meshing_figure(gear),
-        "fig4_ring": ring_figure(gear),
-    }
+    figures = {"fig1_rolling": rolling_figure, "fig2_gear": gear_figure, "fig3_meshing": meshing_figure}
+    return {name: draw(gear) for name, draw in (figures | {"fig4_ring": ring_figure}).items()}
 
 
 @with_style

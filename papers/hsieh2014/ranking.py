@@ -16,12 +16,10 @@ from hsieh2014.stated import FLUCTUATIONS
 
 Verdict = Literal["confirmed", "contradicted", "alike", "undecided", "not determined"]
 
-OUTCOMES = {
-    "confirmed": ("confirmed",),
-    "not confirmed": ("contradicted", "alike"),
-    "undecided": ("undecided",),
-    "not determined": ("not determined",),
+OUTCOMES: dict[str, tuple[str, ...]] = {
+    word: (word,) for word in ("confirmed", "not confirmed", "undecided", "not determined")
 }
+OUTCOMES["not confirmed"] = ("contradicted", "alike")
 
 SIGNIFICANCE = 0.05
 """Significance level of the rank test of turns."""
@@ -62,31 +60,23 @@ class Ranking:
     their rms values are within 5 %. Otherwise, and with fewer than `FEWEST_TURNS`, it is `undecided`. Without load it
     is `confirmed` or `contradicted` if all starts of one design exceed all of the other by more than 5 %. Otherwise,
     and with fewer than `STARTS` independent starts, it is `not determined`.
-
-    Attributes
-    ----------
-    quantity, figure, unit
-        Name, the paper's figure ("" if it has none) and unit.
-    load_nm
-        Load torque [N m].
-    pin, nonpin
-        Names of the designs.
-    pin_level, nonpin_level
-        Levels of the first start, with those of its turns.
-    pin_starts, nonpin_starts
-        The rms value of every start.
     """
 
     quantity: str
     figure: str
     unit: str
+    """Name, the paper's figure ("" if it has none) and unit."""
     load_nm: float
+    """Load torque [N m]."""
     pin: str
     nonpin: str
+    """Names of the designs."""
     pin_level: Level
     nonpin_level: Level
+    """Levels of the first start, with those of its turns."""
     pin_starts: StartSpread
     nonpin_starts: StartSpread
+    """The rms value of every start."""
 
     @property
     def ratio(self) -> float:

@@ -74,20 +74,20 @@ def pace(passed: float, done: float, total: float) -> float:
     return (passed + total / 2) / (done + total / 2)
 
 
-def _progress(report: Report, step: Stage, ends: float, later: float, text: str) -> None:
+def _progress(report: Report, stage: Stage, ends: float, later: float, text: str) -> None:
     """Report a stage with the remaining time [s]: until its own end, and of the later stages."""
-    report(step, text, max(ends - monotonic(), 0.0) + later)
+    report(stage, text, max(ends - monotonic(), 0.0) + later)
 
 
-def run_step(step: Stage, plan: Plan, runs: Runs, progress: Progress) -> StageRun:
-    """Run one stage."""
+def run_step(stage: Stage, plan: Plan, runs: Runs, progress: Progress) -> StageRun:
+    """Run a stage; an error becomes part of its result, and claims get the ranges that were searched."""
     start = monotonic()
     try:
-        result, error = step.work(plan, runs, progress), ""
+        result, error = stage.work(plan, runs, progress), ""
         claims = [as_searched(claim, open_parameters(plan)) for claim in result.claims]
-        if step.judged_on_starts:
+        if stage.judged_on_starts:
             claims = [replace(claim, condition=replace(claim.condition, solver=plan.solver)) for claim in claims]
         result = replace(result, claims=tuple(claims))
     except Exception as problem:  # whatever breaks a stage, the page shall have the others
         result, error = StageResult(), f"{type(problem).__name__}: {problem}"
-    return StageRun(step, result, monotonic() - start, error)
+    return StageRun(stage, result, monotonic() - start, error)

@@ -21,30 +21,20 @@ PRESSED = (*ORDER, OUTPUT, PIN_1)
 
 @dataclass(frozen=True, eq=False)
 class RunFigures:
-    """Figures of one run.
-
-    Attributes
-    ----------
-    design
-        Name of the design that ran.
-    mean_speed
-        Mean speed of the gear, opposite to the crank, over full turns [rad/s].
-    transmission_error
-        Transmission error of the gear, peak to peak [arcsec].
-    levels
-        Key of a ranked quantity -> its rms difference from the closed form.
-    pin_1
-        Motion of pin 1; None if no pin can move.
-    forces
-        Part -> the largest force on it in each part of a crank turn [N], shape (``peaks.BINS``,).
-    """
+    """Figures of one run."""
 
     design: str
+    """Name of the design that ran."""
     mean_speed: float
+    """Mean speed of the gear, opposite to the crank, over full turns [rad/s]."""
     transmission_error: float
+    """Transmission error of the gear, peak to peak [arcsec]."""
     levels: Mapping[str, float]
+    """Key of a ranked quantity -> its rms difference from the closed form."""
     pin_1: PinMotion | None
+    """Motion of pin 1; None if no pin can move."""
     forces: Mapping[str, Array]
+    """Part -> the largest force on it in each part of a crank turn [N], shape (``peaks.BINS``,)."""
 
 
 def run_figures(run: Run) -> RunFigures:

@@ -43,23 +43,16 @@ _spring_at, _damper_at = njit(impact.spring), njit(impact.damper)
 
 @dataclass(frozen=True)
 class SoftContact:
-    """Parameters of IMPACT.
-
-    Attributes
-    ----------
-    name
-        Description of where these parameters are the default.
-    stiffness, exponent
-        k [N/m^e] and e of the spring.
-    damping, depth
-        Full damping c [N s/m], and the depth at which it is reached [m].
-    """
+    """Parameters of IMPACT."""
 
     name: str
+    """Description of where these parameters are the default."""
     stiffness: float
     exponent: float
+    """k [N/m^e] and e of the spring."""
     damping: float
     depth: float
+    """Full damping c [N s/m], and the depth at which it is reached [m]."""
 
 
 def in_millimetres(name: str, stiffness: float, exponent: float, damping: float, depth: float) -> SoftContact:
@@ -171,6 +164,7 @@ def _facets(design: Design, chord_error: float, seed: int) -> Array:
 def _integrate(
     values: Any, teeth: int, holes: int, free: bool, facets: Any, steps: int, timestep: float, per_turn: int
 ) -> Any:
+    """Integrate the motion by semi-implicit Euler; return the fields of `PeakForces`, then its curve."""
     radius, c, rho, speed, play, socket, cam_play, circle, room = values[:9]
     gear_mass, gear_inertia, pin_mass, output_inertia = values[9:13]
     gravity_x, gravity_y, phase, k, e, damping, whole, half = values[13:21]

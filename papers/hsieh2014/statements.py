@@ -62,34 +62,31 @@ def _idle(key: str, figure: str, part: str, design: str, kind: str, claim: str, 
 
 
 def gear_speed(design: str) -> Statement:
-    """Eq. 12 and Fig. 6: the mean speed of the gear."""
+    """Return the statement of Eq. 12 and Fig. 6 on the mean speed of the gear."""
     claim, value = "the gear turns at 1/35 of the crank, against it", Value("4.907 rad/s", GEAR_SPEED, "rad/s")
     return _idle(f"gear_speed_mean_{design}", "Eq. 12, Fig. 6", "gear", design, "value", claim, value)
 
 
 def pin_1_sway(clearance: float) -> Statement:
-    """Fig. 9: the displacement of pin 1, within a clearance [m]."""
+    """Return the statement of Fig. 9 that pin 1 moves within a clearance [m]."""
     value = Value("within 0.001 mm", 1e3 * clearance, "mm")
     return _idle("pin_1_sway", "Fig. 9", "pin_1", "pin", "height", "pin 1 sways within its clearance", value)
 
 
-PIN_1_TURNS = _idle(
-    "pin_1_turns",
-    "Fig. 9(a)",
-    "pin_1",
-    "pin",
-    "pattern",
-    "pin 1 is seen turned at crank angles of 0, 120, 240 and 360 deg",
-    Value("turned"),
-)
+def _pin_1(key: str, figure: str, claim: str, stated: str) -> Statement:
+    return _idle(key, figure, "pin_1", "pin", "pattern", claim, Value(stated))
 
-PIN_1_SLIDES = _idle(
-    "pin_1_slides", "Fig. 16", "pin_1", "pin", "pattern", "pin 1 slides on the gear from 10 to 350 deg", Value("slides")
-)
+
+SEEN = "pin 1 is seen turned at crank angles of 0, 120, 240 and 360 deg"
+CYCLE = "pin 1 is loaded at 0, relieved by 10 deg, loaded again from 350 deg"
+PIN_1_TURNS = _pin_1("pin_1_turns", "Fig. 9(a)", SEEN, "turned")
+PIN_1_SLIDES = _pin_1("pin_1_slides", "Fig. 16", "pin 1 slides on the gear from 10 to 350 deg", "slides")
+PIN_1_SPIN = _pin_1("pin_1_spin", "Fig. 9", "pin 1 turns about itself", "yes")
+PIN_1_CYCLE = _pin_1("stress_cycle_pin_1", FIGURES["pin_1"], CYCLE, "350 to 10 deg")
 
 
 def transmission_error(design: str) -> Statement:
-    """Fig. 7: the path of q deviates from its closed form, because of the transmission error."""
+    """Return the statement of Fig. 7 that the path of q deviates from its closed form by the transmission error."""
     claim = "the gear has a transmission error: q strays from its path"
     return _idle(f"transmission_error_{design}", "Fig. 7", "gear", design, "pattern", claim, Value("yes"))
 
@@ -101,42 +98,33 @@ def _rated_statement(key: str, figure: str, claim: str) -> Statement:
 PRECISION = _rated_statement("double_contact_precision", "section 2", "double contact lines raise the precision")
 CAPACITY = _rated_statement("double_contact_capacity", "section 2", "double contact lines raise the load capacity")
 
-POISSON = Statement(
-    "poisson",
-    "Table 1",
-    "all",
-    "both",
-    "value",
-    "E and G of the steel, which mean its Poisson's ratio",
-    Value("E 210 000, G 79 000 N/mm2: 0.329", 210e3 / (2.0 * 79e3) - 1.0, "1"),
-    no_load(),
-)
-
-PIN_1_SPIN = _idle("pin_1_spin", "Fig. 9", "pin_1", "pin", "pattern", "pin 1 turns about itself", Value("yes"))
+STEEL = Value("E 210 000, G 79 000 N/mm2: 0.329", 210e3 / (2.0 * 79e3) - 1.0, "1")
+OF_STEEL = "E and G of the steel, which mean its Poisson's ratio"
+POISSON = _idle("poisson", "Table 1", "all", "both", "value", OF_STEEL, STEEL)
 
 
 def fluctuation(key: str, name: str) -> Statement:
-    """Figs 6-8 and the text on vibration: which design fluctuates more in a quantity."""
+    """Return the statement, of Figs 6-8 or the text on vibration, that pin fluctuates more in a quantity."""
     figure, part = FLUCTUATIONS.get(name, "vibration"), PARTS.get(key, "gear")
     claim = f"{name} fluctuates more with pins than without"
     return _idle(key, figure, part, "both", "order", claim, Value("pin > nonpin"))
 
 
 def stress_height(part: str, design: str) -> Statement:
-    """Figs 12-14: the maximum of a part's curve."""
+    """Return the statement of Figs 12-14 on the maximum of a part's curve."""
     height = HEIGHTS[part, design]
     claim, value = f"the {part}'s stress reaches up to about {height:g} MPa", Value(f"{height:g} MPa", height, "MPa")
     return _idle(f"stress_height_{part}_{design}", FIGURES[part], part, design, "height", claim, value)
 
 
 def stress_of_parts(design: str) -> Statement:
-    """Figs 12-14: the order of the parts by stress."""
+    """Return the statement of Figs 12-14 on the order of the parts by stress."""
     value = Value(" > ".join(f"{HEIGHTS[part, design]:g}" for part in ORDER) + " MPa")
     return _idle(f"stress_order_of_parts_{design}", "Figs 12-14", "all", design, "order", " > ".join(ORDER), value)
 
 
 def stress_of_designs(part: str) -> Statement:
-    """Figs 12-14: in which design a part is stressed more."""
+    """Return the statement of Figs 12-14 on the design in which a part is stressed more."""
     ratio = HEIGHTS[part, "nonpin"] / HEIGHTS[part, "pin"]
     claim, value = (
         f"{part}: less stress without pins than with them",
@@ -146,59 +134,38 @@ def stress_of_designs(part: str) -> Statement:
 
 
 def stress_mean(part: str) -> Statement:
-    """Figs 12-14: in which design a part's mean stress over a turn is smaller."""
+    """Return the statement of Figs 12-14 on the design in which a part's mean stress over a turn is smaller."""
     claim = f"{part}: a smaller mean stress without pins"
     return _idle(f"stress_mean_{part}", FIGURES[part], part, "both", "order", claim, Value("pin > nonpin"))
 
 
 def stress_fluctuation(part: str) -> Statement:
-    """Figs 12-14: in which design a part's stress fluctuates less over a turn."""
+    """Return the statement of Figs 12-14 on the design in which a part's stress fluctuates less over a turn."""
     claim = f"{part}: its stress fluctuates less without pins"
     return _idle(f"stress_fluctuation_{part}", FIGURES[part], part, "both", "order", claim, Value("pin > nonpin"))
 
 
 def stress_peaks(design: str) -> Statement:
-    """Fig. 12: where the shaft's stress peaks in a turn."""
+    """Return the statement of Fig. 12 on the angles at which the shaft's stress peaks."""
     claim, value = "two peaks a turn, near 75 and 255 deg, the highest at 74 deg", Value("75, 255 deg", 74.0, "deg")
     return _idle(f"stress_peaks_shaft_{design}", FIGURES["shaft"], "shaft", design, "pattern", claim, value)
 
 
 def stress_of_output(design: str) -> Statement:
-    """Fig. 15: the output's stress."""
+    """Return the statement of Fig. 15 on the output's stress."""
     claim, value = "the output's stress is low and regular", Value("low, regular")
     return _idle(f"stress_output_{design}", FIGURES["output"], "output", design, "pattern", claim, value)
 
 
-PIN_1_CYCLE = _idle(
-    "stress_cycle_pin_1",
-    FIGURES["pin_1"],
-    "pin_1",
-    "pin",
-    "pattern",
-    "pin 1 is loaded at 0, relieved by 10 deg, loaded again from 350 deg",
-    Value("350 to 10 deg"),
-)
-
-
 def output_torque(kind: str, design: str) -> Statement:
-    """Section 3.4 and Fig. 19: the output torque, simulated or measured."""
+    """Return the statement of section 3.4 and Fig. 19 on the output torque, simulated or measured."""
     torque, figure = TORQUES[design][kind], "Fig. 19" if kind == "measured" else "section 3.4"
     claim = f"output torque at 1.048 N m in, {kind}"
     value = Value(f"{torque:g} N m, {100 * torque / IDEAL:.1f} %", torque, "N m")
     return Statement(f"output_torque_{kind}_{design}", figure, "output", design, "value", claim, value, torque_test())
 
 
-TORQUE_ORDER = Statement(
-    "output_torque_order",
-    "Fig. 19",
-    "output",
-    "both",
-    "order",
-    "the nonpin design gives more output torque than the pin design",
-    Value(
-        "35.8 to 34.7 N m simulated, 35.08 to 34.335 N m measured",
-        TORQUES["nonpin"]["simulated"] - TORQUES["pin"]["simulated"],
-        AHEAD,
-    ),
-    torque_test(),
-)
+BOTH_TORQUES = "35.8 to 34.7 N m simulated, 35.08 to 34.335 N m measured"
+MORE_TORQUE = "the nonpin design gives more output torque than the pin design"
+GAIN = Value(BOTH_TORQUES, TORQUES["nonpin"]["simulated"] - TORQUES["pin"]["simulated"], AHEAD)
+TORQUE_ORDER = Statement("output_torque_order", "Fig. 19", "output", "both", "order", MORE_TORQUE, GAIN, torque_test())

@@ -79,6 +79,7 @@ def _part_begins(progress: Progress, design: str, part: str, number: int, total:
 
 
 def _plates(studies: Mapping[str, IdleStress]) -> Iterator[PaperFigure]:
+    """Draw grids, maps and stress curves, and the change of stress with the grid."""
     from cycloid_mj.plots.stress import grid_figure, map_figure, refinement_figure
 
     for name, study in studies.items():
@@ -129,13 +130,8 @@ def _stress_table(studies: Mapping[str, IdleStress]) -> Table:
         for name, study in studies.items()
         for part in study.starts
     ]
-    head = (
-        "largest bulk stress [MPa]",
-        f"no load, {SAMPLES.starts} starts",
-        "the paper, no load, up to about",
-        "rated load",
-    )
-    return Table("stress by part", head, tuple(rows))
+    conditions = f"no load, {SAMPLES.starts} starts", "the paper, no load, up to about", "rated load"
+    return Table("stress by part", ("largest bulk stress [MPa]", *conditions), tuple(rows))
 
 
 def _force_table(starts: Mapping[str, Sequence[Run]], rated: Mapping[str, Run]) -> Table:
@@ -156,6 +152,7 @@ def _largest_forces(run: Run) -> dict[str, float]:
 
 
 def _numbers(idle_stress: IdleStress) -> dict[str, dict[str, object]]:
+    """Convert the stress of each part without load and under the rated load to JSON values."""
     return {
         part.part: {
             "no_load_mpa": list(idle_stress.starts[part.part].values),
@@ -169,14 +166,11 @@ def _numbers(idle_stress: IdleStress) -> dict[str, dict[str, object]]:
 
 
 def _notes(studies: Mapping[str, IdleStress]) -> tuple[str, ...]:
+    """List conditions and assumptions of the stress studies, a sentence each."""
     from cycloid_mj.stress.findings import ASSUMPTIONS
 
-    rough = [
-        f"{name} {part.part}"
-        for name, study in studies.items()
-        for part in study.study.findings.parts
-        if not part.refinement.converged
-    ]
+    parts = [(name, part) for name, each in studies.items() for part in each.study.findings.parts]
+    rough = [f"{name} {part.part}" for name, part in parts if not part.refinement.converged]
     missed = [
         f"{name} {part} {each.by_force[part].residual:.2g} MPa" for name, each in studies.items() for part in ORDER
     ]

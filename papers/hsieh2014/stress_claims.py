@@ -11,34 +11,13 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Claim, Range, Removal, Value, Verdict
 from cycloid_mj.comparison import StartSpread, Variation
+from hsieh2014 import statements, verdicts
 from hsieh2014.idle_stress import ERROR, IdleStress, rated_value, stress_error
 from hsieh2014.plan import LEFT_OPEN
 from hsieh2014.run_figures import RunFigures
 from hsieh2014.stated import HEIGHTS, LEAST, MOST, ORDER
-from hsieh2014.statements import (
-    BY_DESIGN,
-    Statement,
-    stress_fluctuation,
-    stress_height,
-    stress_mean,
-    stress_of_designs,
-    stress_of_parts,
-)
 from hsieh2014.stress_evidence import Evidence, Searched, forces_of
 from hsieh2014.stress_patterns import output, pin_1_cycle, shaft_peaks
-from hsieh2014.verdicts import (
-    Part,
-    chance,
-    jointly,
-    majority_verdict,
-    order_cause,
-    order_verdict,
-    range_verdict,
-    rank_order,
-    sign_test_p,
-    spread_value,
-    within,
-)
 
 TREATMENT = (
     "the treatment of contact: the paper states no stiffness, damping or mesh of its motion solver; see the hypothesis"
@@ -77,8 +56,8 @@ def stress_claims(
             yield pin_1_cycle(evidence, rated[name], searched.ranges)
     for part in ORDER:
         yield designs_in_order(part, evidence, searched.ranges)
-        yield smaller(stress_mean(part), part, np.mean, evidence, searched.ranges)
-        yield smaller(stress_fluctuation(part), part, np.std, evidence, searched.ranges)
+        yield smaller(statements.stress_mean(part), part, np.mean, evidence, searched.ranges)
+        yield smaller(statements.stress_fluctuation(part), part, np.std, evidence, searched.ranges)
 
 
 def height(design: str, part: str, idle_stress: IdleStress, evidence: Evidence, searched: Searched) -> Claim:
@@ -90,27 +69,35 @@ def height(design: str, part: str, idle_stress: IdleStress, evidence: Evidence, 
     low, high = LEAST * theirs, MOST * theirs
     cases = {each.words: evidence.sizes(design, part, np.max, each) for each in evidence.varied}
     cases |= {words: StartSpread((size,)) for words, size in searched.reached.get((part, design), {}).items()}
-    verdict, sizes = range_verdict(ours, low, high), [*cases.values(), ours]
+    verdict, sizes = verdicts.range_verdict(ours, low, high), [*cases.values(), ours]
     if (
         verdict == Verdict.DISAGREES
         and min(each.low for each in sizes) <= high <= max(each.high for each in sizes) / LEAST
     ):
         verdict = Verdict.DEPENDS
     highest = max(cases, key=lambda words: cases[words].high, default="")
-    return stress_height(part, design).judged(
-        ours=spread_value(f"{ours.words} MPa at impact peaks, 1/{theirs / ours.mean:.0f} of that", ours, "MPa"),
+    return statements.stress_height(part, design).judged(
+        ours=verdicts.spread_value(
+            f"{ours.words} MPa at impact peaks, 1/{theirs / ours.mean:.0f} of that", ours, "MPa"
+        ),
         error=stress_error(idle_stress, [part]),
         verdict=verdict,
         decided_by=TREATMENT + (f"; {highest}: {cases[highest].high:.3g} MPa" if highest else ""),
         rated=rated_value(idle_stress, part),
         searched=(*searched.ranges, *searched.contact_ranges),
-        removals=[Removal(words, f"{_of(size)} MPa", range_verdict(size, low, high)) for words, size in cases.items()],
-        p=sign_test_p(within(ours, low, high)),
+        removals=[
+            Removal(words, f"{_of(size)} MPa", verdicts.range_verdict(size, low, high)) for words, size in cases.items()
+        ],
+        p=verdicts.sign_test_p(verdicts.within(ours, low, high)),
     )
 
 
 def smaller(
-    statement: Statement, part: str, property_of: Callable[[Array], float], evidence: Evidence, ranges: Sequence[Range]
+    statement: statements.Statement,
+    part: str,
+    property_of: Callable[[Array], float],
+    evidence: Evidence,
+    ranges: Sequence[Range],
 ) -> Claim:
     """Judge whether a part's stress is lower without pins, by `property_of` its curve over a turn."""
 
@@ -124,26 +111,23 @@ def smaller(
     compared = f"{ratio.values[0]:.2g} to 1, " if math.isfinite(ratio.high) else ""
     varied = {each: sizes(each) for each in evidence.varied}
     missed = max(evidence.stress[name].by_force[part].residual for name in ("pin", "nonpin"))
-    verdict, changes = order_verdict(_order(pin, nonpin, missed), _left_open(varied, missed))
+    verdict, changes = verdicts.order_verdict(_order(pin, nonpin, missed), _left_open(varied, missed))
+    words = f"{nonpin.words} against {pin.words} MPa, {compared}p = {verdicts.chance(pin, nonpin):.2g}"
+    number, spread = (ratio.values[0], (ratio.low, ratio.high)) if compared else (None, None)
     return statement.judged(
-        ours=Value(
-            f"{nonpin.words} against {pin.words} MPa, {compared}p = {chance(pin, nonpin):.2g}",
-            ratio.values[0] if compared else None,
-            BY_DESIGN,
-            (ratio.low, ratio.high) if compared else None,
-        ),
+        ours=Value(words, number, statements.BY_DESIGN, spread),
         error=Value(f"what the line over the force misses; {len(pin.values)} starts", missed, "MPa"),
         verdict=verdict,
-        decided_by=order_cause(verdict, changes, "nothing varied that the paper leaves open"),
+        decided_by=verdicts.order_cause(verdict, changes, "nothing varied that the paper leaves open"),
         searched=ranges,
         removals=_orders(varied, missed),
-        p=chance(pin, nonpin),
+        p=verdicts.chance(pin, nonpin),
     )
 
 
 def _order(pin: StartSpread, nonpin: StartSpread, missed: float) -> int:
     """Return which is larger; 0 if the difference is within the error of the estimate [MPa]."""
-    return rank_order(pin, nonpin) if abs(median(pin.values) - median(nonpin.values)) > missed else 0
+    return verdicts.rank_order(pin, nonpin) if abs(median(pin.values) - median(nonpin.values)) > missed else 0
 
 
 def _left_open(varied: Mapping[Variation, tuple[StartSpread, StartSpread]], missed: float = 0.0) -> dict[str, int]:
@@ -153,14 +137,11 @@ def _left_open(varied: Mapping[Variation, tuple[StartSpread, StartSpread]], miss
 
 def _orders(varied: Mapping[Variation, tuple[StartSpread, StartSpread]], missed: float = 0.0) -> list[Removal]:
     """Judge the order of pin and nonpin for each single change."""
-    return [
-        Removal(
-            each.words,
-            f"{nonpin.words} without pins, {pin.words} MPa with them, p = {chance(pin, nonpin):.2g}",
-            order_verdict(_order(pin, nonpin, missed), {})[0],
-        )
-        for each, (pin, nonpin) in varied.items()
-    ]
+    removals = []
+    for each, (pin, nonpin) in varied.items():
+        words = f"{nonpin.words} without pins, {pin.words} MPa with them, p = {verdicts.chance(pin, nonpin):.2g}"
+        removals.append(Removal(each.words, words, verdicts.order_verdict(_order(pin, nonpin, missed), {})[0]))
+    return removals
 
 
 def _of(size: StartSpread) -> str:
@@ -180,12 +161,14 @@ def parts_in_order(design: str, evidence: Evidence, searched: Searched) -> Claim
         for each in evidence.varied
     }
     of_contact = [
-        Removal(words, f"{_of_parts(reached)} MPa", majority_verdict([reached == sorted(reached, reverse=True)]))
+        Removal(
+            words, f"{_of_parts(reached)} MPa", verdicts.majority_verdict([reached == sorted(reached, reverse=True)])
+        )
         for words, reached in _treatments(design, searched).items()
     ]
     left_open = [*of_contact, *(removal for each, removal in of_runs.items() if each.parameter in LEFT_OPEN)]
     agreeing = [each.what for each in left_open if each.verdict == Verdict.AGREES]
-    return stress_of_parts(design).judged(
+    return statements.stress_of_parts(design).judged(
         ours=Value(f"{_of_parts(sizes(None))} MPa"),
         error=stress_error(each, ORDER),
         verdict=Verdict.DEPENDS if agreeing and verdict == Verdict.DISAGREES else verdict,
@@ -210,9 +193,14 @@ def _of_parts(sizes: Sequence[StartSpread | float]) -> str:
     return ", ".join(f"{part} {text}" for part, text in zip(ORDER, texts, strict=True))
 
 
-def _descending(sizes: Sequence[StartSpread]) -> Part:
+def _descending(sizes: Sequence[StartSpread]) -> verdicts.Part:
     """Judge whether the stress decreases from part to part."""
-    return jointly([(order_verdict(rank_order(*pair), {})[0], chance(*pair)) for pair in pairwise(sizes)])
+    return verdicts.jointly(
+        [
+            (verdicts.order_verdict(verdicts.rank_order(*pair), {})[0], verdicts.chance(*pair))
+            for pair in pairwise(sizes)
+        ]
+    )
 
 
 def designs_in_order(part: str, evidence: Evidence, ranges: Sequence[Range]) -> Claim:
@@ -222,26 +210,19 @@ def designs_in_order(part: str, evidence: Evidence, ranges: Sequence[Range]) -> 
     varied = {
         each: (evidence.peaks("pin", part, each), evidence.peaks("nonpin", part, each)) for each in evidence.varied
     }
-    verdict, changes = order_verdict(rank_order(*ours), _left_open(varied))
+    verdict, changes = verdicts.order_verdict(verdicts.rank_order(*ours), _left_open(varied))
     ratio = ours[1].over(ours[0])
     mean = ratio.values[0]
     rated = nonpin.rated[part].high / pin.rated[part].high
-    return stress_of_designs(part).judged(
-        ours=Value(
-            f"{ours[1].words} against {ours[0].words} MPa, {mean:.2g} to 1, p = {chance(*ours):.2g}",
-            mean,
-            BY_DESIGN,
-            (ratio.low, ratio.high),
-        ),
-        error=Value(ERROR, mean * max(pin.error(part), nonpin.error(part)), BY_DESIGN),
+    words = f"{ours[1].words} against {ours[0].words} MPa, {mean:.2g} to 1, p = {verdicts.chance(*ours):.2g}"
+    under = f"{nonpin.rated[part].high:.3g} against {pin.rated[part].high:.3g} MPa, {rated:.2g} to 1"
+    return statements.stress_of_designs(part).judged(
+        ours=Value(words, mean, statements.BY_DESIGN, (ratio.low, ratio.high)),
+        error=Value(ERROR, mean * max(pin.error(part), nonpin.error(part)), statements.BY_DESIGN),
         verdict=verdict,
-        decided_by=order_cause(verdict, changes, "nothing varied that the paper leaves open"),
+        decided_by=verdicts.order_cause(verdict, changes, "nothing varied that the paper leaves open"),
         searched=ranges,
         removals=_orders(varied),
-        p=chance(*ours),
-        rated=Value(
-            f"{nonpin.rated[part].high:.3g} against {pin.rated[part].high:.3g} MPa, {rated:.2g} to 1",
-            rated,
-            BY_DESIGN,
-        ),
+        p=verdicts.chance(*ours),
+        rated=Value(under, rated, statements.BY_DESIGN),
     )

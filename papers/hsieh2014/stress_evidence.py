@@ -17,24 +17,16 @@ Forces = Mapping[str, Sequence[Mapping[str, Array]]]
 
 @dataclass(frozen=True, eq=False)
 class Searched:
-    """Variations that were searched for the claims on stress.
-
-    Attributes
-    ----------
-    ranges
-        Searched ranges of what the paper leaves open.
-    varied
-        Single change -> design name -> its starts without load.
-    reached
-        Part and design -> treatment of contact -> stress [MPa] from its forces.
-    contact_ranges
-        Searched ranges of these treatments.
-    """
+    """Variations that were searched for the claims on stress."""
 
     ranges: tuple[Range, ...] = ()
+    """Searched ranges of what the paper leaves open."""
     varied: Mapping[Variation, Mapping[str, Sequence[RunFigures]]] = field(default_factory=dict)
+    """Single change -> design name -> its starts without load."""
     reached: Mapping[tuple[str, str], Mapping[str, float]] = field(default_factory=dict)
+    """Part and design -> treatment of contact -> stress [MPa] from its forces."""
     contact_ranges: tuple[Range, ...] = ()
+    """Searched ranges of these treatments."""
 
 
 @dataclass(frozen=True, eq=False)

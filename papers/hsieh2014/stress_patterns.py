@@ -9,6 +9,7 @@ from cycloid_mj.base.names import OUTPUT
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Claim, Range, Removal, Value, Verdict
 from cycloid_mj.comparison import StartSpread, Variation, settle_run
+from hsieh2014 import verdicts
 from hsieh2014.cycle import cycle
 from hsieh2014.idle_stress import IdleStress, rated_value, stress_error
 from hsieh2014.over_starts import OverStarts, ruling
@@ -17,17 +18,6 @@ from hsieh2014.plan import LEFT_OPEN
 from hsieh2014.stated import NEAR, ORDER, PIN_1_LOADED, SHAFT_PEAKS
 from hsieh2014.statements import PIN_1_CYCLE, stress_of_output, stress_peaks
 from hsieh2014.stress_evidence import Evidence
-from hsieh2014.verdicts import (
-    Part,
-    chance,
-    jointly,
-    majority_verdict,
-    order_verdict,
-    rank_order,
-    sign_test_p,
-    spread_error,
-    spread_value,
-)
 
 REGULAR = 0.5
 """Smallest correlation of each start's curve with the mean of the others for a regular curve."""
@@ -52,7 +42,7 @@ def shaft_peaks(idle_stress: IdleStress, evidence: Evidence, ranges: Sequence[Ra
         changed: [largest_of_halves(forces["shaft"]) for forces in varied["pin"]]
         for changed, varied in evidence.varied.items()
     }
-    verdict = majority_verdict(_near_the_papers(each))
+    verdict = verdicts.majority_verdict(_near_the_papers(each))
     # some starts are enough to say that the paper's angles can come out
     near = [changed for changed, angles in others.items() if any(_near_the_papers(angles))]
     changes, stated_changes = (
@@ -71,15 +61,15 @@ def shaft_peaks(idle_stress: IdleStress, evidence: Evidence, ranges: Sequence[Ra
             "deg",
             (angles[0].low, angles[0].high),
         ),
-        error=spread_error(angles[0], "deg"),
+        error=verdicts.spread_error(angles[0], "deg"),
         verdict=verdict,
         decided_by="; ".join(deciding) or "nothing varied gives the paper's angles",
         searched=ranges,
         removals=[
-            Removal(changed.words, angles_in_words(angles), majority_verdict(_near_the_papers(angles)))
+            Removal(changed.words, angles_in_words(angles), verdicts.majority_verdict(_near_the_papers(angles)))
             for changed, angles in others.items()
         ],
-        p=sign_test_p(_near_the_papers(each)),
+        p=verdicts.sign_test_p(_near_the_papers(each)),
         rated=Value(
             f"{idle_stress.rated['shaft'].words} MPa over the turn, in whose frame the cam's force all but stands"
         ),
@@ -105,16 +95,18 @@ def output(design: str, evidence: Evidence, ranges: Sequence[Range]) -> Claim:
     """Judge whether the output's stress is lower than that of the other parts, and similar in every start."""
     each, ours = evidence.stress[design], evidence.peaks(design, OUTPUT)
 
-    def regular(changed: Variation | None) -> Part:
+    def regular(changed: Variation | None) -> verdicts.Part:
         alike = [each >= REGULAR for each in likeness(evidence.curves(design, OUTPUT, changed))]
-        return majority_verdict(alike), sign_test_p(alike)
+        return verdicts.majority_verdict(alike), verdicts.sign_test_p(alike)
 
     def others(changed: Variation | None) -> StartSpread:
         sizes = [evidence.peaks(design, part, changed).values for part in ORDER]
         return StartSpread.of(max(each) for each in zip(*sizes, strict=True))
 
-    def low(sizes: StartSpread, changed: Variation | None) -> Part:
-        return order_verdict(rank_order(others(changed), sizes), {})[0], chance(others(changed), sizes)
+    def low(sizes: StartSpread, changed: Variation | None) -> verdicts.Part:
+        return verdicts.order_verdict(verdicts.rank_order(others(changed), sizes), {})[0], verdicts.chance(
+            others(changed), sizes
+        )
 
     def words(sizes: StartSpread, changed: Variation | None) -> str:
         alike = StartSpread.of(likeness(evidence.curves(design, OUTPUT, changed)))
@@ -124,15 +116,15 @@ def output(design: str, evidence: Evidence, ranges: Sequence[Range]) -> Claim:
         )
 
     def removal(what: str, sizes: StartSpread, changed: Variation | None) -> Removal:
-        return Removal(what, words(sizes, changed), jointly([low(sizes, changed), regular(changed)])[0])
+        return Removal(what, words(sizes, changed), verdicts.jointly([low(sizes, changed), regular(changed)])[0])
 
-    verdict, p = jointly([low(ours, None), regular(None)])
+    verdict, p = verdicts.jointly([low(ours, None), regular(None)])
     of_pins = [removal(what, sizes, None) for what, sizes in each.outputs.items()]
     of_runs = {each: removal(each.words, evidence.peaks(design, OUTPUT, each), each) for each in evidence.varied}
     left_open = [*of_pins, *(removal for each, removal in of_runs.items() if each.parameter in LEFT_OPEN)]
     agreeing = [each.what for each in left_open if each.verdict == Verdict.AGREES]
     return stress_of_output(design).judged(
-        ours=spread_value(words(ours, None), ours, "MPa"),
+        ours=verdicts.spread_value(words(ours, None), ours, "MPa"),
         error=stress_error(each, [OUTPUT]),
         verdict=Verdict.DEPENDS if agreeing and verdict == Verdict.DISAGREES else verdict,
         decided_by=f"left open by the paper: {', '.join(agreeing)}" if agreeing else "nothing that was varied gives it",
@@ -158,13 +150,13 @@ def pin_1_cycle(evidence: Evidence, rated: Run, ranges: Sequence[Range]) -> Clai
         lambda some: f"{_percent(StartSpread.of(some))} within {reach:g} deg of 0",
     )
     return PIN_1_CYCLE.judged(
-        ours=spread_value(
+        ours=verdicts.spread_value(
             f"of what presses it over a turn, {_percent(pin)} comes within {reach:g} deg of 0, a ninth of the turn; of "
             f"lobe 1 without pins {_percent(lobe)}",
             pin,
             OF_THE_PEAKS,
         ),
-        error=spread_error(pin, OF_THE_PEAKS),
+        error=verdicts.spread_error(pin, OF_THE_PEAKS),
         searched=ranges,
         rated=Value(f"loaded from {begins:.0f} to {ends:.0f} deg, {turn:.0f} % of the turn"),
         **vars(judged),

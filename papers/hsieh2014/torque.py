@@ -21,17 +21,14 @@ from hsieh2014.plan import Plan, designs, equal_play_design, rated_runs
 from hsieh2014.stage import PaperFigure, Progress, Runs, StageResult
 from hsieh2014.stated import IDEAL, TORQUES, torques
 from hsieh2014.statements import AHEAD, BY_DESIGN, CAPACITY, PRECISION, TORQUE_ORDER, output_torque
-from hsieh2014.torque_search import GRID, RANGES, SEARCHED, Case, Solution, TorqueSearch, search
+from hsieh2014.torque_search import GRID, RANGES, SEARCHED, Case, TorqueSearch, search
 
 NEAR = 0.01
 """Torques agree within this share of the torque without losses."""
 ERROR = "half the step or half the average"
 
-PLAYS = (
-    Range(
-        "total play of gear and housing", 1.0, 2.0, "um", "of the internal gear, to that of both clearances of a pin"
-    ),
-)
+TO_PIN = "of the internal gear, to that of both clearances of a pin"
+PLAYS = (Range("total play of gear and housing", 1.0, 2.0, "um", TO_PIN),)
 """Searched ranges of play and stiffness for the claims on double lines of contact."""
 
 
@@ -61,19 +58,12 @@ def torque(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
         for name, measurement in measurements.items()
     )
     views, missing = pictures(runs(rated_runs(plan)[:2]))
+    order = torque_order(measurements, searches)
+    tables = [_retitle(table, name) for name, measurement in measurements.items() for table in measurement.tables]
     return StageResult(
         (*views, *plates),
-        (
-            _columns(measurements, alike),
-            _search_table(searches),
-            *(_retitle(table, name) for name, measurement in measurements.items() for table in measurement.tables),
-        ),
-        (
-            *claims(measurements, searches),
-            torque_order(measurements, searches),
-            precision(runs(rated_runs(plan))),
-            capacity(),
-        ),
+        (_columns(measurements, alike), _search_table(searches), *tables),
+        (*claims(measurements, searches), order, precision(runs(rated_runs(plan))), capacity()),
         {
             name: {key: each.as_json() for key, each in measurement.quantities.items()}
             for name, measurement in measurements.items()
@@ -132,6 +122,7 @@ def _retitle(table: Table, name: str) -> Table:
 
 def claims(measurements: Mapping[str, Measurement], searches: Mapping[str, TorqueSearch]) -> Iterator[Claim]:
     """Judge each output torque: by its number, otherwise by whether something left open reproduces it."""
+    none = "nothing within the ranges searched gives it"
     for name, kinds in TORQUES.items():
         claim = measurements[name]
         ours, error = claim["output_torque"], claim.quantities["output_torque"].error
@@ -141,15 +132,12 @@ def claims(measurements: Mapping[str, Measurement], searches: Mapping[str, Torqu
                 ours=Value(f"{ours:.2f} N m, {100 * ours / IDEAL:.1f} %", ours, "N m"),
                 error=Value(ERROR, error, "N m"),
                 verdict=_verdict(ours, paper, bool(solutions)),
-                decided_by=f"friction, left open by the paper: {_list_solutions(solutions)}",
+                decided_by=f"friction, left open by the paper: {'; '.join(each.words for each in solutions) or none}",
                 searched=RANGES,
                 removals=[
-                    Removal(
-                        f"our own friction, for {each.bearings.of_teeth(each.friction)}",
-                        f"{each.rate * IDEAL:.2f} N m",
-                        Verdict.AGREES,
-                    )
+                    Removal(f"our own friction, for {case}", f"{each.rate * IDEAL:.2f} N m", Verdict.AGREES)
                     for each in solutions
+                    for case in [each.bearings.of_teeth(each.friction)]
                 ]
                 + [
                     Removal(what, f"{rate * IDEAL:.2f} N m, {100 * rate:.1f} %", _verdict(rate * IDEAL, paper, False))
@@ -163,10 +151,6 @@ def _verdict(ours: float, paper: float, reproduced: bool) -> Verdict:
     if abs(ours - paper) <= NEAR * IDEAL:
         return Verdict.AGREES
     return Verdict.DEPENDS if reproduced else Verdict.DISAGREES
-
-
-def _list_solutions(solutions: Sequence[Solution]) -> str:
-    return "; ".join(each.words for each in solutions) or "nothing within the ranges searched gives it"
 
 
 def torque_order(measurements: Mapping[str, Measurement], searches: Mapping[str, TorqueSearch]) -> Claim:
@@ -200,26 +184,23 @@ def precision(rated: Sequence[Run]) -> Claim:
     """Judge the output's transmission error under the rated load: pin, nonpin, and nonpin with pin's play."""
     strays = {run.provenance["design"]: _transmission_error(settle_run(run)) for run in rated}
     (pin, nonpin, alike), errors = zip(*strays.values(), strict=True)
+    sizes = ", ".join(f"{name} {size:.2g}" for name, (size, _) in strays.items())
     return PRECISION.judged(
-        ours=Value(
-            f"{', '.join(f'{name} {size:.2g}' for name, (size, _) in strays.items())} arcsec peak to peak",
-            nonpin / pin,
-            BY_DESIGN,
-        ),
+        ours=Value(f"{sizes} arcsec peak to peak", nonpin / pin, BY_DESIGN),
         error=Value("half the turns of one run each", max(errors) / pin, BY_DESIGN),
         verdict=Verdict.AGREES if nonpin < pin else Verdict.DISAGREES,
         decided_by="play and stiffness between gear and housing"
         if alike > 0.5 * (pin + nonpin)
         else "the lines themselves: with the pin design's play and stiffness the nonpin design stays ahead",
         searched=PLAYS,
-        removals=[
-            Removal(
-                "the nonpin design's smaller play and stiffer contacts",
-                f"{alike:.2g} to {pin:.2g} arcsec",
-                Verdict.AGREES if alike < pin else Verdict.DISAGREES,
-            )
-        ],
+        removals=[_at_equal_fit(f"{alike:.2g} to {pin:.2g} arcsec", alike < pin)],
     )
+
+
+def _at_equal_fit(words: str, better: bool) -> Removal:
+    """Judge whether the nonpin design is still better with the pin design's play and stiffness."""
+    what = "the nonpin design's smaller play and stiffer contacts"
+    return Removal(what, words, Verdict.AGREES if better else Verdict.DISAGREES)
 
 
 def _transmission_error(motion: Series) -> tuple[float, float]:
@@ -238,13 +219,7 @@ def capacity() -> Claim:
         verdict=Verdict.AGREES if nonpin > pin else Verdict.DISAGREES,
         decided_by="how many lines carry, and how closely they fit",
         searched=PLAYS,
-        removals=[
-            Removal(
-                "the nonpin design's smaller play and stiffer contacts",
-                f"{alike:.3g} to {pin:.3g} N m",
-                Verdict.AGREES if alike > pin else Verdict.DISAGREES,
-            )
-        ],
+        removals=[_at_equal_fit(f"{alike:.3g} to {pin:.3g} N m", alike > pin)],
     )
 
 

@@ -24,28 +24,14 @@ SEALS = 0.02
 REACHED = 2e-3
 """Tolerance of the rate of a run with the solution [1]."""
 
+BOUNDARY, NEEDLES = INPUTS.tooth_friction[1], INPUTS.bearing_friction[1]
+"""Largest friction of the teeth, with boundary lubrication, and of a bearing, needles with a cage (JTEKT)."""
+
+CAGED = "a model without friction to needles with a cage (JTEKT)"
+TEETH = "friction.pin_gear, pin_socket, tooth"
 RANGES = (
-    Range(
-        "friction.pin_gear, pin_socket, tooth",
-        0.0,
-        INPUTS.tooth_friction[1],
-        "1",
-        "a model without friction to boundary lubrication",
-    ),
-    Range(
-        "friction.cam_rolling",
-        0.0,
-        INPUTS.bearing_friction[1],
-        "1",
-        "a model without friction to needles with a cage (JTEKT)",
-    ),
-    Range(
-        "friction.output_rolling",
-        0.0,
-        INPUTS.bearing_friction[1],
-        "1",
-        "a model without friction to needles with a cage (JTEKT)",
-    ),
+    Range(TEETH, 0.0, BOUNDARY, "1", "a model without friction to boundary lubrication"),
+    *(Range(f"friction.{pair}_rolling", 0.0, NEEDLES, "1", CAGED) for pair in ("cam", "output")),
     Range("drag.crank_nm", 0.0, SEALS, "N m", "none to a lip seal on the shaft (SKF)"),
 )
 """What the paper leaves open of its torque test, with the searched ranges."""
@@ -73,12 +59,7 @@ class Bearings:
 
 AS_DESIGNED = Bearings("with cam and output pins as designed", None, None)
 WITHOUT = Bearings("without friction of cam and output pins", 0.0, 0.0)
-MOST = Bearings(
-    "with the most friction of cam, output pins and seals",
-    INPUTS.bearing_friction[1],
-    INPUTS.bearing_friction[1],
-    SEALS,
-)
+MOST = Bearings("with the most friction of cam, output pins and seals", NEEDLES, NEEDLES, SEALS)
 WITHOUT_CAM = Bearings("without friction of the cam", 0.0, None)
 WITHOUT_OUTPUT = Bearings("without friction of the output pins", None, 0.0)
 SEARCHED = (AS_DESIGNED, WITHOUT, MOST)
@@ -104,21 +85,14 @@ class Solution:
 
 @dataclass(frozen=True)
 class TorqueSearch:
-    """Result of the search for one design.
-
-    Attributes
-    ----------
-    grid
-        Output torque as a share of that without losses, for the bearings of `SEARCHED` and the frictions of `GRID`.
-    solutions
-        "simulated" or "measured" in the paper -> solutions for its rate.
-    removed
-        Part without friction -> the rate.
-    """
+    """Result of the search for one design."""
 
     grid: Mapping[Case, float]
+    """Output torque as a share of that without losses, for the bearings of `SEARCHED` and the frictions of `GRID`."""
     solutions: Mapping[str, tuple[Solution, ...]]
+    """"simulated" or "measured" in the paper -> solutions for its rate."""
     removed: Mapping[str, float]
+    """Part without friction -> the rate."""
 
 
 def search(design: Design, targets: Mapping[str, float]) -> TorqueSearch:

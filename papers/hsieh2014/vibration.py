@@ -50,16 +50,13 @@ CAPTIONS = {
     "compare_q_path": ("Fig. 7", "Distance of q from its path over a turn, both designs on one scale."),
     "compare_q_speed": ("Fig. 8", "Error of the speed of q over a turn, both designs on one scale."),
     "compare_transmission_error": ("vibration", "Transmission error of the output over a turn, its mean left out."),
-    "compare_vibration": (
-        "vibration",
-        "Spectra of the acceleration of gear centre and output about their closed forms.",
-    ),
+    "compare_vibration": ("vibration", "Spectra of the acceleration of gear centre and output about closed forms."),
 }
 
 
 def vibration(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     """Rank the fluctuations of both designs without load over independent starts, and vary what is left open."""
-    # asked for together, so that the runs fill every core
+    # requested together, so that the runs fill every core
     mains = main_runs(plan)[:2]
     pairs = [(design, nudge_gravity(design)) for design in mains]
     starts = [run for design in designs() for run in idle_runs(plan, design)]
@@ -70,14 +67,11 @@ def vibration(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     cases = {"as it is": base} | {each.words: levels for each, levels in sweep.items()}
     finer = {design.name: finer_idle_runs(plan, design) for design in designs()}
     halved = {"half the step": levels_of({name: runs.figures(begun, plan.solver) for name, begun in finer.items()})}
+    idle_table = _idle_table(cases | (halved if plan.finer_turns else {}))
+    cycles = cycle_table({"as it is": runs(rated_runs(plan), plan.solver)})
     return StageResult(
         tuple(_plates(plan, runs, cases)),
-        (
-            _idle_table(cases | (halved if plan.finer_turns else {})),
-            _rated_table(rated),
-            _spin_table(plan, runs),
-            cycle_table({"as it is": runs(rated_runs(plan), plan.solver)}),
-        ),
+        (idle_table, _rated_table(rated), _spin_table(plan, runs), cycles),
         tuple(_claim(plan, each, base, sweep, rated["as it is"]) for each in RANKED),
         {
             "idle": {
@@ -104,12 +98,8 @@ def _plates(plan: Plan, runs: Runs, cases: Mapping[str, Levels]) -> Iterator[Pap
     drawn = comparison_figures([settle_run(run) for run in runs(main_runs(plan))])
     for name, (figure, words) in CAPTIONS.items():
         yield PaperFigure(name, figure, f"{words} Left no load, right the rated load.", drawn[name])
-    yield PaperFigure(
-        "compare_starts",
-        "Figs 6-8",
-        "No load: rms of every independent start, pin and nonpin, as it is and with one parameter varied.",
-        starts_figure(cases, RANKED),
-    )
+    words = "No load: rms of every independent start, pin and nonpin, as it is and with one parameter varied."
+    yield PaperFigure("compare_starts", "Figs 6-8", words, starts_figure(cases, RANKED))
 
 
 def _claim(plan: Plan, quantity: Ranked, base: Levels, sweep: Mapping[Variation, Levels], rated: Levels) -> Claim:
@@ -121,14 +111,12 @@ def _claim(plan: Plan, quantity: Ranked, base: Levels, sweep: Mapping[Variation,
     verdict, deciding = order_verdict(pin_over_nonpin(base, key), turned_by)
     pin, nonpin = base[key]["pin"], base[key]["nonpin"]
     ratio = pin.over(nonpin)
+    words = (
+        f"rms {pin.words} with pins, {nonpin.words} {quantity.unit} without ({len(pin.values)} starts each, "
+        f"p = {chance(pin, nonpin):.2g}); means {ratio.values[0]:.2f} to 1"
+    )
     return fluctuation(key, quantity.name).judged(
-        ours=Value(
-            f"rms {pin.words} with pins, {nonpin.words} {quantity.unit} without ({len(pin.values)} starts each, "
-            f"p = {chance(pin, nonpin):.2g}); means {ratio.values[0]:.2f} to 1",
-            ratio.values[0],
-            RATIO,
-            (ratio.low, ratio.high),
-        ),
+        ours=Value(words, ratio.values[0], RATIO, (ratio.low, ratio.high)),
         error=Value(f"spread of {len(pin.values)} starts", ratio.half, RATIO),
         verdict=verdict,
         decided_by=_cause(key, base, sweep, verdict, deciding),
@@ -148,11 +136,8 @@ def _removal(variation: Variation, spreads: Mapping[str, StartSpread], unit: str
 
 def _cause(key: str, base: Levels, sweep: Mapping[Variation, Levels], verdict: Verdict, deciding: Sequence[str]) -> str:
     """Return in words which variations reverse the order, and which of them the paper leaves open."""
-    agreeing = [
-        each.words
-        for each, levels in sweep.items()
-        if each.parameter not in LEFT_OPEN and pin_over_nonpin(levels, key) not in (0, pin_over_nonpin(base, key))
-    ]
+    orders = {each: pin_over_nonpin(levels, key) for each, levels in sweep.items() if each.parameter not in LEFT_OPEN}
+    agreeing = [each.words for each, order in orders.items() if order not in (0, pin_over_nonpin(base, key))]
     words = order_cause(verdict, deciding, "nothing varied that the paper leaves open")
     return f"{words}; given by the paper: {', '.join(agreeing)}" if agreeing else words
 
@@ -187,19 +172,14 @@ def _spin_table(plan: Plan, runs: Runs) -> Table:
     cases = {"as it is": (idle_runs(plan, design), rated_runs(plan)[:1])}
     for variation in variations(plan):
         if variation.of(Reducer(design)).ring.has_moving_pins:
-            cases[variation.words] = (
-                varied_idle_runs(plan, variation, design),
-                [] if plan.quick else varied_rated_runs(plan, variation)[:1],
-            )
+            loaded = [] if plan.quick else varied_rated_runs(plan, variation)[:1]
+            cases[variation.words] = (varied_idle_runs(plan, variation, design), loaded)
     rows = [
         (name, _spins(runs.figures(free, plan.solver)), _spins(runs.figures(loaded, plan.solver)))
         for name, (free, loaded) in cases.items()
     ]
-    return Table(
-        "mean spin of pin 1 [rad/s]: its range over starts, and at the rated load",
-        ("", "no load", "rated"),
-        tuple(rows),
-    )
+    title = "mean spin of pin 1 [rad/s]: its range over starts, and at the rated load"
+    return Table(title, ("", "no load", "rated"), tuple(rows))
 
 
 def _spins(runs: Sequence[RunFigures]) -> str:
@@ -237,6 +217,7 @@ def _cell(rated: Mapping[str, StartSpread]) -> str:
 
 
 def _notes(plan: Plan, chaos: Mapping[str, Divergence]) -> Iterator[str]:
+    """Yield starts, rank test and chaos of the runs without load, a paragraph each."""
     yield (
         f"No load: rms over {plan.turns} settled turns of each of {SAMPLES.starts} independent starts, in the sweep "
         f"over {plan.varied_turns} of each of {plan.varied_starts}. Starts differ by gravity turned through a whole "

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from app_walk import SIZES, looks, serving, solved, walk
+from app_walk import SIZES, looks, serving, wait_for_result, walk
 from browser import CHROMIUM, MISSING, OVERHANG, Tab, tab
 from pdf_text import pdf_text
 
@@ -83,7 +83,7 @@ def test_the_focus_stays_in_place(page: Tab) -> None:
     page.key("Enter")
     page.wait("document.querySelector('#wrong').hidden", "a button mends it")
     assert page.run("document.getElementById('checks').contains(document.activeElement)")
-    solved(page)
+    wait_for_result(page)
 
 
 def test_an_invalid_value_is_refused_at_its_slider(page: Tab) -> None:
@@ -91,7 +91,7 @@ def test_an_invalid_value_is_refused_at_its_slider(page: Tab) -> None:
     page.type("3")
     page.key("Enter")
     page.wait("document.querySelector('.refused .said')?.innerText.includes('ring teeth = 3')", "refused where it is")
-    solved(page)
+    wait_for_result(page)
 
 
 def test_the_saved_file_is_named_after_the_design(page: Tab, downloads: Path) -> None:
@@ -129,7 +129,7 @@ def test_nothing_overflows_the_screen(page: Tab, width: int, scheme: str) -> Non
 
 
 def test_the_figures_are_on_a_printed_page(page: Tab) -> None:
-    solved(page)
+    wait_for_result(page)
     page.click("[role=tab]", "Figures")
     backlash = page.run("document.querySelector('.figures td').innerText")
     printed = pdf_text(base64.b64decode(page.send("Page.printToPDF")["data"]))

@@ -577,7 +577,7 @@ def test_the_committed_models_come_out_again(kind: str, tmp_path: Path, capsys: 
     assert sorted(made) == told["files"]
     assert build_models.designs()[kind] == changed(kind)
     made["README.md"] = build_models.readme(
-        kind, json.loads(made["manifest.json"]), build_models.measured(build_models.PLAIN)
+        kind, json.loads(made["manifest.json"]), build_models.read_measurements(build_models.PLAIN)
     ).encode()
     require_committed(kind, made)
 
@@ -622,7 +622,7 @@ def test_the_overview_of_the_models_comes_out_again() -> None:
 
 def test_the_overview_tells_that_mesh_and_profile_agree() -> None:
     """The committed figures hold what is asked of them: 10 % in mean transmission error and cam force at 1 N m."""
-    rows = build_models.measured("agreement.json")
+    rows = build_models.read_measurements("agreement.json")
     keys = ("gear_transmission_error_arcsec", "output_transmission_error_arcsec", "cam_force_n", "crank_torque_nm")
 
     def run(*wanted: Any) -> dict[str, Any]:
@@ -633,7 +633,7 @@ def test_the_overview_tells_that_mesh_and_profile_agree() -> None:
     for kind, torque, key in itertools.product(KINDS, (1.0, 36.0), keys):
         mesh, exact = run(kind, torque, "mesh", STEP_US[kind]), run(kind, torque, "profile", 1.0)
         assert mesh[key] == pytest.approx(exact[key], rel=0.1), (kind, torque, key)
-    for found in build_models.measured("free_running.json").values():
+    for found in build_models.read_measurements("free_running.json").values():
         assert found["warnings"] == 0
         assert found["largest_mesh_period_error_percent"] < 1.0
 
