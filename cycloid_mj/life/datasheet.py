@@ -23,8 +23,10 @@ from cycloid_mj.life.duty import DutyPoint, constant_duty
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.items import rate_at_rated_load
 from cycloid_mj.life.loading import solve_loading
+from cycloid_mj.life.no_load import GREASE
 from cycloid_mj.life.output_bearing import USUAL_CLEARANCE, output_bearings
-from cycloid_mj.life.rated import is_bearing_life, is_momentary, rated_torque
+from cycloid_mj.life.rated import is_bearing_life, is_momentary, is_strength, rated_torque
+from cycloid_mj.life.sheet_rows import environment, hysteresis, mounting, no_load_curves, torques_without_load
 from cycloid_mj.parts import body_solids, mass_properties, moving_masses, parts, turning_inertia
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
 from cycloid_mj.parts.export.casing import casing
@@ -51,7 +53,10 @@ DRIVE_FIGURES = {
 }
 """Key of a figure of the complete drive -> name and condition."""
 
-LUBRICANT = "lithium-soap grease, NLGI 2, with PAO base oil for plastic parts (assumed)"
+LUBRICANT = GREASE.name
+
+BARE = "without seals, grease and bearings"
+"""Condition of figures of the contacts alone."""
 
 
 BY_GEOMETRY_ALONE = ("ratio", "nominal_torque", "input_speed", "largest_speed_rpm")
@@ -130,7 +135,7 @@ def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) 
     """
     design = reducer.design
     life = life or design.service.life
-    total, done = len(SPEED_SHARES) + 4, count(1)
+    total, done = len(SPEED_SHARES) + 5, count(1)
 
     def advance() -> None:
         progress(next(done), total)
@@ -146,18 +151,23 @@ def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) 
         "Accuracy and stiffness": _accuracy(reducer, static),
         "Efficiency and heat": _efficiency(reducer, static),
         "Speed": _speeds(reducer),
+        "Without load": torques_without_load(reducer, static),
         **({"Output bearing": _bearing(reducer)} if has_casing(reducer) else {}),
     }
     groups = {heading: _with_parts(reducer, group) for heading, group in groups.items()}
     groups["Mass and size"] = _mass(reducer)
+    groups["Lubrication and environment"] = environment(reducer)
     if has_casing(reducer):
         groups["Interfaces"] = _interfaces(reducer)
+        groups["Assembly"] = tuple(mounting(reducer))
     advance()
     curves = (
         life_curve(reducer, life, momentary, for_life[0], advance),
         _efficiency_curve(reducer),
         _wind_up_curve(reducer),
+        *no_load_curves(reducer),
     )
+    advance()
     figures = quantities(reducer.but(load={"torque": design.rated_torque}))
     advance()
     return Datasheet(
@@ -175,7 +185,7 @@ def _with_parts(reducer: Reducer, group: tuple[Quantity, ...]) -> tuple[Quantity
     """Return quantities with the parts, perfect or with errors, in the condition of each that depends on them."""
     parts = f"parts {reducer.parts_text}" if reducer.deviations.largest else "perfect parts"
     return tuple(
-        item if item.key in BY_GEOMETRY_ALONE else replace(item, note=f"{item.note}; {parts}" if item.note else parts)
+        item if item.key in BY_GEOMETRY_ALONE else replace(item, note=f"{parts}; {item.note}" if item.note else parts)
         for item in group
     )
 
@@ -201,6 +211,11 @@ def _ratings(
     condition = f"{_speed(reducer)} input"
     by_bearings, bearing = rated_torque(reducer, speed, life, is_bearing_life)
     (rated, weakest), (momentary, stop) = for_life, momentarily
+    repeated, first = min(
+        rated_torque(reducer, speed, life, is_strength, poses=CURVE_POSES, exact=CURVE_RTOL),
+        (momentary, stop),
+        key=lambda pair: pair[0],
+    )
     return (
         Quantity("ratio", "Reduction ratio", design.reduction, "1", note=f"input to output, {direction} direction"),
         Quantity(
@@ -218,11 +233,18 @@ def _ratings(
             note=f"{life:g} h, {condition}; limited by {bearing.name}",
         ),
         Quantity(
+            "acceleration_torque",
+            "Acceleration torque",
+            repeated,
+            "N m",
+            note=f"at every start and stop, safety factor 1; limited by {first.name}",
+        ),
+        Quantity(
             "momentary_torque",
-            "Momentary torque",
+            "Momentary torque, emergency stop",
             momentary,
             "N m",
-            note=f"emergency stop, safety factor 1; limited by {stop.name}",
+            note=f"safety factor 1; limited by {stop.name}",
         ),
         Quantity(
             "nominal_torque",
@@ -244,6 +266,7 @@ def _accuracy(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
         _with_name(quantities["lost_motion_ideal"], "Lost motion", f"between -3 and 3 % of {torque}"),
         _with_name(quantities["stiffness_ideal"], "Torsional stiffness", f"50 to 100 % of {torque}, input locked"),
         _with_name(error, "Transmission error, peak to peak", f"{torque}, forward, slow"),
+        hysteresis(reducer),
     )
 
 
@@ -259,12 +282,10 @@ def _efficiency(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
         _with_name(
             quantities["efficiency"], "Efficiency of the contacts", f"{condition}, without bearings of shaft and output"
         ),
-        _with_name(quantities["back_driving_torque_rated"], "Back-driving torque", "against drive.torque_nm"),
-        _figure(
-            reducer, "back_driving_torque_free_nm", "Back-driving torque, crank free", "no torque on the crank, slow"
-        ),
-        _figure(reducer, "no_load_torque_nm", "No-load running torque", f"on the crank, {_speed(reducer)}"),
-        _figure(reducer, "starting_torque_nm", "Starting torque", "on the crank, without load"),
+        _with_name(quantities["back_driving_torque_rated"], "Back-driving torque", f"{BARE}; against drive.torque_nm"),
+        _figure(reducer, "back_driving_torque_free_nm", "Back-driving torque, crank free", f"{BARE}; slow"),
+        _figure(reducer, "no_load_torque_nm", "No-load running torque", f"{BARE}; on the crank, {_speed(reducer)}"),
+        _figure(reducer, "starting_torque_nm", "Starting torque", f"{BARE}; on the crank"),
         Quantity("temperature_rise", "Temperature rise", housing.value - ambient, "K", note=f"{condition}, still air"),
     )
 

@@ -140,6 +140,11 @@ def is_momentary(key: str) -> bool:
     return key.startswith(STOPS) or key.endswith(STATIC)
 
 
+def is_strength(key: str) -> bool:
+    """Return whether an item, by its key, limits a torque that is repeated at every start and stop."""
+    return key.endswith(("_yield", "_shakedown", "_fatigue")) and not is_momentary(key)
+
+
 def is_bearing_life(key: str) -> bool:
     """Return whether an item, by its key, is the life of a bearing."""
     return key.startswith(BEARINGS) and not key.endswith(STATIC)

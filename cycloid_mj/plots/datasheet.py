@@ -24,7 +24,8 @@ KEYS = ("rated_torque", "momentary_torque", "backlash", "stiffness_ideal", "effi
 """Quantities of the tiles below the title."""
 
 MOUNTING = ("Mass and size", "Output bearing", "Interfaces")
-"""Headings of the tables on the page of the drawing."""
+OPERATION = ("Without load", "Lubrication and environment", "Assembly")
+"""Headings of the tables on the page of the drawing, and on that of the assumptions."""
 
 ROW = 0.0166
 """Height of a row of a table, relative to the page."""
@@ -48,8 +49,9 @@ def datasheet_pictures(sheet: Datasheet) -> dict[str, Figure]:
     views = NotebookFigure(figsize=(9.0, 6.0))
     draw_views(views.add_axes((0.0, 0.0, 1.0, 1.0)), Reducer(sheet.design))
     curves = NotebookFigure(figsize=(9.0, 2.7), layout="constrained")
-    for axes, curve in zip(curves.subplots(1, len(sheet.curves)), sheet.curves, strict=True):
-        _curve(axes, curve)
+    panels = _panels(sheet)
+    for axes, panel in zip(curves.subplots(1, len(panels)), panels, strict=True):
+        _panel(axes, panel)
     return {"views": views, "curves": curves}
 
 
@@ -58,11 +60,12 @@ def _first(sheet: Datasheet) -> Figure:
     figure = _page(sheet, 1)
     _tiles(figure, sheet, 0.855)
     top = 0.79
-    for heading in [heading for heading in sheet.groups if heading not in MOUNTING]:
+    for heading in [heading for heading in sheet.groups if heading not in (*MOUNTING, *OPERATION)]:
         top = _table(figure, heading, sheet.groups[heading], top)
-    slot = (RIGHT - LEFT) / len(sheet.curves)
-    for column, curve in enumerate(sheet.curves):
-        _curve(figure.add_axes((LEFT + column * slot + 0.045, 0.085, slot - 0.06, 0.165)), curve)
+    panels = _panels(sheet)
+    slot = (RIGHT - LEFT) / len(panels)
+    for column, panel in enumerate(panels):
+        _panel(figure.add_axes((LEFT + column * slot + 0.045, 0.085, slot - 0.06, 0.165)), panel)
     return figure
 
 
@@ -78,10 +81,12 @@ def _second(sheet: Datasheet) -> Figure:
 
 
 def _third(sheet: Datasheet) -> Figure:
-    """Draw the page of assumptions."""
-    figure = _page(sheet, 3)
-    _heading(figure, "Assumptions", 0.868)
-    line = 0.849
+    """Draw the page of operation and assembly, with the assumptions."""
+    figure, top = _page(sheet, 3), 0.868
+    for heading in [heading for heading in sheet.groups if heading in OPERATION]:
+        top = _table(figure, heading, sheet.groups[heading], top)
+    _heading(figure, "Assumptions", top)
+    line = top - 0.019
     for note in sheet.notes:
         for number, part in enumerate(textwrap.wrap(note, NOTE_WIDTH, break_on_hyphens=False)):
             figure.text(LEFT, line, "•" if number == 0 else "", fontsize=6.6, color=ACCENT, va="top")
@@ -140,7 +145,7 @@ def _table(figure: Figure, heading: str, quantities: Sequence[Quantity], top: fl
         figure.text(name, line, quantity.name, **look)
         figure.text(unit - 0.012, line, format_value(quantity), weight="bold", ha="right", **look)
         figure.text(unit, line, "" if quantity.unit == "1" else quantity.unit, **look)
-        figure.text(condition, line, _shorten(quantity.note), **{**look, "fontsize": 6.8, "color": SOFT})
+        figure.text(condition, line, _shorten(quantity.note), **{**look, "fontsize": 6.2, "color": SOFT})
         line -= ROW
         _rule(figure, line + 0.5 * ROW, RULE, 0.4)
     return line - 0.012
@@ -148,7 +153,7 @@ def _table(figure: Figure, heading: str, quantities: Sequence[Quantity], top: fl
 
 def _shorten(text: str) -> str:
     """Shorten a condition to fit its column."""
-    return textwrap.shorten(text, 76, placeholder=" …")
+    return textwrap.shorten(text, 70, placeholder=" …")
 
 
 def format_value(quantity: Quantity) -> str:
@@ -169,15 +174,27 @@ def _rule(figure: Figure, level: float, colour: str, width: float = 0.8) -> None
     figure.add_artist(Rectangle((LEFT, level), RIGHT - LEFT, 1e-3 * width, facecolor=colour, edgecolor="none"))
 
 
-def _curve(axes: Axes, curve: Curve) -> None:
-    """Draw a curve in its panel."""
-    axes.plot(curve.x, curve.y, color=ACCENT, linewidth=1.4, marker="o", markersize=2.2)
-    axes.set_title(curve.panel, fontsize=8.0, weight="bold", color=NAVY)
-    axes.set_xlabel(curve.x_label, fontsize=7.0)
-    axes.set_ylabel(curve.y_label, fontsize=7.0)
+def _panels(sheet: Datasheet) -> list[list[Curve]]:
+    """Return the curves of each panel, in their order."""
+    by_panel: dict[str, list[Curve]] = {}
+    for curve in sheet.curves:
+        by_panel.setdefault(curve.panel, []).append(curve)
+    return list(by_panel.values())
+
+
+def _panel(axes: Axes, curves: Sequence[Curve]) -> None:
+    """Draw the curves of a panel."""
+    for curve, colour in zip(curves, (ACCENT, SOFT), strict=False):
+        axes.plot(curve.x, curve.y, color=colour, linewidth=1.4, marker="o", markersize=2.2, label=curve.name)
+    first, values = curves[0], np.concatenate([curve.y for curve in curves])
+    axes.set_title(first.panel, fontsize=8.0, weight="bold", color=NAVY)
+    axes.set_xlabel(first.x_label, fontsize=7.0)
+    axes.set_ylabel(first.y_label, fontsize=7.0)
     axes.tick_params(labelsize=6.5)
-    low, high = float(curve.y.min()), float(curve.y.max())
+    low, high = float(values.min()), float(values.max())
     if low > 0.0:
         bottom = 0.0 if low < 0.5 * high else 0.9 * low
         axes.set_ylim(bottom, high + 0.08 * (high - bottom))
+    if len(curves) > 1:
+        axes.legend(fontsize=6.0, frameon=False)
     axes.margins(x=0.04)

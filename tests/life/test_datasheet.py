@@ -16,7 +16,7 @@ from matplotlib.text import Text
 from cycloid_mj.base.errors import CycloidWarning, DesignError
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.cli import main
-from cycloid_mj.design import PRESETS
+from cycloid_mj.design import PRESETS, override
 from cycloid_mj.figures import figure
 from cycloid_mj.life import rate
 from cycloid_mj.life.datasheet import Datasheet, axial_extent, datasheet, input_inertia, life_curve
@@ -255,3 +255,35 @@ def test_a_curve_leaves_out_speeds_at_which_nothing_is_borne(monkeypatch) -> Non
     found = life_curve(Reducer(PIN), 6000.0)
     assert found.x == pytest.approx([410.0, 820.0, 1230.0, 1640.0])
     assert np.all(np.diff(found.y) < 0.0)
+
+
+def test_makers_rows_state_units_and_conditions(sheet) -> None:
+    """Acceleration torque, hysteresis, torque without load, environment, run-out and tightening torques."""
+    rows = told(sheet)
+    for key in (
+        *("acceleration_torque", "hysteresis_loss", "running_torque_cold", "running_torque_warm"),
+        *("starting_torque_drive", "back_driving_torque_drive", "base_oil_viscosity", "ambient_min", "ambient_max"),
+        *("duty", "radial_run_out", "axial_run_out", "input_radial_load", "motor_torque"),
+    ):
+        assert rows[key].note, key
+        assert rows[key].unit, key
+    assert rows["acceleration_torque"].value <= rows["momentary_torque"].value
+    assert rows["hysteresis_loss"].value < 2.0 * rows["lost_motion_ideal"].value
+    assert rows["running_torque_warm"].value < rows["running_torque_cold"].value
+    assert rows["starting_torque_drive"].value > 100.0 * rows["starting_torque_nm"].value
+    assert rows["back_driving_torque_drive"].value > 35.0 * rows["starting_torque_drive"].value
+    assert rows["ambient_max"].value == pytest.approx(100.0 - rows["temperature_rise"].value)
+    tightening = [row for key, row in rows.items() if key.startswith("tightening_")]
+    assert {row.unit for row in tightening} == {"N m"}
+    assert len(tightening) == 4
+
+
+def test_rows_without_seals_and_of_perfect_parts_say_so(sheet) -> None:
+    rows = told(sheet)
+    for key in ("starting_torque_nm", "no_load_torque_nm", "back_driving_torque_free_nm", "back_driving_torque_rated"):
+        assert "without seals, grease and bearings" in rows[key].note
+    for key in ("rated_torque", "momentary_torque", "backlash", "stiffness_ideal", "drive_efficiency_percent"):
+        assert rows[key].note.startswith("perfect parts")
+    assert "perfect" not in rows["mass"].note
+    faulty = Reducer(override(sheet.design, {"errors.pin_position_um": 1.0}))
+    assert faulty.parts_text == "with the errors of the design"

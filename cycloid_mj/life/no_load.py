@@ -1,0 +1,130 @@
+"""Torque on the crank without load, with grease, bearings and seals, over speed and temperature.
+
+Bearings: Palmgren's load-independent friction torque M0, as in Harris, Rolling Bearing Analysis. Seals: power of radial
+shaft seals, ISO/TR 14179-2. Viscosity: Walther, lg lg (nu + 0.7) = A - B lg T.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from cycloid_mj.base.units import MILLIMETRES, RPM
+from cycloid_mj.design.stock import ball_bearings, thin_ball_bearings
+from cycloid_mj.life.bearings import Bearing, bearings_of
+from cycloid_mj.life.loading import relative_speed
+from cycloid_mj.parts.cam_bearing import cam_bearing
+from cycloid_mj.parts.export.bearings import shaft_bearing
+from cycloid_mj.parts.export.casing import bearing_width_of, casing, seat_radius
+from cycloid_mj.parts.export.drive import has_casing
+from cycloid_mj.reducer import Reducer
+
+
+@dataclass(frozen=True)
+class Grease:
+    """A grease: its name, and the viscosity of its base oil at 40 and 100 °C [mm2/s]."""
+
+    name: str = "lithium-soap grease, NLGI 2, base oil of ISO VG 100, PAO for plastic parts (assumed)"
+    viscosity_40: float = 100.0
+    viscosity_100: float = 11.2
+    coldest: float = -20.0
+    """Lowest temperature in service [°C] (assumed, as of usual multi-purpose greases; DIN 51825, K2K-20)."""
+
+    def viscosity(self, temperature: float) -> float:
+        """Compute the viscosity of the base oil [mm2/s] at a temperature [°C] (Walther)."""
+        low, high = (math.log10(math.log10(value + 0.7)) for value in (self.viscosity_40, self.viscosity_100))
+        kelvin = [math.log10(273.15 + each) for each in (40.0, 100.0, temperature)]
+        slope = (low - high) / (kelvin[1] - kelvin[0])
+        return float(10.0 ** (10.0 ** (low - slope * (kelvin[2] - kelvin[0])))) - 0.7
+
+
+GREASE = Grease()
+
+BEARING_FACTORS = {"needle": (5.0, 12.0), "ball": (1.0, 2.0)}
+"""Palmgren's factor f0 of bearings with little grease or oil, lower and upper value by kind (Harris; SKF)."""
+
+SEAL_POWER = 7.69e-6
+"""Power of a radial shaft seal over d^2 n [W/(mm2/min)] (ISO/TR 14179-2)."""
+
+MIN_VISCOUS = 2000.0
+"""Viscosity times speed [mm2/s/min] below which M0 is constant."""
+
+
+@dataclass(frozen=True)
+class NoLoadTorque:
+    """Torque of bearings and seals on the crank [N m], and its range over the factors of the bearings."""
+
+    bearings: float
+    seals: float
+    low: float
+    high: float
+
+    @property
+    def total(self) -> float:
+        """Torque of bearings and seals together [N m]."""
+        return self.bearings + self.seals
+
+
+def idle_torque(factor: float, diameter: float, speed: float, viscosity: float) -> float:
+    """Compute Palmgren's M0 of a bearing [N m]: mean diameter [m], speed [rad/s], viscosity [mm2/s]."""
+    viscous = max(viscosity * abs(speed) / RPM, MIN_VISCOUS)
+    per_volume = 160e-7 if viscous == MIN_VISCOUS else 1e-7 * viscous ** (2.0 / 3.0)
+    return 1e-3 * per_volume * factor * (MILLIMETRES * diameter) ** 3
+
+
+def seal_torque(diameter: float) -> float:
+    """Compute the friction torque [N m] of a radial seal on a shaft diameter [m]; it does not depend on speed."""
+    return SEAL_POWER * (MILLIMETRES * diameter) ** 2 / RPM
+
+
+def no_load_torque(reducer: Reducer, speed: float, temperature: float) -> NoLoadTorque:
+    """Compute the torque of bearings, grease and seals on the crank at its speed [rad/s] and a temperature [°C].
+
+    At speed 0 it is the torque that starts the drive. Contacts of teeth and pins are not included. Seals that the
+    design states as `drag` replace those by formula.
+    """
+    viscosity = GREASE.viscosity(temperature)
+    crank = abs(speed) or abs(reducer.design.drive.speed)
+    torques = []
+    for factors, count, diameter, share in _bearing_rows(reducer):
+        mean, low, high = 0.5 * sum(factors), *factors
+        unit = count * share * idle_torque(1.0, diameter, share * abs(speed), viscosity)
+        torques.append((mean * unit, low * unit, high * unit))
+    bearings, low, high = (sum(column) for column in zip(*torques, strict=True))
+    seals = sum(share * seal_torque(diameter) for diameter, share in _seals(reducer, crank))
+    return NoLoadTorque(bearings, seals, low + seals, high + seals)
+
+
+def _bearing_rows(reducer: Reducer) -> Iterator[tuple[tuple[float, float], int, float, float]]:
+    """Yield factors, number, mean diameter [m] and speed over that of the crank of each kind of bearing."""
+    design = reducer.design
+    for bearing in bearings_of(reducer):
+        kind, count, diameter = _bearing_size(reducer, bearing)
+        share = bearing.speed(reducer, design.drive.speed) / abs(design.drive.speed)
+        yield BEARING_FACTORS[kind], count, diameter, share
+
+
+def _bearing_size(reducer: Reducer, bearing: Bearing) -> tuple[str, int, float]:
+    """Return kind, number and mean diameter [m] of a bearing of `bearings_of`."""
+    design = reducer.design
+    if bearing.key == "cam_bearing":
+        bought = cam_bearing(reducer)
+        bore = bought[0].bore if bought else 2.0 * (design.gear.bore_radius - 2.0 * reducer.contacts.roller_radius)
+        ball = bought is not None and bought[0] in ball_bearings()
+        return "ball" if ball else "needle", design.gear.discs, 0.5 * bore + design.gear.bore_radius
+    if bearing.key == "output_rollers":
+        return "needle", design.output.pins * design.gear.discs, design.output.root_radius + design.output.pin_radius
+    if bearing.key.startswith("output"):
+        hub = casing(reducer).hub
+        return "ball" if hub in thin_ball_bearings() else "needle", 1, 0.5 * (hub.bore + hub.outside)
+    ball = shaft_bearing(reducer) in ball_bearings()
+    return "ball" if ball else "needle", 1, design.shaft.radius + seat_radius(reducer, bearing_width_of(reducer))
+
+
+def _seals(reducer: Reducer, crank: float) -> Iterator[tuple[float, float]]:
+    """Yield the shaft diameter [m] of each seal, and its speed over that of the crank; none if `drag` has them."""
+    design = reducer.design
+    if design.drag.crank or design.drag.output:
+        return
+    yield 2.0 * design.shaft.radius, relative_speed(reducer, crank, ("shaft", "housing")) / crank
+    if has_casing(reducer):
+        yield casing(reducer).hub.bore, relative_speed(reducer, crank, ("output", "housing")) / crank

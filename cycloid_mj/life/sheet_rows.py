@@ -1,0 +1,181 @@
+"""Rows of a data sheet about operation and mounting: torque without load, hysteresis, environment, run-out, screws."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from cycloid_mj.base.result import Curve, Quantity
+from cycloid_mj.base.units import ARCMINUTE, RPM
+from cycloid_mj.figures import quantity
+from cycloid_mj.life import rolling
+from cycloid_mj.life.bearings import bearing_forces, bearings_of
+from cycloid_mj.life.duty import constant_duty
+from cycloid_mj.life.heat import heat_limits
+from cycloid_mj.life.items import rate_at_rated_load
+from cycloid_mj.life.joints import screwed_joints
+from cycloid_mj.life.loading import solve_loading
+from cycloid_mj.life.no_load import GREASE, NoLoadTorque, no_load_torque
+from cycloid_mj.parts import crank_stretches
+from cycloid_mj.parts.crank import shaft_measures
+from cycloid_mj.parts.export.casing import casing
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.friction_path import Losses, course_along
+from cycloid_mj.statics.sheet import Sheet
+from cycloid_mj.statics.springs import turn_evenly
+
+COLD, WARM = 20.0, 60.0
+"""Temperatures of the torque without load [°C]: that of a workshop, and the case temperature that makers allow."""
+
+LOOP_SHARES = np.array([0.0, 1 / 3, 2 / 3, 1.0, 2 / 3, 1 / 3, 0.0, -1 / 3, -2 / 3, -1.0, -2 / 3, -1 / 3, 0.0])
+"""Torque path of the hysteresis loop over the nominal torque; it passes zero at the rows `LOOP_ZEROS`."""
+
+LOOP_ZEROS, LOOP_ANGLES = (6, 12), 4
+"""Rows of the path without torque after each load, and number of crank angles."""
+
+SPEED_SHARES = (0.1, 0.25, 0.5, 0.75, 1.0, 1.5)
+"""Points of the curve of the torque without load, over the design's speed."""
+
+RADIAL_RUN_OUTS = ((18, 10), (30, 13), (50, 15), (80, 20), (120, 25), (180, 30), (250, 40))
+"""ISO 492:2014, normal class, K_ia: largest bore [mm] and radial run-out of an inner ring [um]."""
+
+
+def hysteresis(reducer: Reducer) -> Quantity:
+    """Compute the turn of the output between the two unloaded ends of a loop to plus and minus the nominal torque."""
+    torque = reducer.design.rated_torque
+    widths = []
+    for crank in turn_evenly(reducer, LOOP_ANGLES):
+        rows, turns = course_along(reducer, torque * LOOP_SHARES, float(crank), Losses())
+        first, second = np.interp(LOOP_ZEROS, rows, turns)
+        widths.append(abs(first - second) / ARCMINUTE)
+    note = f"between loads of +-{torque:.4g} N m, crank locked, with the backlash; friction of the contacts only"
+    return Quantity("hysteresis_loss", "Hysteresis loss", float(np.mean(widths)), "arcmin", note=note)
+
+
+def torques_without_load(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
+    """Return running, starting and back-driving torque with grease, bearings and seals."""
+    design, speed = reducer.design, abs(reducer.design.drive.speed)
+    running, starting, back = (
+        quantity(reducer, key).value
+        for key in ("no_load_torque_nm", "starting_torque_nm", "back_driving_torque_free_nm")
+    )
+    cold, warm = (no_load_torque(reducer, speed, temperature) for temperature in (COLD, WARM))
+    start = no_load_torque(reducer, 0.0, COLD)
+    efficiency = 0.01 * static.quantities["back_driving_efficiency"].value
+    driven = back + start.total * design.reduction / efficiency if efficiency > 0.0 else math.nan
+    included = "with seals, grease, bearings"
+    source = "Palmgren's M0 and ISO/TR 14179-2"
+    rows = (
+        ("running_torque_cold", "No-load torque, 20 °C", running + cold.total, _range(running, cold)),
+        ("running_torque_warm", "No-load torque, 60 °C", running + warm.total, _range(running, warm)),
+        ("starting_torque_drive", "Starting torque, 20 °C", starting + start.total, "on the crank"),
+        ("back_driving_torque_drive", "Back-driving torque, 20 °C", driven, "on the output, crank free"),
+    )
+    return tuple(
+        Quantity(key, name, value, "N m", note=f"{included}; {note}; {source}") for key, name, value, note in rows
+    )
+
+
+def _range(contacts: float, torque: NoLoadTorque) -> str:
+    return f"{contacts + torque.low:.3g} to {contacts + torque.high:.3g}"
+
+
+def no_load_curves(reducer: Reducer) -> tuple[Curve, ...]:
+    """Compute the torque on the crank without load over its speed, cold and warm."""
+    design = reducer.design
+    speeds = np.array(SPEED_SHARES) * abs(design.drive.speed)
+    contacts = np.array(
+        [quantity(reducer.but(drive={"speed": float(speed)}), "no_load_torque_nm").value for speed in speeds]
+    )
+    curves = []
+    for temperature in (COLD, WARM):
+        idle = np.array([no_load_torque(reducer, float(speed), temperature).total for speed in speeds])
+        name = f"{temperature:g} °C"
+        panel = "No-load torque"
+        curves.append(Curve(panel, name, speeds / RPM, contacts + idle, "input speed [rpm]", "crank torque [N m]"))
+    return tuple(curves)
+
+
+def environment(reducer: Reducer) -> tuple[Quantity, ...]:
+    """Return grease, range of the ambient temperature, and permissible share of the time at the nominal torque."""
+    design, rating = reducer.design, rate_at_rated_load(reducer)
+    housing = rating.items["temperature"]
+    rise, lowest = (
+        housing.value - design.service.ambient_temperature,
+        min(heat_limits(reducer), key=lambda limit: limit.temperature),
+    )
+    condition = f"{design.rated_torque:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, still air"
+    share = 100.0 * min(housing.safety or 1.0, 1.0)
+    return (
+        Quantity("base_oil_viscosity", "Grease, base oil at 40 °C", GREASE.viscosity_40, "mm2/s", note=GREASE.name),
+        Quantity("ambient_min", "Ambient temperature, from", GREASE.coldest, "°C", note="assumed: the grease (K2K-20)"),
+        Quantity(
+            "ambient_max",
+            "Ambient temperature, to",
+            lowest.temperature - rise,
+            "°C",
+            note=f"{condition}, S1; then {lowest.temperature:g} °C at the housing ({lowest.name})",
+        ),
+        Quantity(
+            "duty", "Duty at nominal torque and speed", share, "%", note=f"{condition}; limited by {housing.name}"
+        ),
+    )
+
+
+def mounting(reducer: Reducer) -> Iterator[Quantity]:
+    """Yield run-out of the output, radial load of the input shaft, torque of the motor, and tightening torques."""
+    design, sizes = reducer.design, casing(reducer)
+    bore = 1e3 * sizes.hub.bore
+    radial = next((run_out for largest, run_out in RADIAL_RUN_OUTS if bore <= largest), RADIAL_RUN_OUTS[-1][1])
+    inner, outer = (0.5 * sum(ends) for ends in sizes.bearings)
+    axial = 2.0 * radial * sizes.flange_radius / (outer - inner)
+    bearing = f"{sizes.hub.designation}, normal class (ISO 492, K_ia)"
+    yield Quantity("radial_run_out", "Run-out of the output, radial", radial, "um", note=f"at most; {bearing}")
+    yield Quantity(
+        "axial_run_out",
+        "Run-out of the output flange, axial",
+        axial,
+        "um",
+        note=f"at most, at {2e3 * sizes.flange_radius:.4g} mm diameter: both bearings tilt the hub",
+    )
+    yield _input_load(reducer)
+    yield Quantity(
+        "motor_torque",
+        "Motor, continuous torque",
+        design.drive.torque,
+        "N m",
+        note=f"{sizes.motor.name}, at {abs(design.drive.speed) / RPM:.0f} rpm, "
+        f"{abs(design.drive.torque * design.drive.speed):.3g} W",
+    )
+    for each in screwed_joints(reducer):
+        key = each.joint.name.replace(" ", "_")
+        note = f"{each.designation}, {1e-3 * each.preload:.3g} kN each, friction 0.12 (VDI 2230)"
+        name = f"Tightening, {each.joint.name}"
+        yield Quantity(f"tightening_{key}", name, each.tightening_torque, "N m", note=note)
+
+
+def _input_load(reducer: Reducer) -> Quantity:
+    """Compute the limit of a radial load at the end of the input shaft, in addition to the nominal torque."""
+    design, shaft = reducer.design, shaft_measures(reducer)
+    loading = solve_loading(reducer, constant_duty(design.rated_torque, design.drive.speed).points[0], stops=False)
+    far, near = (0.5 * sum(ends) for ends in shaft.bearings)
+    end = crank_stretches(reducer)["journal"].z0
+    on_near = (end - far) / (near - far)
+    shares = {"shaft_bearing_far": 1.0 - on_near, "shaft_bearing_near": on_near}
+    limits = []
+    for bearing in bearings_of(reducer):
+        if share := abs(shares.get(bearing.key, 0.0)):
+            speed = bearing.speed(reducer, design.drive.speed)
+            for_life = rolling.load_for_life(
+                bearing.ratings.dynamic, design.service.life, speed, design.bearing.reliability
+            )
+            own = float(bearing_forces(reducer, bearing.key, loading).max())
+            spare = min(for_life / design.bearing.service_factor, bearing.ratings.static) - own
+            limits.append(max(spare, 0.0) / share)
+    return Quantity(
+        "input_radial_load",
+        "Radial load on the input shaft",
+        min(limits),
+        "N",
+        note=f"at its end, {design.service.life:g} h; in addition to {design.rated_torque:.4g} N m",
+    )
