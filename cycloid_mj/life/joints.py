@@ -68,10 +68,8 @@ class JointTorques:
     @classmethod
     def at_output(cls, reducer: Reducer, torque: float) -> "JointTorques":
         """Return the torques at an output torque [N m], without losses: ring over carrier is N over N - 1."""
-        design = reducer.design
-        share = design.ring.teeth / design.lobes
-        carrier = torque / share if design.output.turns_ring else torque
-        return cls(carrier, share * carrier, torque / design.reduction)
+        design, carrier = reducer.design, torque * reducer.member.share
+        return cls(carrier, carrier * design.ring.teeth / design.lobes, torque / design.reduction)
 
     def on(self, parts: Sequence[str]) -> float:
         """Return the torque between mating parts: motor and shaft carry the crank's, hub and load the carrier's."""
@@ -343,7 +341,7 @@ def _keyed(reducer: Reducer, joint: Joint, torque: float, shaft: float) -> Rated
     """Rate the side pressure of a parallel key."""
     (part,) = joint.bought
     sizes = dict(part.dimensions)
-    key = strength.Key(sizes["height"], sizes["depth"], sizes["length"])
+    key = strength.ParallelKey(sizes["height"], sizes["depth"], sizes["length"])
     softest = min(_material(reducer, mate).yield_strength for mate in joint.parts)
     return _item(
         _slug(joint),

@@ -157,7 +157,7 @@ def effective_interference(measured: float, roughness_hub: float, roughness_shaf
 
 
 @dataclass(frozen=True)
-class Key:
+class ParallelKey:
     """A parallel key of DIN 6885-1: height, depth in the shaft and carrying length, without round ends [m]."""
 
     height: float

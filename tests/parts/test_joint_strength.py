@@ -6,7 +6,7 @@ import pytest
 
 from cycloid_mj.parts.joint_strength import (
     PROOF_STRESS,
-    Key,
+    ParallelKey,
     PressFit,
     Thread,
     clamped_pin_pressure,
@@ -105,7 +105,7 @@ def test_smoothing_and_yield_of_a_press_fit() -> None:
 def test_key_pressure_matches_worked_examples(
     width: float, height: float, depth: float, length: float, shaft: float, torque: float, pressure: float
 ) -> None:
-    key = Key(1e-3 * height, 1e-3 * depth, 1e-3 * (length - width))  # shape A: without the round ends
+    key = ParallelKey(1e-3 * height, 1e-3 * depth, 1e-3 * (length - width))  # shape A: without the round ends
     assert key.pressure(torque, 1e-3 * shaft) == pytest.approx(pressure, rel=1e-3)
     assert key.torque(1e-3 * shaft, pressure / 0.9) == pytest.approx(torque, rel=1e-3)
 
