@@ -49,6 +49,7 @@ from passes import (
 )
 from sweeping import sweep_table
 
+from cycloid_mj.base.engine.engine import cores
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.run import Solver, reducer_model
@@ -320,11 +321,6 @@ def against_table(revision: str, passes: int) -> Table:
                 worst, size, count = difference(rows["this tree"], rows[tree])
                 print(f"    largest difference of {count} figures to {tree}: {size:.2%}, {worst}", flush=True)
     return table
-
-
-def cores() -> int:
-    """Count the cores that this process may use."""
-    return len(os.sched_getaffinity(0))
 
 
 SECTIONS: dict[str, Callable[[int], Table]] = {

@@ -14,7 +14,6 @@ import importlib.abc
 import importlib.machinery
 import importlib.util
 import os
-import resource
 import signal
 import sys
 import types
@@ -131,6 +130,8 @@ def warm() -> None:
 
 def see(flip: Flip | None, file: str, pipe: int) -> None:
     """Write to a pipe whether a test fails, with a sign of a file flipped or none; in a process of its own."""
+    import resource  # which Windows lacks
+
     import numba
 
     resource.setrlimit(resource.RLIMIT_CPU, (3 * SECONDS, 3 * SECONDS))  # where Python has no say

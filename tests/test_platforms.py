@@ -24,12 +24,12 @@ for name in dir(signal):
     }:
         delattr(signal, name)
 for name in ("alarm", "pthread_kill", "pthread_sigmask", "setitimer", "sigwait"):
-    delattr(signal, name)
+    vars(signal).pop(name, None)
 for name in (
     "chown", "fchmod", "fork", "forkpty", "getegid", "geteuid", "getgid", "getloadavg", "getpgid", "getuid", "killpg",
     "mkfifo", "nice", "sched_getaffinity", "setsid", "statvfs", "sysconf", "wait", "waitid",
 ):
-    delattr(os, name)
+    vars(os).pop(name, None)
 warnings.filterwarnings("ignore", category=EncodingWarning)
 warnings.filterwarnings("error", category=EncodingWarning, module="cycloid_mj|hsieh2014")
 """

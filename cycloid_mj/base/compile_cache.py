@@ -30,9 +30,9 @@ def folder() -> Path | None:
     None where none of them can be written, as in some containers. Two folders of earlier sources are kept.
     """
     name = f"kernels-{_digest_of_sources()}"
-    own = PACKAGE / "__pycache__", Path("~/.cache/cycloid_mj").expanduser()
-    for parent in (Path(config.CACHE_DIR),) if config.CACHE_DIR else own:
-        with suppress(OSError):
+    for place in [config.CACHE_DIR] if config.CACHE_DIR else [f"{PACKAGE}/__pycache__", "~/.cache/cycloid_mj"]:
+        with suppress(OSError, RuntimeError):  # a user may have no home folder
+            parent = Path(place).expanduser()
             if not (parent / name).exists():
                 for old in sorted(parent.glob("kernels-*"), key=lambda path: path.stat().st_mtime)[:-2]:
                     shutil.rmtree(old, ignore_errors=True)

@@ -109,6 +109,15 @@ def test_another_folder_is_used_when_any_source_of_compiled_code_changes(tmp_pat
     assert {path.name for path in (tmp_path / "cache").iterdir()} == {path.name for path in folders[2:]}
 
 
+def test_without_a_home_and_a_writable_folder_nothing_is_kept(tmp_path, monkeypatch):
+    (tmp_path / "__pycache__").write_text("")
+    monkeypatch.setattr(compile_cache, "PACKAGE", tmp_path)
+    monkeypatch.setattr(compile_cache.config, "CACHE_DIR", "")
+    monkeypatch.delenv("HOME")
+    monkeypatch.setitem(sys.modules, "pwd", None)
+    assert compile_cache.folder.__wrapped__() is None
+
+
 def test_full_disk_is_said_once_and_the_code_runs(kernels, tmp_path):
     limit, most = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (0, most))
