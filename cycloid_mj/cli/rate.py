@@ -1,6 +1,5 @@
 """``cycloid-mj rate``: how long a reducer lasts, item by item, the weakest first."""
 
-from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -9,22 +8,13 @@ from cyclopts import Parameter
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.cli.delivery import Destination, claim_destination, deliver
-from cycloid_mj.cli.flags import DELIVERY, FLAT, LOAD, PRESET, SPEED, Delivery, PresetOptions
-from cycloid_mj.design import Design
+from cycloid_mj.cli.duty import DutyFlag, LoadFlag, SpeedFlag, duty_cycle
+from cycloid_mj.cli.flags import DELIVERY, FLAT, PRESET, Delivery, PresetOptions
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
-    from cycloid_mj.life import Duty, Rating
+    from cycloid_mj.life import Rating
 
-LoadFlag = Annotated[float | None, LOAD.flag("Output torque", ". Default: the rated torque.")]
-SpeedFlag = Annotated[float | None, SPEED.flag("Crank speed", ". Default: drive.speed_rpm.")]
-DutyFlag = Annotated[
-    Path | None,
-    Parameter(
-        metavar="DUTY.csv",
-        help="CSV file of a duty cycle instead of torque and speed: columns torque_nm, speed_rpm, share (of the time).",
-    ),
-]
 LifeFlag = Annotated[float | None, Parameter(metavar="X", help="Required life [h]. Default: service.life_h.")]
 PeakFlag = Annotated[
     float | None,
@@ -85,15 +75,8 @@ def rate(
     for flag, value in (("--life-h", life_h), ("--peak-nm", peak_nm)):
         if value is not None and not 0.0 < value < float("inf"):
             raise UsageError(f"{flag} {value:g} is out of range: it must be more than 0")
-    for flag, value in (("--load-nm", load_nm), ("--speed-rpm", speed_rpm)):
-        if value is not None and duty:
-            raise UsageError(
-                f"{flag} and --duty exclude each other: the duty cycle contains torques and speeds. Remove {flag}"
-            )
-        if value is not None and not (value != 0.0 and isfinite(value)):
-            raise UsageError(f"{flag} {value:g} is not allowed: it must be a finite number other than 0")
     design = chosen.resolve_checked()
-    cycle = _duty(design, load_nm, speed_rpm, duty, peak_nm)
+    cycle = duty_cycle(design, load_nm, speed_rpm, duty, peak_nm)
     ranges = read_ranges(stress, Reducer(design)) if stress else None
     place = claim_destination(delivery, f"{design.name}-rating")
     chosen_parts = parts or ("toleranced" if has_tolerances(design) else "perfect")
@@ -123,16 +106,3 @@ def _outcome(rating: "Rating", place: Destination) -> Outcome:
         result=rating.as_json(),
         page=lambda: rating_page(rating),
     )
-
-
-def _duty(
-    design: Design, load_nm: float | None, speed_rpm: float | None, duty: Path | None, peak_nm: float | None
-) -> "Duty":
-    """Return the duty cycle of the flags: torque and speed, or the rows of a file."""
-    from cycloid_mj.base.units import RPM
-    from cycloid_mj.life.duty import constant_duty, read_duty
-
-    if duty:
-        return read_duty(duty, peak_nm)
-    torque = design.rated_torque if load_nm is None else load_nm
-    return constant_duty(torque, design.drive.speed if speed_rpm is None else speed_rpm * RPM, peak_nm)

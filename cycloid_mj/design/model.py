@@ -775,6 +775,18 @@ class Thermal(Section):
     crank: float = _temperature("the crank with its cams")
     output: float = _temperature("the output carrier with its pins")
     housing: float = _temperature("the covers, on which no clearance of the mechanism depends")
+    grease_conductivity: float = quantity(
+        0.13, "thermal conductivity of the grease", u.CONDUCTIVITY, "mineral oil greases", gt=0.0, le=10.0
+    )
+    face_gap: float = quantity(
+        0.5, "grease between a face of the discs and the part next to it", u.MILLIMETRE, gt=0.0, le=100.0
+    )
+    joint_conductance: float = quantity(
+        5000.0, "thermal conductance of clamped faces, such as ring on cover", u.FILM, gt=0.0, le=1e6
+    )
+    emissivity: float = quantity(
+        0.9, "emissivity of the covers, if service.film_coefficient_w_m2_k is 0; 0.9: painted", gt=0.0, le=1.0
+    )
     applied: bool = switch(
         False,
         "true: the clearances and errors of this file already include the thermal expansion, as in a log",

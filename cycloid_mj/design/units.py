@@ -70,6 +70,7 @@ MILLIMETRE_PER_SECOND = Unit("mm_s", divisor=1e3)
 KILOWATT = Unit("kw", multiplier=1e3)
 CELSIUS = Unit("c")
 FILM = Unit("w_m2_k")
+CONDUCTIVITY = Unit("w_m_k")
 WEAR = Unit("mm3_nm", divisor=1e9)
 HERTZ = Unit("hz")
 
@@ -149,6 +150,7 @@ UNITS = {
         KILOWATT,
         CELSIUS,
         FILM,
+        CONDUCTIVITY,
         WEAR,
         HERTZ,
     )

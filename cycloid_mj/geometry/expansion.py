@@ -121,3 +121,15 @@ def jam_difference(design: Design) -> float:
     play = getattr(design.clearance, design.tooth_pair) + design.modification.equidistant + design.pin_play
     closing = alpha * (ring.pin_circle_radius - ring.pin_radius)
     return play / closing if closing else math.inf
+
+
+def tooth_play(design: Design) -> float:
+    """Compute the radial play between disc and ring at the temperatures of ``[thermal]`` [m]; negative if they jam.
+
+    It is that of `jam_difference`, for any temperatures and materials.
+    """
+    ring, clearance = design.ring, warm_clearances(design)
+    play = clearance[design.tooth_pair] + design.modification.equidistant
+    play += clearance.get("pin_socket", design.pin_play)
+    # warm_clearances counts the growth of the flanks' offset; the pin circle of the disc grows in addition
+    return play - ring.pin_circle_radius * strain(design, "gear")

@@ -1,0 +1,50 @@
+"""Flags of a duty cycle: torque and speed, or a file, shared by the commands that rate life and heat."""
+
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.cli.flags import LOAD, SPEED
+from cycloid_mj.design import Design
+
+if TYPE_CHECKING:
+    from cycloid_mj.life import Duty
+
+LoadFlag = Annotated[float | None, LOAD.flag("Output torque", ". Default: the rated torque.")]
+SpeedFlag = Annotated[float | None, SPEED.flag("Crank speed", ". Default: drive.speed_rpm.")]
+DutyFlag = Annotated[
+    Path | None,
+    Parameter(
+        metavar="DUTY.csv",
+        help="CSV file of a duty cycle instead of torque and speed: columns torque_nm, speed_rpm, share (of the time).",
+    ),
+]
+
+
+def duty_cycle(
+    design: Design, load_nm: float | None, speed_rpm: float | None, duty: Path | None, peak_nm: float | None = None
+) -> "Duty":
+    """Return the duty cycle of the flags: torque and speed, or the rows of a file.
+
+    Raises
+    ------
+    UsageError
+        A value is out of range, torque or speed are set together with a file, or the file cannot be read.
+    """
+    from cycloid_mj.base.units import RPM
+    from cycloid_mj.life.duty import constant_duty, read_duty
+
+    for flag, value in (("--load-nm", load_nm), ("--speed-rpm", speed_rpm)):
+        if value is not None and duty:
+            raise UsageError(
+                f"{flag} and --duty exclude each other: the duty cycle contains torques and speeds. Remove {flag}"
+            )
+        if value is not None and not (value != 0.0 and isfinite(value)):
+            raise UsageError(f"{flag} {value:g} is not allowed: it must be a finite number other than 0")
+    if duty:
+        return read_duty(duty, peak_nm)
+    torque = design.rated_torque if load_nm is None else load_nm
+    return constant_duty(torque, design.drive.speed if speed_rpm is None else speed_rpm * RPM, peak_nm)

@@ -1,0 +1,75 @@
+"""``cycloid-mj thermal``: steady temperatures, warm-up and thermal limits of a drive."""
+
+from functools import partial
+from math import isinf
+from typing import TYPE_CHECKING, Annotated
+
+from cycloid_mj.base.outcome import Outcome
+from cycloid_mj.cli.delivery import Destination, claim_destination, deliver
+from cycloid_mj.cli.duty import DutyFlag, LoadFlag, SpeedFlag, duty_cycle
+from cycloid_mj.cli.flags import DELIVERY, FLAT, PRESET, Delivery, PresetOptions
+
+if TYPE_CHECKING:
+    from cycloid_mj.life.thermal import ThermalState
+
+EXAMPLES = """Examples:
+  cycloid-mj thermal pin
+  cycloid-mj thermal my.toml --load-nm 20 --speed-rpm 1000 --json
+  cycloid-mj thermal my.toml --duty duty.csv --set service.ambient_temperature_c=40 --html"""
+
+
+def thermal(
+    chosen: Annotated[PresetOptions, FLAT] = PRESET,
+    *,
+    load_nm: LoadFlag = None,
+    speed_rpm: SpeedFlag = None,
+    duty: DutyFlag = None,
+    delivery: Annotated[Delivery, FLAT] = DELIVERY,
+) -> int:
+    """Compute the temperatures of a drive, its warm-up, and the torque and speed that heat allows.
+
+    A network of five parts (disc, ring, crank, output, housing) and the air: losses heat the parts, temperatures change
+    the clearances, and these the losses, until all agree. Conductances follow from line contacts, grease gaps, bearings
+    and clamped faces; the housing cools by service.film_coefficient_w_m2_k (0: convection and radiation by
+    ISO/TR 14179-2). [thermal] sets grease, gaps and joints. A disc warmer than its ring closes the clearance of the
+    teeth: the difference at which it jams is printed next to the computed one. --json: temperatures_c,
+    jam_difference_k, losses_w, thermal_torque_nm, time_constant_s; a limit that is never reached is
+    null. The exit code is 0 even if the parts jam.
+    """
+    from cycloid_mj.life.thermal import thermal as compute
+
+    design = chosen.resolve_checked()
+    cycle = duty_cycle(design, load_nm, speed_rpm, duty)
+    place = claim_destination(delivery, f"{design.name}-thermal")
+    return deliver(_outcome(compute(design, cycle), place), place, delivery)
+
+
+def _outcome(state: "ThermalState", place: Destination) -> Outcome:
+    """Build the outcome of a thermal state."""
+    from cycloid_mj.base.result import quantity_table
+    from cycloid_mj.plots.measure import curves_figure
+    from cycloid_mj.plots.save import encode_figure
+
+    failures, name = [], f"{state.design}-thermal"
+    if state.jams:
+        failures.append(
+            f"the parts jam when warm: the disc is {state.difference:.3g} K warmer than the ring, and "
+            f"{state.jam_difference:.3g} K close the teeth. Reduce the torque to {state.torque:.3g} N m, or increase "
+            "the clearances"
+        )
+    return Outcome(
+        title=f"temperatures: {state.design}",
+        condition=state.condition,
+        headline={
+            **{part: f"{value:.1f} °C" for part, value in state.temperatures.items()},
+            "disc warmer than ring (jams at)": f"{state.difference:.3g} K ({state.jam_difference:.3g} K)",
+            "thermal torque limit": "none" if isinf(state.torque) else f"{state.torque:.4g} N m: {state.limited_by}",
+            "slowest time constant": f"{state.network.time_constant / 60.0:.3g} min",
+        },
+        failures=failures,
+        tables=[quantity_table("Figures", list(state.quantities.values())), *state.tables()],
+        notes=[f"assumed: {sentence}" for sentence in state.assumptions],
+        pictures={name: partial(encode_figure, curves_figure(state.curves))} if place.folder or place.page else {},
+        frame=state.frame,
+        result=state.as_json(),
+    )

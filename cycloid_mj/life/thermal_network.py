@@ -1,0 +1,312 @@
+"""Thermal network of a drive: the temperature of each part from the losses, in the steady state and over time.
+
+Five nodes (disc, ring, crank, output, housing) exchange heat through contacts, grease, bearings and clamped faces, and
+the housing gives it to the air: C dT/dt = P - G (T - T_ambient). Losses depend on the clearances, and these on the
+temperatures: a fixed point.
+"""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.design import Design
+from cycloid_mj.design.model import HEATED, PARTNERS, Material
+from cycloid_mj.figures.geometry import masses
+from cycloid_mj.geometry.expansion import BODY_OF
+from cycloid_mj.life.bearings import (
+    SHAFT_ROLLER_SHARE,
+    SHAFT_ROLLERS,
+    bearing_forces,
+    bearing_losses,
+    bearings_of,
+)
+from cycloid_mj.life.heat import cooling_area
+from cycloid_mj.life.loading import Loading
+from cycloid_mj.parts.crank import shaft_measures
+from cycloid_mj.parts.export.casing import casing
+from cycloid_mj.parts.export.drive import drive_mass, has_casing
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics import loads
+from cycloid_mj.statics.balance import Loads
+
+KELVIN = 273.15
+"""0 °C [K]."""
+
+NODE_OF_BODY = {"shaft": "crank", "disc": "disc", "output": "output", "housing": "housing"}
+"""Body that a bearing joins -> node."""
+
+HEAT_SOURCES = {"teeth": ("disc", "ring"), "cam": ("crank", "disc"), "output": ("disc", "output")}
+"""Loss of the contacts -> nodes that get half of it each; seals heat the housing."""
+
+
+@dataclass(frozen=True)
+class HeatProperties:
+    """Thermal conductivity [W/(m K)] and specific heat [J/(kg K)] of a kind of material at 20 °C."""
+
+    conductivity: float
+    specific_heat: float
+
+
+STEEL, ALUMINIUM, PLASTIC = HeatProperties(45.0, 470.0), HeatProperties(160.0, 900.0), HeatProperties(0.25, 1500.0)
+"""Alloy steels 42 to 46 W/(m K) (EN 10088-1, 10083); wrought aluminium 130 to 200; unfilled plastics 0.2 to 0.3."""
+
+LIGHTEST_STEEL = 5000.0
+"""Density [kg/m3] that separates steel and bronze from aluminium and titanium."""
+
+PART_OF_STEM = {
+    **{"gear": "gear", "pin": "pin", "sleeve": "pin", "housing": "housing", "ring": "housing"},
+    **{"output": "output", "roller": "output", "": "shaft"},
+}
+"""First letters of a part's name -> part of its material; all else turns with the crank."""
+
+SHELL_SHARE = 0.01
+"""Heat capacity of the housing of a drive without covers, relative to the other parts: keeps the network solvable."""
+
+LOADED_SHARE = 1.0 / 3.0
+"""Share of the rollers of a bearing that carry its load (Stribeck's load zone of 120 deg)."""
+
+
+def heat_properties(material: Material) -> HeatProperties:
+    """Return conductivity and specific heat by the kind of a material: plastic, light metal or steel."""
+    if material.is_plastic:
+        return PLASTIC
+    return STEEL if material.density > LIGHTEST_STEEL else ALUMINIUM
+
+
+@dataclass(frozen=True)
+class Conductance:
+    """Heat flow per kelvin between two nodes, or a node and the air [W/K], with its formula."""
+
+    first: str
+    second: str
+    value: float
+    source: str
+
+
+def line_contact_conductance(force: Array, length: float, radius: float, partners: Sequence[Material]) -> Array:
+    """Compute the conductance of line contacts [W/K], in the shape of `force` [N]; 0 where there is none.
+
+    Each side is a cylinder of `radius` [m] and the contact's width 2 b: pi k L/ln(4 R/b), both in series.
+    """
+    compliance = sum((1.0 - one.poisson**2) / one.youngs_modulus for one in partners)
+    half_width = np.sqrt(4.0 * np.maximum(force, 0.0) * radius * compliance / (math.pi * length))
+    resistance = np.zeros_like(half_width)
+    loaded = half_width > 0.0
+    for material in partners:
+        constriction = np.log(np.maximum(4.0 * radius / half_width[loaded], math.e))
+        resistance[loaded] += constriction / (math.pi * heat_properties(material).conductivity * length)
+    return np.divide(1.0, resistance, out=np.zeros_like(resistance), where=loaded)
+
+
+def case_film(height: float, wall: float, ambient: float, emissivity: float) -> float:
+    """Compute the heat transfer coefficient of a housing in still air by convection and radiation [W/(m2 K)].
+
+    ISO/TR 14179-2: 18 (H/0.1)^-0.1 (dT/T)^0.3 + 0.23e-6 eps ((T_wall + T_ambient)/2)^3, with the height H of the
+    housing [m] and temperatures [°C].
+    """
+    hot, cold = wall + KELVIN, ambient + KELVIN
+    convection = 18.0 * (height / 0.1) ** -0.1 * (max(hot - cold, 0.0) / cold) ** 0.3
+    return float(convection + 0.23e-6 * emissivity * (0.5 * (hot + cold)) ** 3)
+
+
+@dataclass(frozen=True, eq=False)
+class Network:
+    """Conductances between nodes and heat capacity of each node [J/K].
+
+    `air` is the node of the surroundings; temperatures are relative to it.
+    """
+
+    conductances: tuple[Conductance, ...]
+    capacities: Mapping[str, float]
+    air: str = "ambient"
+
+    @cached_property
+    def matrix(self) -> Array:
+        """Conductance matrix G [W/K], shape (n, n), in the order of `capacities`; P = G (T - T_ambient)."""
+        order = {name: index for index, name in enumerate(self.capacities)}
+        matrix = np.zeros((len(order), len(order)))
+        for one in self.conductances:
+            ends = [order[name] for name in (one.first, one.second) if name != self.air]
+            for row in ends:
+                for column in ends:
+                    matrix[row, column] += one.value if row == column else -one.value
+        return matrix
+
+    def rises(self, powers: Mapping[str, float]) -> dict[str, float]:
+        """Solve the steady temperature rise of each node over the air [K] for the heat put into each [W]."""
+        rise = np.linalg.solve(self.matrix, self._vector(powers))
+        return dict(zip(self.capacities, rise.tolist(), strict=True))
+
+    def heat_to_air(self, rises: Mapping[str, float]) -> float:
+        """Compute the heat that flows to the air [W]; in the steady state that of all losses."""
+        links = [one for one in self.conductances if self.air in (one.first, one.second)]
+        return sum(one.value * rises[one.first if one.second == self.air else one.second] for one in links)
+
+    @property
+    def time_constant(self) -> float:
+        """Slowest time constant [s], the last to settle: the inverse of the smallest eigenvalue of C^-1 G."""
+        capacity = np.array(list(self.capacities.values()))
+        root = np.sqrt(np.outer(capacity, capacity))
+        return float(1.0 / np.linalg.eigvalsh(self.matrix / root)[0])
+
+    def warm_up(self, powers: Mapping[str, float], times: Array) -> dict[str, Array]:
+        """Solve the rises over time [K] from the temperature of the air, at evenly spaced `times` from 0 [s], (m,)."""
+        from scipy.linalg import expm
+
+        capacity = np.array(list(self.capacities.values()))
+        decay = expm(-(self.matrix / capacity[:, np.newaxis]) * (times[1] - times[0]))
+        steady = np.linalg.solve(self.matrix, self._vector(powers))
+        missing, rises = steady, [np.zeros_like(steady)]
+        for _ in times[1:]:
+            missing = decay @ missing
+            rises.append(steady - missing)
+        return dict(zip(self.capacities, np.array(rises).T, strict=True))
+
+    def _vector(self, powers: Mapping[str, float]) -> Array:
+        """Return the heat put into each node as a vector [W], shape (n,)."""
+        return np.array([powers.get(name, 0.0) for name in self.capacities])
+
+
+def losses_by_source(reducer: Reducer, loading: Loading) -> dict[str, float]:
+    """Return the losses of the contacts, the seals and each bearing at one point of a duty [W]."""
+    return {**loading.losses, **bearing_losses(reducer, loading)}
+
+
+def heat_by_node(reducer: Reducer, losses: Mapping[str, float]) -> dict[str, float]:
+    """Distribute losses by source to the nodes [W]: half to each of the two parts that meet."""
+    joins = {bearing.key: [NODE_OF_BODY[body] for body in bearing.joins] for bearing in bearings_of(reducer)}
+    heat = dict.fromkeys(HEATED, 0.0)
+    for source, power in losses.items():
+        nodes = HEAT_SOURCES.get(source) or joins.get(source) or ("housing", "housing")
+        for node in nodes:
+            heat[node] += 0.5 * power
+    return heat
+
+
+def network_of(reducer: Reducer, loading: Loading, wall: float) -> Network:
+    """Build the network of a drive under the loads of a point of its duty; `wall` is the housing's temperature [°C]."""
+    torque = math.copysign(abs(loading.point.torque), loading.reducer.design.drive.speed)
+    contact_loads = loads(loading.reducer, loading.springs, torque)
+    links = (
+        *_contact_links(reducer, contact_loads),
+        *_bearing_links(reducer, loading),
+        *_face_links(reducer.design),
+        *_housing_links(reducer, wall),
+    )
+    return Network(tuple(links), _capacities(reducer))
+
+
+def _contact_links(reducer: Reducer, contact_loads: Loads) -> Iterator[Conductance]:
+    """Yield the conductances of teeth, output pins and cam: means over the crank angles."""
+    design = reducer.design
+    mean = {
+        design.tooth_pair: (contact_loads.teeth, design.ring.pin_radius),
+        "output": (contact_loads.output, design.output.pin_radius),
+    }
+    for pair, (forces, radius) in mean.items():
+        length, partners = design.line_length(pair), design.partners(pair)
+        value = line_contact_conductance(forces, length, radius, partners).sum(axis=1).mean()
+        one, other = (BODY_OF[part] for part in PARTNERS[pair])
+        yield Conductance(one, other, float(value), f"line contacts of {pair}, pi k L/ln(4 R/b), mean of a turn")
+    force = float(np.linalg.norm(contact_loads.cam, axis=-1).mean())
+    if design.gear.bearing == "plain":
+        around = 2.0 * math.pi * design.gear.bore_radius * design.gear.face_width * design.gear.discs
+        value = design.thermal.grease_conductivity * around / design.clearance.cam
+        yield Conductance("crank", "disc", value, "lubricant in the gap of the plain cam, k A/clearance")
+        return
+    rollers = design.contact.cam_rollers
+    each = _roller_conductance(
+        rollers, reducer.contacts.roller_radius, design.gear.face_width, force, design.partners("cam")
+    )
+    source = f"{rollers} rollers of each cam, a third of them loaded"
+    yield Conductance("crank", "disc", design.gear.discs * each, source)
+
+
+def _roller_conductance(
+    rollers: int, radius: float, length: float, force: float, partners: Sequence[Material]
+) -> float:
+    """Compute the conductance of a roller bearing [W/K]: inner and outer contact of each loaded roller in series."""
+    loaded = max(1.0, LOADED_SHARE * rollers)
+    each = line_contact_conductance(np.array([force / loaded]), length, radius, partners)
+    return 0.5 * loaded * float(each[0])
+
+
+def _bearing_links(reducer: Reducer, loading: Loading) -> Iterator[Conductance]:
+    """Yield the conductances of the bearings of shaft and output, as roller bearings of their bore and width."""
+    low, high = shaft_measures(reducer).bearings[0]
+    steel = reducer.design.material_of("shaft")
+    for bearing in bearings_of(reducer):
+        if not bearing.bore:
+            continue
+        width = casing(reducer).hub.width if bearing.key.startswith("output") else high - low
+        force = float(bearing_forces(reducer, bearing.key, loading).mean())
+        size = 0.5 * SHAFT_ROLLER_SHARE * 0.5 * bearing.bore
+        value = _roller_conductance(SHAFT_ROLLERS, size, width, force, (steel, steel))
+        one, other = (NODE_OF_BODY[body] for body in bearing.joins)
+        yield Conductance(one, other, value, f"{bearing.name}: {SHAFT_ROLLERS} rollers assumed, a third of them loaded")
+
+
+def _face_links(design: Design) -> Iterator[Conductance]:
+    """Yield the conductances of the grease between the outer faces of the discs and housing and output."""
+    root = design.ring.pin_circle_radius - design.ring.pin_radius
+    holes = design.output.pins * design.output.hole_radius**2
+    area = math.pi * (root**2 - design.gear.bore_radius**2 - holes)
+    value = design.thermal.grease_conductivity * area / design.thermal.face_gap
+    for node in ("housing", "output"):
+        yield Conductance("disc", node, value, "grease on a face of the discs, k A/gap")
+
+
+def _housing_links(reducer: Reducer, wall: float) -> Iterator[Conductance]:
+    """Yield the conductances from ring to covers, and from there to the air; without covers the ring is the housing."""
+    design = reducer.design
+    outer, height = design.housing.outer_radius, 2.0 * design.housing.outer_radius
+    faces = 2.0 * math.pi * (outer**2 - design.ring.pin_circle_radius**2)
+    yield Conductance("ring", "housing", design.thermal.joint_conductance * faces, "clamped faces of the ring, h A")
+    film, source = design.service.film_coefficient, "service.film_coefficient_w_m2_k"
+    if has_casing(reducer):
+        height = 2.0 * casing(reducer).outer
+    if not film:
+        film = case_film(height, wall, design.service.ambient_temperature, design.thermal.emissivity)
+        source = "ISO/TR 14179-2"
+    area = cooling_area(reducer)
+    if has_casing(reducer):
+        yield Conductance("housing", "ambient", film * area, f"h A, h = {film:.3g} W/(m2 K) by {source}")
+        return
+    end = math.pi * outer**2
+    yield Conductance(
+        "housing", "ambient", film * (area - end), f"h A without covers, h = {film:.3g} W/(m2 K) by {source}"
+    )
+    yield Conductance("output", "ambient", film * end, f"end of the output disc, h = {film:.3g} W/(m2 K) by {source}")
+
+
+def _capacities(reducer: Reducer) -> dict[str, float]:
+    """Compute the heat capacity of each node [J/K]: mass times specific heat; the covers make up the drive's mass.
+
+    Without covers the housing is a thin shell: a hundredth of the capacity of the others.
+    """
+    bodies, mechanism = dict.fromkeys(HEATED, 0.0), masses(reducer)
+    for name, mass in mechanism.items():
+        part = next(part for stem, part in PART_OF_STEM.items() if name.startswith(stem))
+        bodies[BODY_OF[part]] += mass * heat_properties(reducer.design.material_of(part)).specific_heat
+    covers = drive_mass(reducer) - sum(mechanism.values()) if has_casing(reducer) else 0.0
+    specific = heat_properties(reducer.design.material_of("housing")).specific_heat
+    bodies["housing"] = max(covers * specific, SHELL_SHARE * sum(bodies.values()))
+    return bodies
+
+
+def with_temperatures(reducer: Reducer, temperatures: Mapping[str, float]) -> Reducer:
+    """Return the reducer of the design with the temperatures of its parts [°C].
+
+    Raises
+    ------
+    DesignError
+        The parts jam at these temperatures.
+    """
+    if reducer.design.thermal.applied:
+        raise DesignError(f"{reducer.design.name}: the clearances are already those of warm parts (thermal.applied)")
+    return Reducer(reducer.design.but(thermal=dict(temperatures)))

@@ -1,0 +1,150 @@
+"""Thermal network: conductances by closed forms, hand solutions, balance of heat, jam and limits of presets."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from commands import told
+
+from cycloid_mj.design import PRESETS, Material, override
+from cycloid_mj.design.materials import MATERIALS
+from cycloid_mj.geometry.expansion import jam_difference, tooth_play
+from cycloid_mj.life.duty import Duty, DutyPoint
+from cycloid_mj.life.thermal import conductance_between, thermal
+from cycloid_mj.life.thermal_network import Conductance, Network, case_film, line_contact_conductance
+
+STEEL = Material(name="alloy steel")
+
+
+def test_a_line_contact_conducts_by_the_constriction_of_both_sides() -> None:
+    """Two steel cylinders of 2.25 x 10 mm under 150 N: pi k L/ln(4 R/b) on each side, b by Hertz."""
+    radius, length, force = 2.25e-3, 10e-3, 150.0
+    modulus = STEEL.youngs_modulus / (2.0 * (1.0 - STEEL.poisson**2))
+    half_width = math.sqrt(4.0 * force * radius / (math.pi * length * modulus))
+    one_side = math.pi * 45.0 * length / math.log(4.0 * radius / half_width)
+    value = line_contact_conductance(np.array([force, 0.0]), length, radius, (STEEL, STEEL))
+    assert value[0] == pytest.approx(0.5 * one_side, rel=1e-12)
+    assert value[1] == 0.0, "a contact without force conducts nothing"
+
+
+@pytest.mark.parametrize("wall", [30.0, 60.0, 100.0])
+def test_radiation_matches_stefan_boltzmann(wall: float) -> None:
+    """The cubic of ISO/TR 14179-2 is 4 eps sigma T^3 at the mean temperature: within 2 % of sigma (T^4 - T0^4)/dT."""
+    hot, cold = wall + 273.15, 293.15
+    exact = 0.9 * 5.670374e-8 * (hot**4 - cold**4) / (hot - cold)
+    radiation = case_film(0.1, wall, 20.0, 0.9) - case_film(0.1, wall, 20.0, 1e-12)
+    assert radiation == pytest.approx(exact, rel=0.03)
+
+
+def test_a_housing_at_60_degrees_has_the_film_of_the_standard() -> None:
+    assert case_film(0.1, 60.0, 20.0, 1e-12) == pytest.approx(18.0 * (40.0 / 293.15) ** 0.3, rel=1e-9)
+    assert case_film(0.1, 60.0, 20.0, 0.9) == pytest.approx(9.9 + 6.4, abs=0.1)
+
+
+def test_a_network_of_two_nodes_matches_a_hand_solution() -> None:
+    """12 W into a, 0.5 W/K to b, b 0.25 W/K to the air: b 48 K, a 24 K more."""
+    links = (Conductance("a", "b", 0.5, ""), Conductance("b", "ambient", 0.25, ""))
+    network = Network(links, {"a": 100.0, "b": 300.0})
+    rises = network.rises({"a": 12.0})
+    assert rises == pytest.approx({"a": 72.0, "b": 48.0}, rel=1e-12)
+    assert network.heat_to_air(rises) == pytest.approx(12.0, rel=1e-12)
+    # the slower root of 30000 s^2 + 225 s + 0.125 = 0, the determinant of C s + G
+    slowest = (225.0 - math.sqrt(225.0**2 - 4.0 * 30000.0 * 0.125)) / (2.0 * 30000.0)
+    assert network.time_constant == pytest.approx(1.0 / slowest, rel=1e-9)
+
+
+def test_the_warm_up_ends_in_the_steady_state_and_starts_by_the_heat_capacity() -> None:
+    network = Network((Conductance("a", "ambient", 0.2, ""),), {"a": 50.0})
+    times = np.linspace(0.0, 2500.0, 251)
+    rise = network.warm_up({"a": 4.0}, times)["a"]
+    assert np.allclose(rise, 20.0 * (1.0 - np.exp(-times / 250.0)), atol=1e-9)
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_all_losses_reach_the_air(name: str) -> None:
+    state = thermal(name)
+    ambient = PRESETS[name].service.ambient_temperature
+    rises = {part: value - ambient for part, value in state.temperatures.items()}
+    assert state.network.heat_to_air(rises) == pytest.approx(sum(state.losses.values()), rel=1e-6)
+    assert sum(state.heat.values()) == pytest.approx(sum(state.losses.values()), rel=1e-12)
+    ends = {part: values[-1] for part, values in state.warm_up.items()}
+    assert ends == pytest.approx(state.temperatures, rel=0.03), "four time constants"
+
+
+def test_the_disc_of_the_paper_closes_its_own_clearance() -> None:
+    """5.3 K at 36.7 N m, where 4.0 K close 1 + 1 um: play/(alpha (E - rho)) with 13e-6/K and 38.5 mm."""
+    state = thermal("pin")
+    assert state.jam_difference == pytest.approx(2e-6 / (13e-6 * 38.5e-3), rel=1e-9)
+    assert state.difference > state.jam_difference
+    assert state.jams
+    assert not state.converged
+    assert state.torque < PRESETS["pin"].rated_torque
+    assert state.limited_by == "thermal expansion closes the teeth"
+
+
+def test_at_the_thermal_torque_the_teeth_just_close() -> None:
+    limit = thermal("pin").torque
+    for share, jams in ((0.9, False), (1.1, True)):
+        state = thermal("pin", Duty((DutyPoint(share * limit, PRESETS["pin"].drive.speed, 1.0),), 2.0 * limit))
+        assert state.jams == jams, share
+
+
+def test_contacts_and_grease_conduct_from_disc_to_ring_as_computed_by_hand() -> None:
+    """17 contacts 1.8 W/K where the load is shared evenly; both faces over 0.5 mm of grease 1.9 W/K without holes."""
+    network = thermal("pin").network
+    assert conductance_between(network, "disc", "ring") == pytest.approx(1.8, rel=0.2)
+    face = 0.13 * math.pi * (38.5e-3**2 - 15e-3**2 - 8 * 5e-3**2) / 0.5e-3
+    faces = [one.value for one in network.conductances if "grease on a face" in one.source]
+    assert faces == pytest.approx([face, face], rel=1e-12)
+
+
+def test_wide_clearances_converge_and_their_limit_is_a_temperature() -> None:
+    state = thermal("printed")
+    assert state.converged
+    assert "Onyx" in state.limited_by
+
+
+def test_a_duty_heats_by_its_mean_losses() -> None:
+    """Half of the time at rest halves the losses; the rest of 3 % is the friction of clearances that are less warm."""
+    drive = PRESETS["printed"].drive
+    point = DutyPoint(10.0, drive.speed, 1.0)
+    full = thermal("printed", Duty((point,), 20.0))
+    half = thermal("printed", Duty((DutyPoint(10.0, drive.speed, 0.5), DutyPoint(0.0, 0.0, 0.5)), 20.0))
+    assert sum(half.losses.values()) == pytest.approx(0.5 * sum(full.losses.values()), rel=0.05)
+
+
+def test_computed_film_replaces_the_coefficient_of_the_design() -> None:
+    state = thermal(override(PRESETS["printed"], ["service.film_coefficient_w_m2_k=0"]))
+    (air,) = [one for one in state.network.conductances if one.second == "ambient"]
+    assert "ISO/TR 14179-2" in air.source
+
+
+def test_the_command_prints_the_keys_of_the_issue() -> None:
+    code, out, _ = told("thermal", "pin", "--json", "--quiet")
+    assert code == 0
+    result = json.loads(out)
+    assert set(result["temperatures_c"]) == {"disc", "ring", "crank", "output", "housing"}
+    assert result["jam_difference_k"] == pytest.approx(jam_difference(PRESETS["pin"]))
+    assert result["thermal_torque_nm"] < 36.68
+    assert result["time_constant_s"] > 0.0
+    assert sum(result["losses_w"].values()) == pytest.approx(sum(result["heat_w"].values()))
+    assert result["tooth_play_um"] < 0.0
+
+
+def test_wrong_loads_are_usage_errors() -> None:
+    code, _, err = told("thermal", "pin", "--load-nm", "0")
+    assert code == 2
+    assert "--load-nm 0 is not allowed" in err
+
+
+def test_materials_of_the_library_have_a_kind() -> None:
+    """The jam difference follows the material of the disc: aluminium closes the teeth at a smaller difference."""
+    steel = PRESETS["pin"]
+    aluminium = next(
+        name for name, entry in MATERIALS.items() if entry.density < 3000.0 and entry.youngs_modulus > 5e10
+    )
+    soft = override(steel, [f'gear_material.name="{aluminium}"'])
+    assert jam_difference(soft) < jam_difference(steel)
+    warm = override(soft, [f"thermal.disc_c={20.0 + jam_difference(soft)}"])
+    assert tooth_play(warm) == pytest.approx(0.0, abs=2e-9)
