@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from cycloid_mj.life import rate
     from cycloid_mj.life.checks import check_design as check
     from cycloid_mj.life.datasheet import datasheet_of as datasheet
+    from cycloid_mj.life.thermal import thermal
     from cycloid_mj.log import read as read_log
     from cycloid_mj.log import write as write_log
     from cycloid_mj.parts.export import export
@@ -74,6 +75,7 @@ __all__ = [
     "stress",
     "sweep",
     "tapered_orders",
+    "thermal",
     "tolerance",
     "write_log",
 ]
@@ -118,6 +120,7 @@ _ORIGINS = {
     "stress": "",
     "sweep": "explore",
     "tapered_orders": "analysis.spectrum",
+    "thermal": "life.thermal",
     "tolerance": "explore",
     "write_log": "log:write",
 }

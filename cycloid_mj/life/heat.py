@@ -28,6 +28,9 @@ Grundfos, "Shaft Seals", p. 22: nitrile rubber to 100 °C (120 for a short time)
 STILL_AIR = 8.0, 15.0
 """Range of the heat transfer coefficient of a housing in still air [W/(m2 K)]."""
 
+KELVIN = 273.15
+"""0 °C [K]."""
+
 REFERENCE = 20.0
 """Reference temperature of the clearances [°C] (ISO 1)."""
 
@@ -39,7 +42,8 @@ def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIt
     losses = mean_losses(reducer, loadings)
     lost = sum(losses.values())
     area = cooling_area(reducer)
-    temperature = service.ambient_temperature + lost / (service.film_coefficient * area)
+    temperature = housing_temperature(reducer, lost)
+    film = housing_film(reducer, temperature)
     limits = sorted(heat_limits(reducer), key=lambda limit: limit.temperature)
     lowest = limits[0]
     yield RatedItem(
@@ -54,7 +58,7 @@ def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIt
         ", ".join(f"{part.replace('_', ' ')} {power:.3g} W" for part, power in losses.items())
         + ("" if has_casing(reducer) else "; without the output's bearing, as the drive has no covers"),
     )
-    warm, cool = (service.ambient_temperature + lost / (film * area) for film in STILL_AIR)
+    warm, cool = (service.ambient_temperature + lost / (still * area) for still in STILL_AIR)
     rise, allowed_rise = temperature - service.ambient_temperature, lowest.temperature - service.ambient_temperature
     yield RatedItem(
         "temperature",
@@ -65,7 +69,7 @@ def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIt
         allowed_rise / rise if rise else math.inf,
         None,
         "dT = losses/(h A); safety factor of the temperature rise",
-        f"{lost:.3g} W at h = {service.film_coefficient:g} W/(m2 K) (assumed; {warm:.3g} to {cool:.3g} °C at 8 to 15) "
+        f"{lost:.3g} W at h = {film:.3g} W/(m2 K) (assumed; {warm:.3g} to {cool:.3g} °C at 8 to 15) "
         f"on {1e4 * area:.3g} cm2, the outside of {_outside_of(reducer)}; "
         f"ambient {service.ambient_temperature:g} °C; limits: "
         f"{', '.join(f'{limit.temperature:g} °C {limit.name} ({limit.source})' for limit in limits)}",
@@ -94,6 +98,37 @@ def mean_losses(reducer: Reducer, loadings: Sequence[Loading]) -> dict[str, floa
         for part, power in {**loading.losses, **bearing_losses(reducer, loading)}.items():
             total[part] = total.get(part, 0.0) + power * loading.point.share
     return total
+
+
+def case_film(height: float, wall: float, ambient: float, emissivity: float) -> float:
+    """Compute the heat transfer coefficient of a housing in still air by convection and radiation [W/(m2 K)].
+
+    ISO/TR 14179-2: 18 (H/0.1)^-0.1 (dT/T)^0.3 + 0.23e-6 eps ((T_wall + T_ambient)/2)^3, with the height H of the
+    housing [m] and temperatures [°C].
+    """
+    hot, cold = wall + KELVIN, ambient + KELVIN
+    convection = 18.0 * (height / 0.1) ** -0.1 * (max(hot - cold, 0.0) / cold) ** 0.3
+    return float(convection + 0.23e-6 * emissivity * (0.5 * (hot + cold)) ** 3)
+
+
+def housing_film(reducer: Reducer, wall: float) -> float:
+    """Return the heat transfer coefficient of the housing [W/(m2 K)]: that of the design, or `case_film` if it is 0."""
+    service = reducer.design.service
+    outer = casing(reducer).outer if has_casing(reducer) else reducer.design.housing.outer_radius
+    emissivity = reducer.design.thermal.emissivity
+    return service.film_coefficient or case_film(2.0 * outer, wall, service.ambient_temperature, emissivity)
+
+
+def housing_temperature(reducer: Reducer, lost: float) -> float:
+    """Solve for the temperature of the housing [°C] at which it gives off a power [W]."""
+    ambient, area = reducer.design.service.ambient_temperature, cooling_area(reducer)
+    if reducer.design.service.film_coefficient:
+        return ambient + lost / (reducer.design.service.film_coefficient * area)
+    from scipy.optimize import brentq
+
+    hottest = ambient + lost / (case_film(1.0, ambient, ambient, reducer.design.thermal.emissivity) * area)
+    balance = lambda wall: housing_film(reducer, wall) * area * (wall - ambient) - lost  # noqa: E731
+    return float(brentq(balance, ambient, hottest + 1.0))
 
 
 def cooling_area(reducer: Reducer) -> float:

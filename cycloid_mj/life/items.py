@@ -3,6 +3,7 @@
 import warnings
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import chain
 
 from cycloid_mj.base.errors import CycloidWarning, DesignError
 from cycloid_mj.design import Named, material_limits, resolve
@@ -18,6 +19,7 @@ from cycloid_mj.life.loading import POSES, solve_loading
 from cycloid_mj.life.ranges import StressRange
 from cycloid_mj.life.strength import rate_strength
 from cycloid_mj.life.surfaces import rate_surfaces
+from cycloid_mj.life.thermal import rate_jam_difference
 from cycloid_mj.life.wear import rate_wear
 from cycloid_mj.reducer import Reducer, once
 
@@ -110,7 +112,7 @@ def _rated_items(
         ItemKind.SURFACE: rate_surfaces(reducer, loadings),
         ItemKind.STRENGTH: rate_strength(reducer, worst, ranges),
         ItemKind.WEAR: rate_wear(reducer, loadings),
-        ItemKind.HEAT: rate_heat(reducer, loadings),
+        ItemKind.HEAT: chain(rate_heat(reducer, loadings), rate_jam_difference(reducer, loadings)),
     }
     if stops:
         by_kind[ItemKind.STOP] = rate_emergency_stop(reducer, duty.peak, worst)

@@ -18,6 +18,7 @@ from cycloid_mj.design.model import HEATED
 from cycloid_mj.geometry.expansion import jam_difference, tooth_play, warm_clearances
 from cycloid_mj.life.duty import Duty, DutyPoint, constant_duty
 from cycloid_mj.life.heat import heat_limits
+from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import POSES, Loading, solve_loading
 from cycloid_mj.life.thermal_network import Conductance, Network, heat_by_node, losses_by_source, network_of
 from cycloid_mj.reducer import Reducer
@@ -377,6 +378,28 @@ def _assumptions(steady: _Steady) -> Iterator[str]:
     yield "conductances of bearings assume 14 rollers, a third of them loaded; conductivities by the kind of material"
     if not steady.converged:
         yield "the parts jam at these temperatures: the losses are those before the clearance is lost"
+
+
+def rate_jam_difference(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
+    """Rate by how much the disc gets warmer than the ring against the difference that closes the teeth.
+
+    Losses and conductances are those at 20 °C, without the fixed point of `thermal`.
+    """
+    worst = max(loadings, key=lambda loading: abs(loading.point.torque))
+    network = network_of(reducer, worst, reducer.design.service.ambient_temperature)
+    rises = network.rises(heat_by_node(reducer, _mean(reducer, loadings)))
+    difference, limit = rises["disc"] - rises["ring"], jam_difference(reducer.design)
+    yield RatedItem(
+        "jam_difference",
+        "disc warmer than the ring",
+        difference,
+        limit,
+        "K",
+        limit / difference if difference > 0.0 else math.inf,
+        None,
+        "thermal network; limit: play/(alpha (E - rho)) of the teeth",
+        "conductances of grease, bearings and joints are assumed ([thermal]); all temperatures: `cycloid-mj thermal`",
+    )
 
 
 def conductance_between(network: Network, first: str, second: str) -> float:

@@ -25,7 +25,7 @@ from cycloid_mj.life.bearings import (
     bearing_losses,
     bearings_of,
 )
-from cycloid_mj.life.heat import cooling_area
+from cycloid_mj.life.heat import cooling_area, housing_film
 from cycloid_mj.life.loading import Loading
 from cycloid_mj.parts.crank import shaft_measures
 from cycloid_mj.parts.export.casing import casing
@@ -33,9 +33,6 @@ from cycloid_mj.parts.export.drive import drive_mass, has_casing
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import loads
 from cycloid_mj.statics.balance import Loads
-
-KELVIN = 273.15
-"""0 °C [K]."""
 
 NODE_OF_BODY = {"shaft": "crank", "disc": "disc", "output": "output", "housing": "housing"}
 """Body that a bearing joins -> node."""
@@ -101,17 +98,6 @@ def line_contact_conductance(force: Array, length: float, radius: float, partner
         constriction = np.log(np.maximum(4.0 * radius / half_width[loaded], math.e))
         resistance[loaded] += constriction / (math.pi * heat_properties(material).conductivity * length)
     return np.divide(1.0, resistance, out=np.zeros_like(resistance), where=loaded)
-
-
-def case_film(height: float, wall: float, ambient: float, emissivity: float) -> float:
-    """Compute the heat transfer coefficient of a housing in still air by convection and radiation [W/(m2 K)].
-
-    ISO/TR 14179-2: 18 (H/0.1)^-0.1 (dT/T)^0.3 + 0.23e-6 eps ((T_wall + T_ambient)/2)^3, with the height H of the
-    housing [m] and temperatures [°C].
-    """
-    hot, cold = wall + KELVIN, ambient + KELVIN
-    convection = 18.0 * (height / 0.1) ** -0.1 * (max(hot - cold, 0.0) / cold) ** 0.3
-    return float(convection + 0.23e-6 * emissivity * (0.5 * (hot + cold)) ** 3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -264,15 +250,11 @@ def _face_links(design: Design) -> Iterator[Conductance]:
 def _housing_links(reducer: Reducer, wall: float) -> Iterator[Conductance]:
     """Yield the conductances from ring to covers, and from there to the air; without covers the ring is the housing."""
     design = reducer.design
-    outer, height = design.housing.outer_radius, 2.0 * design.housing.outer_radius
+    outer = design.housing.outer_radius
     faces = 2.0 * math.pi * (outer**2 - design.ring.pin_circle_radius**2)
     yield Conductance("ring", "housing", design.thermal.joint_conductance * faces, "clamped faces of the ring, h A")
-    film, source = design.service.film_coefficient, "service.film_coefficient_w_m2_k"
-    if has_casing(reducer):
-        height = 2.0 * casing(reducer).outer
-    if not film:
-        film = case_film(height, wall, design.service.ambient_temperature, design.thermal.emissivity)
-        source = "ISO/TR 14179-2"
+    film = housing_film(reducer, wall)
+    source = "service.film_coefficient_w_m2_k" if design.service.film_coefficient else "ISO/TR 14179-2"
     area = cooling_area(reducer)
     if has_casing(reducer):
         yield Conductance("housing", "ambient", film * area, f"h A, h = {film:.3g} W/(m2 K) by {source}")

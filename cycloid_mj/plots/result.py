@@ -25,6 +25,7 @@ from cycloid_mj.explore.sweeps import Sweep
 from cycloid_mj.explore.tolerances import Tolerances
 from cycloid_mj.life.datasheet import Datasheet
 from cycloid_mj.life.item import Rating
+from cycloid_mj.life.thermal import ThermalState
 from cycloid_mj.measure import Measurement
 from cycloid_mj.parts.export import Export
 from cycloid_mj.plots import figures
@@ -178,6 +179,11 @@ def _of_rating(rating: Rating) -> Figures:
     limited = {name: margin for name, margin in margins.items() if math.isfinite(margin)}
     condition = f"{rating.design}, {rating.duty}, for {rating.life:g} h; below 1: not passed"
     return {"margins": _bars(limited, "safety factor, or life / required life [1]", condition, fails_below_1=True)}
+
+
+@figures_of.register
+def _of_thermal_state(state: ThermalState) -> Figures:
+    return {"warm_up": curves_figure(state.curves)}
 
 
 @figures_of.register

@@ -79,6 +79,7 @@ ASSUMED_HERE = {
         "ambient_temperature_c",
     }
     | {"film_coefficient_w_m2_k", "grease_temperature_c", "seal_temperature_c"},
+    "thermal": {"face_gap_mm", "joint_conductance_w_m2_k", "emissivity"},
     "drive": {"ramp_s", "hold_s", "rotor_inertia_kg_m2"},
     "load": {"torque_nm", "rise_s"},
     "settings": {"timestep_us", "log_rate_hz", "scene_rate_hz"},
@@ -126,7 +127,7 @@ def random_changes(rng: np.random.Generator) -> list[str]:
     changes = []
     for table, keys in tomllib.loads(dump(PRESETS["pin"])).items():
         for key, value in keys.items() if isinstance(keys, dict) else ():
-            if isinstance(value, float) and key != "reliability":  # a share of 1 at most
+            if isinstance(value, float) and key not in ("reliability", "emissivity"):  # 1 at most
                 digits = rng.integers(1, 18)
                 changes.append(f"{table}.{key}={float(f'{value * rng.uniform(0.8, 1.2):.{digits}g}')!r}")
     return [*changes, f"ring.teeth={rng.integers(4, 401)}", f"output.pins={rng.integers(2, 101)}", 'name="a b-1"']
@@ -208,7 +209,7 @@ def test_the_file_has_every_key_and_says_what_is_assumed() -> None:
         *kinds,
         {"tolerance": set(Tolerance.model_fields)},
         {"material": {"name"}},
-        {"thermal": lines_noted(text, "ISO 1")["thermal"]},
+        {"thermal": lines_noted(text, "ISO 1")["thermal"] | lines_noted(text, "mineral oil greases")["thermal"]},
     )  # of an entry of the library, which says where each is from
     told = set().union(*kinds) - {""}
     assert tables == {t: set().union(*(kind.get(t, set()) for kind in kinds)) for t in told}
@@ -221,7 +222,7 @@ def test_the_file_has_every_key_and_says_what_is_assumed() -> None:
 def test_a_key_states_its_unit() -> None:
     # Numbers without a unit in their key are counts, ratios and friction coefficients, and nothing else.
     bare = {"teeth", "pins", "bolts", "seed", "cam_rollers", "damping_ratio", "poisson", "reliability"}
-    bare |= {"service_factor", "notch_factor", "discs", "impact_exponent", "halves"}
+    bare |= {"service_factor", "notch_factor", "discs", "impact_exponent", "halves", "emissivity"}
     for table, field in Design.model_fields.items():
         for name, inner in getattr(field.annotation, "model_fields", {}).items():
             if inner.annotation in (int, float) and table not in ("friction", "damping"):

