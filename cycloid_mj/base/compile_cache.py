@@ -34,12 +34,18 @@ def folder() -> Path | None:
         with suppress(OSError, RuntimeError):  # a user may have no home folder
             parent = Path(place).expanduser()
             if not (parent / name).exists():
-                for old in sorted(parent.glob("kernels-*"), key=lambda path: path.stat().st_mtime)[:-2]:
-                    shutil.rmtree(old, ignore_errors=True)
-            (parent / name).mkdir(parents=True, exist_ok=True)
+                (parent / name).mkdir(parents=True, exist_ok=True)
+                _remove_old_folders(parent)
             with TemporaryFile(dir=parent / name):
                 return parent / name
     return None
+
+
+def _remove_old_folders(parent: Path) -> None:
+    """Keep the three latest folders of compiled code; another process may remove the others at the same time."""
+    with suppress(OSError):
+        for old in sorted(parent.glob("kernels-*"), key=lambda path: path.stat().st_mtime)[:-3]:
+            shutil.rmtree(old, ignore_errors=True)
 
 
 class KernelCache(FunctionCache):  # type: ignore[misc]  # numba has no types
