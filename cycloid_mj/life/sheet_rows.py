@@ -27,11 +27,14 @@ from cycloid_mj.statics.springs import turn_evenly
 COLD, WARM = 20.0, 60.0
 """Temperatures of the torque without load [°C]: that of a workshop, and the case temperature that makers allow."""
 
-LOOP_SHARES = np.array([0.0, 1 / 3, 2 / 3, 1.0, 2 / 3, 1 / 3, 0.0, -1 / 3, -2 / 3, -1.0, -2 / 3, -1 / 3, 0.0])
-"""Torque path of the hysteresis loop over the nominal torque; it passes zero at the rows `LOOP_ZEROS`."""
+LOOP_END = 0.01
+"""Torque at which the ends of the hysteresis loop are read, over the nominal torque: at 0 weight moves loose parts."""
 
-LOOP_ZEROS, LOOP_ANGLES = (6, 12), 4
-"""Rows of the path without torque after each load, and number of crank angles."""
+LOOP_SHARES = np.array([0.0, 0.5, 1.0, 0.5, LOOP_END, -0.5, -1.0, -0.5, -LOOP_END])
+"""Torque path of the hysteresis loop over the nominal torque; its ends are the rows `LOOP_ENDS`."""
+
+LOOP_ENDS, LOOP_ANGLES = (4, 8), 4
+"""Rows of the path after each load, and number of crank angles."""
 
 SPEED_SHARES = (0.1, 0.25, 0.5, 0.75, 1.0, 1.5)
 """Points of the curve of the torque without load, over the design's speed."""
@@ -41,14 +44,14 @@ RADIAL_RUN_OUTS = ((18, 10), (30, 13), (50, 15), (80, 20), (120, 25), (180, 30),
 
 
 def hysteresis(reducer: Reducer) -> Quantity:
-    """Compute the turn of the output between the two unloaded ends of a loop to plus and minus the nominal torque."""
+    """Compute the turn of the output between both ends of a loop, after loads of plus and minus the nominal torque."""
     torque = reducer.design.rated_torque
     widths = []
     for crank in turn_evenly(reducer, LOOP_ANGLES):
         rows, turns = course_along(reducer, torque * LOOP_SHARES, float(crank), Losses())
-        first, second = np.interp(LOOP_ZEROS, rows, turns)
+        first, second = np.interp(LOOP_ENDS, rows, turns)
         widths.append(abs(first - second) / ARCMINUTE)
-    note = f"between loads of +-{torque:.4g} N m, crank locked, with the backlash; friction of the contacts only"
+    note = f"after loads of +-{torque:.4g} N m, crank locked, with the backlash; friction of the contacts only"
     return Quantity("hysteresis_loss", "Hysteresis loss", float(np.mean(widths)), "arcmin", note=note)
 
 

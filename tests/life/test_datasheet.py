@@ -268,7 +268,7 @@ def test_makers_rows_state_units_and_conditions(sheet) -> None:
         assert rows[key].note, key
         assert rows[key].unit, key
     assert rows["acceleration_torque"].value <= rows["momentary_torque"].value
-    assert rows["hysteresis_loss"].value < 2.0 * rows["lost_motion_ideal"].value
+    assert rows["backlash"].value < rows["hysteresis_loss"].value < 2.0 * rows["lost_motion_ideal"].value
     assert rows["running_torque_warm"].value < rows["running_torque_cold"].value
     assert rows["starting_torque_drive"].value > 100.0 * rows["starting_torque_nm"].value
     assert rows["back_driving_torque_drive"].value > 35.0 * rows["starting_torque_drive"].value
