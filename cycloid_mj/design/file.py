@@ -6,6 +6,7 @@ import os
 import re
 import tomllib
 from collections.abc import Container, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, get_origin
@@ -24,14 +25,18 @@ from cycloid_mj.design.validation_errors import as_design_error, literal_choices
 
 S = TypeVar("S", bound=Section)
 
-LARGEST_INTEGER = 2**63 - 1
-"""TOML's integers have 64 bits; a larger one counts as infinite."""
 
-LONGEST_LIST = 10_000
-"""More parts than any kind of part may have."""
+@dataclass(frozen=True)
+class FileLimits:
+    """Limits of a design file, against files that exhaust the memory."""
 
-MAX_FILE_SIZE = 1_000_000
-"""Characters of a TOML file that is read; a complete design file has about 25 000."""
+    integer: int = 2**63 - 1  # largest integer of TOML; a larger one counts as infinite
+    list_length: int = 10_000  # longest list: more parts than any kind of part may have
+    size: int = 1_000_000  # characters of a file that is read; a complete design file has about 25 000
+
+
+LIMITS = FileLimits()
+
 
 DEEP_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){32}""")
 """A dotted key of more than 32 parts, which `tomllib` takes quadratic time to read; a design's keys have two."""
@@ -123,11 +128,11 @@ def parse_toml(
     Raises
     ------
     DesignError
-        It is not TOML, is larger than `MAX_FILE_SIZE`, or is nested too deeply.
+        It is not TOML, is larger than `LIMITS.size`, or is nested too deeply.
     """
-    if len(text) > MAX_FILE_SIZE:
+    if len(text) > LIMITS.size:
         raise DesignError(
-            f"{where} has {len(text):,} characters; at most {MAX_FILE_SIZE:,} are read. Is it a TOML file? {example}"
+            f"{where} has {len(text):,} characters; at most {LIMITS.size:,} are read. Is it a TOML file? {example}"
         )
     try:
         if DEEP_KEY.search(text):
@@ -339,7 +344,7 @@ def _to_si(
             values[name] = {part: _number_to_si(unit_of(field), item) for part, item in value.items()}
         elif get_origin(inner) is tuple and isinstance(value, (list, tuple)):
             values[name] = tuple(_number_to_si(unit_of(field), item) for item in value)
-        elif inner is float or (isinstance(value, int) and abs(value) > LARGEST_INTEGER):
+        elif inner is float or (isinstance(value, int) and abs(value) > LIMITS.integer):
             values[name] = _number_to_si(unit_of(field), value)
         elif isinstance(value, str):
             values[name] = match_case(value, literal_choices(field))
@@ -352,7 +357,7 @@ def _number_to_si(unit: Unit, value: Any) -> Any:
     """Convert a number of the file to SI; any other value is returned as it is, for the validation to refuse."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return value
-    if isinstance(value, int) and abs(value) > LARGEST_INTEGER:
+    if isinstance(value, int) and abs(value) > LIMITS.integer:
         return math.inf if value > 0 else -math.inf
     return unit.to_si(float(value))
 
@@ -377,7 +382,7 @@ def _count(values: Mapping[str, Any], table: str, name: str) -> Any:
 
 def _full_list(sparse: Mapping[str, Any], counts: Sequence[Any], where: str) -> tuple[Any, ...]:
     """List as many values as there are parts, 0 but for those named by their number from 1 on."""
-    if not all(isinstance(count, int) and count <= LONGEST_LIST for count in counts):
+    if not all(isinstance(count, int) and count <= LIMITS.list_length for count in counts):
         return tuple(sparse.values())  # their number is none that is allowed: that is what will be told
     number = math.prod(counts)
     parts = [str(part) for part in range(1, number + 1)]

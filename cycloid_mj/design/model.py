@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from difflib import get_close_matches
 from html import escape
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
@@ -31,17 +32,18 @@ if TYPE_CHECKING:
 Offsets = tuple[Annotated[float, Field(ge=-1e-3, le=1e-3, allow_inf_nan=False)], ...]
 """A deviation [m] of each of some parts; empty: drawn at random."""
 
-SLEEVE_ROOM = 0.05
-"""Assumed: gap between a sleeve and the housing behind it, as a share of the sleeve's radius."""
 
-CORE_SHARE = 0.75
-"""Assumed: radius of the core pin under an output roller, as a share of the roller's."""
+@dataclass(frozen=True)
+class DefaultShares:
+    """Assumed proportions of dimensions that a design leaves open."""
 
-FILLET_SHARE = 0.1
-"""Assumed: radius of a fillet, as a share of the radius of the thinner stretch."""
+    sleeve_room: float = 0.05  # gap between a sleeve and the housing behind it, as a share of the sleeve's radius
+    core: float = 0.75  # radius of the core pin under an output roller, as a share of the roller's
+    fillet: float = 0.1  # radius of a fillet, as a share of the radius of the thinner stretch
+    bolt: float = 0.25  # radius that a bolt of the ring clamps, as a share of the wall behind the teeth
 
-BOLT_SHARE = 0.25
-"""Assumed: radius that a bolt of the ring clamps, as a share of the wall behind the teeth."""
+
+SHARES = DefaultShares()
 
 
 PARTS = ("gear", "housing", "pin", "output", "shaft")
@@ -276,12 +278,12 @@ class Output(Section):
         """Radius of a pin at its root in the carrier [m]: of the core under its roller, or of the solid pin."""
         if not self.rollers:
             return self.pin_radius
-        return self.core_radius or CORE_SHARE * self.pin_radius
+        return self.core_radius or SHARES.core * self.pin_radius
 
     @property
     def root_fillet(self) -> float:
         """Radius of the fillet at the root of a pin [m]."""
-        return self.fillet_radius or FILLET_SHARE * self.root_radius
+        return self.fillet_radius or SHARES.fillet * self.root_radius
 
 
 class Shaft(Section):
@@ -316,7 +318,7 @@ class Shaft(Section):
     @property
     def shoulder_fillet(self) -> float:
         """Radius of the fillets at the shoulders [m]."""
-        return self.fillet_radius or FILLET_SHARE * self.radius
+        return self.fillet_radius or SHARES.fillet * self.radius
 
 
 class Housing(Section):
@@ -1061,7 +1063,7 @@ class Design(Section, Presented):
     @property
     def bolt_radius(self) -> float:
         """Radius that each of the ring's bolts clamps [m]."""
-        return self.housing.bolt_radius or BOLT_SHARE * (self.housing.outer_radius - self.ring_root_radius)
+        return self.housing.bolt_radius or SHARES.bolt * (self.housing.outer_radius - self.ring_root_radius)
 
     def line_length(self, pair: str) -> float:
         """Return how long the contact line of a kind of mating pair is [m]: of a ring in two halves half the disc."""
@@ -1092,10 +1094,10 @@ class Design(Section, Presented):
     def socket_play(self) -> float:
         """Clearance of the housing around a pin of ``pin_radius`` [m]; 0 for a pressed-in pin.
 
-        A sleeve turns clear of the housing, which holds its pin at both ends: `SLEEVE_ROOM` of its radius (assumed).
+        A sleeve turns clear of the housing, which supports its pin at both ends, by `SHARES.sleeve_room` of its radius.
         """
         if self.ring.has_sleeves:
-            return SLEEVE_ROOM * self.ring.pin_radius
+            return SHARES.sleeve_room * self.ring.pin_radius
         return self.clearance.pin_socket if self.ring.has_sockets else 0.0
 
     def friction_of(self, pair: str) -> float:

@@ -1,6 +1,7 @@
 """Validation errors of pydantic, restated in the words of the design file."""
 
 import re
+from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any, get_args
 
@@ -13,11 +14,17 @@ from cycloid_mj.base.text import escape_controls
 from cycloid_mj.design.units import BOUNDS, NONE, Unit, bounds_of, file_key, section_of, unit_of
 from cycloid_mj.design.unsupported import unsupported_value
 
-MAX_LISTED_ERRORS = 5
-"""Wrong values of a design that are listed; the others are counted."""
 
-MAX_VALUE_LENGTH = 80
-"""Characters of a wrong value that are quoted."""
+@dataclass(frozen=True)
+class ListingLimits:
+    """Limits of the message on wrong values."""
+
+    errors: int = 5  # wrong values that are listed; the others are counted
+    value_length: int = 80  # characters of a wrong value that are quoted
+
+
+LISTING = ListingLimits()
+
 
 REQUIREMENTS = {
     "bool_type": "true or false",
@@ -52,7 +59,7 @@ def as_design_error(error: ValidationError, root: type[BaseModel], where: str) -
     where
         Origin of the values, such as the name of a file.
     """
-    sentences = [_sentence(details, root) for details in error.errors()[:MAX_LISTED_ERRORS]]
+    sentences = [_sentence(details, root) for details in error.errors()[: LISTING.errors]]
     if len(sentences) == 1:
         return DesignError(f"{where}: {sentences[0]}")
     count, rest = error.error_count(), error.error_count() - len(sentences)
@@ -88,7 +95,7 @@ def _quote(value: Any) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     text = f'"{escape_controls(value)}"' if isinstance(value, str) else repr(value)
-    return text if len(text) <= MAX_VALUE_LENGTH else f"{text[:MAX_VALUE_LENGTH]}..."
+    return text if len(text) <= LISTING.value_length else f"{text[: LISTING.value_length]}..."
 
 
 def _locate(details: ErrorDetails, root: type[BaseModel]) -> tuple[list[str], FieldInfo | None]:

@@ -15,10 +15,19 @@ if TYPE_CHECKING:
 SPLINE_ERROR = 1e-8
 """Largest distance of a spline from its flank [m]: 1 % of a clearance of 1 um."""
 
-_FIRST_SPANS, _MAX_SPANS = 8, 4096
-_CHECKS = 8
-_GRID = 8192
-_MIN_DENSITY = 1e-3
+
+@dataclass(frozen=True)
+class SplineFit:
+    """Settings of the fit of cubic splines to a flank, by doubling the spans until the error is met."""
+
+    first_spans: int = 8  # spans of a spline in the first attempt
+    max_spans: int = 4096  # largest number of spans of a flank
+    checks: int = 8  # points of each span at which the error is measured
+    grid: int = 8192  # points of the flank at which its curvature is differentiated
+    min_density: float = 1e-3  # smallest density of knots relative to the largest, for straight stretches
+
+
+FIT = SplineFit()
 
 
 @dataclass(frozen=True)
@@ -84,17 +93,17 @@ def fit_splines(flank: SmoothCurve, low: float, high: float, pieces: int) -> tup
     Raises
     ------
     DesignError
-        The splines need more than `_MAX_SPANS` spans.
+        The splines need more than `FIT.max_spans` spans.
     """
-    spans = _FIRST_SPANS
-    while pieces * spans <= _MAX_SPANS:
+    spans = FIT.first_spans
+    while pieces * spans <= FIT.max_spans:
         nodes = _nodes(flank, low, high, pieces * spans)
         stretches = [nodes[i * spans : (i + 1) * spans + 1] for i in range(pieces)]
         fits = [_interpolate(flank, stretch) for stretch in stretches]
         if max(_deviation(flank, *fit) for fit in zip(fits, stretches, strict=True)) <= SPLINE_ERROR:
             return tuple(Spline(fit.t, fit.c) for fit in fits)
         spans *= 2
-    raise DesignError(f"no spline of {_MAX_SPANS} spans follows the flank to {SPLINE_ERROR} m; enlarge the design")
+    raise DesignError(f"no spline of {FIT.max_spans} spans follows the flank to {SPLINE_ERROR} m; enlarge the design")
 
 
 def _nodes(flank: SmoothCurve, low: float, high: float, spans: int) -> Array:
@@ -102,11 +111,11 @@ def _nodes(flank: SmoothCurve, low: float, high: float, spans: int) -> Array:
 
     In the moving frame of the curve the fourth derivative by arc length is (-3 kappa kappa', kappa'' - kappa^3).
     """
-    t = np.linspace(low, high, _GRID)
+    t = np.linspace(low, high, FIT.grid)
     s, kappa = flank.arc_length(t), flank.curvature(t)
     slope = np.gradient(kappa, s)
     fourth = np.hypot(3.0 * kappa * slope, np.gradient(slope, s) - kappa**3)
-    density = np.maximum(fourth, _MIN_DENSITY * fourth.max()) ** 0.25
+    density = np.maximum(fourth, FIT.min_density * fourth.max()) ** 0.25
     share = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) / 2.0 * np.diff(s))])
     return np.interp(np.linspace(0.0, share[-1], spans + 1), share, t)
 
@@ -121,7 +130,7 @@ def _interpolate(flank: SmoothCurve, nodes: Array) -> "BSpline":
 
 def _deviation(flank: SmoothCurve, spline: "BSpline", nodes: Array) -> float:
     """Compute the largest distance of a spline from its flank, normal to the tangent [m]."""
-    t = np.interp(np.arange(_CHECKS * (len(nodes) - 1)) / _CHECKS, np.arange(len(nodes)), nodes)
+    t = np.interp(np.arange(FIT.checks * (len(nodes) - 1)) / FIT.checks, np.arange(len(nodes)), nodes)
     away, along = spline(flank.arc_length(t)) - flank.points(t), flank.tangents(t)
     return float(np.abs(away[:, 0] * along[:, 1] - away[:, 1] * along[:, 0]).max())
 

@@ -18,14 +18,19 @@ Faces = npt.NDArray[np.int32]
 VOLUME_TOLERANCE = 1e-9
 """Relative tolerance of areas and volumes: triangulations of a polygon differ by rounding, wrong ones by triangles."""
 
-UNIT = 2.0**-24
-"""Unit of length in manifold3d [m], 60 nm: its sections round vertices to 1e-8 units."""
 
-PLANE_GRID = 2.0**-46
-"""Grid of the vertices in the plane [m], 1.4e-14 m: protects the areas of slices of 0.1 mm to VOLUME_TOLERANCE."""
+@dataclass(frozen=True)
+class Grids:
+    """Grids on which manifold3d works [m], powers of two."""
 
-HEIGHT_GRID = 2.0**-30
-"""Grid on which the faces of stacked prisms are compared [m], 9e-10 m (2^-20 mm): faces that meet are one face."""
+    unit: float = 2.0**-24  # unit of length, 60 nm; sections round vertices to 1e-8 units
+    # grid of vertices in the plane, 1.4e-14 m: protects the areas of slices of 0.1 mm to VOLUME_TOLERANCE
+    plane: float = 2.0**-46
+    # grid on which faces of stacked prisms are compared, 2^-20 mm: faces that meet are one face
+    height: float = 2.0**-30
+
+
+GRIDS = Grids()
 
 
 @dataclass(frozen=True)
@@ -51,12 +56,12 @@ def mesh(part: Prism | Solid) -> Mesh:
         An outline crosses itself or a hole, or the mesh has not the volume of the solid.
     """
     solid = part if isinstance(part, Solid) else Solid("prism", (part,), 1.0)
-    levels = {round(z / HEIGHT_GRID): z for prism in solid.prisms for z in (prism.z0, prism.z1)}
+    levels = {round(z / GRIDS.height): z for prism in solid.prisms for z in (prism.z0, prism.z1)}
     pieces = [_extrude(prism, solid.name) for prism in solid.prisms]
     union = manifold3d.Manifold.batch_boolean(pieces, manifold3d.OpType.Add).to_mesh64()
-    vertices = np.array(union.vert_properties) * UNIT
+    vertices = np.array(union.vert_properties) * GRIDS.unit
     numbers = sorted(levels)
-    vertices[:, 2] = np.interp(vertices[:, 2] / HEIGHT_GRID, numbers, [levels[number] for number in numbers])
+    vertices[:, 2] = np.interp(vertices[:, 2] / GRIDS.height, numbers, [levels[number] for number in numbers])
     shape = Mesh(vertices, np.array(union.tri_verts, dtype=np.int32))
     volume, true = _volume(shape), mass_properties(solid).volume
     if not abs(volume / true - 1.0) <= VOLUME_TOLERANCE:
@@ -66,14 +71,14 @@ def mesh(part: Prism | Solid) -> Mesh:
 
 def _extrude(prism: Prism, name: str) -> manifold3d.Manifold:
     """Return a prism with its faces on the grid of heights; raise DesignError if its outlines touch or cross."""
-    rings = [np.round(ring / PLANE_GRID) for ring in (prism.outline, *(hole[::-1] for hole in prism.holes))]
-    scale = PLANE_GRID / UNIT
+    rings = [np.round(ring / GRIDS.plane) for ring in (prism.outline, *(hole[::-1] for hole in prism.holes))]
+    scale = GRIDS.plane / GRIDS.unit
     section = manifold3d.CrossSection([ring * scale for ring in rings])
     new = np.setdiff1d(_corners([np.round(ring / scale) for ring in section.to_polygons()]), _corners(rings))
     if new.size:
-        x, y = np.array([new[0].real, new[0].imag]) * PLANE_GRID * MILLIMETRES
+        x, y = np.array([new[0].real, new[0].imag]) * GRIDS.plane * MILLIMETRES
         raise _contact_error(name, f" near x = {x:.6g} mm, y = {y:.6g} mm")
-    area, true = section.area() * UNIT**2, region_moments(prism).area
+    area, true = section.area() * GRIDS.unit**2, region_moments(prism).area
     if not abs(area - true) <= VOLUME_TOLERANCE * area:
         raise DesignError(
             f"{name}: its mesh has the volume {area * prism.height:.9g} m3 instead of {true * prism.height:.9g} m3; "
@@ -81,7 +86,7 @@ def _extrude(prism: Prism, name: str) -> manifold3d.Manifold:
         )
     if section.num_contour() != len(rings):
         raise _contact_error(name, "")
-    low, high = (round(z / HEIGHT_GRID) * HEIGHT_GRID / UNIT for z in (prism.z0, prism.z1))
+    low, high = (round(z / GRIDS.height) * GRIDS.height / GRIDS.unit for z in (prism.z0, prism.z1))
     return section.extrude(high - low).translate((0.0, 0.0, low))
 
 

@@ -43,9 +43,9 @@ from cycloid_mj.parts.export import (
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.clearance import flank_distance
 from cycloid_mj.parts.export.plate import GAP, shelves
-from cycloid_mj.parts.export.printable import CLEARANCES, MIN_PRINTED_WALL, coupon, print_warnings, thinnest_wall
+from cycloid_mj.parts.export.printable import COUPON, MIN_PRINTED_WALL, coupon, print_warnings, thinnest_wall
 from cycloid_mj.parts.export.printing import manufactured_parts, printed_parts
-from cycloid_mj.parts.export.supports import GAP_ASIDE, GAP_BELOW, MAX_BRIDGE, MAX_LEDGE, overhangs, support
+from cycloid_mj.parts.export.supports import SUPPORTS, overhangs, support
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import phases
 from cycloid_mj.sizing.proportions import Proportions, build_drive
@@ -352,7 +352,7 @@ def test_the_coupon_is_a_pin_and_a_block_with_three_sockets_by_their_clearances(
     radius = 0.5 * np.ptp(pin.outline, axis=0).min()
     sockets = [hole for hole in block.holes if np.ptp(hole, axis=0).min() > radius]
     rooms = [0.5 * np.ptp(hole, axis=0).min() - radius for hole in sockets]
-    np.testing.assert_allclose(rooms, CLEARANCES, atol=2.0 * CHORD_ERROR)
+    np.testing.assert_allclose(rooms, COUPON.clearances, atol=2.0 * CHORD_ERROR)
     assert len(block.holes) == len(sockets) + 1 + 2 + 3
     for solid in drawn.values():
         shape = mesh(solid)
@@ -388,9 +388,11 @@ def test_a_face_in_mid_air_is_supported_a_layer_below() -> None:
     below = support(cup(5e-3), face, CHORD_ERROR)
     assert below is not None
     radii = np.hypot(below.vertices[:, 0], below.vertices[:, 1])
-    assert (radii.min(), radii.max()) == pytest.approx((5e-3 + GAP_ASIDE, 9.5e-3 - GAP_ASIDE), abs=1e-6)
-    assert (below.vertices[:, 2].min(), below.vertices[:, 2].max()) == pytest.approx((0.0, 5e-3 - GAP_BELOW))
-    assert not list(overhangs(mesh(cup(9.5e-3 - 0.9 * MAX_LEDGE))))
+    assert (radii.min(), radii.max()) == pytest.approx(
+        (5e-3 + SUPPORTS.gap_aside, 9.5e-3 - SUPPORTS.gap_aside), abs=1e-6
+    )
+    assert (below.vertices[:, 2].min(), below.vertices[:, 2].max()) == pytest.approx((0.0, 5e-3 - SUPPORTS.gap_below))
+    assert not list(overhangs(mesh(cup(9.5e-3 - 0.9 * SUPPORTS.max_ledge))))
 
 
 def test_a_face_on_uneven_ground_has_no_support() -> None:
@@ -437,9 +439,13 @@ def test_nothing_of_a_printed_drive_hangs_in_mid_air(design: Design) -> None:
         walls = shape.vertices[:, :2]
         for one in corners[steep & (corners[..., 2].max(axis=1) > 0.0)]:
             for point in (one.mean(axis=0), *(0.6 * one + 0.4 * one.mean(axis=0))):
-                tops = [below.vertices[below.vertices[:, 2] > point[2] - 1.01 * GAP_BELOW] for below in supports]
-                held = any(len(top) and np.ptp(np.append(top[:, 2], point[2])) < 1.01 * GAP_BELOW for top in tops)
-                bridged = np.linalg.norm(walls - point[:2], axis=1).min() <= 0.5 * MAX_BRIDGE
+                tops = [
+                    below.vertices[below.vertices[:, 2] > point[2] - 1.01 * SUPPORTS.gap_below] for below in supports
+                ]
+                held = any(
+                    len(top) and np.ptp(np.append(top[:, 2], point[2])) < 1.01 * SUPPORTS.gap_below for top in tops
+                )
+                bridged = np.linalg.norm(walls - point[:2], axis=1).min() <= 0.5 * SUPPORTS.max_bridge
                 assert held or bridged, f"{place.part} at {1e3 * point} mm"
         for below in supports:
             assert trimesh.Trimesh(below.vertices, below.faces, process=False).is_watertight

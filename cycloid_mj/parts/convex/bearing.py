@@ -12,9 +12,8 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.geometry.profile import unit
-from cycloid_mj.parts.convex.settings import OVERLAP, TOLERANCE, ConvexSettings
+from cycloid_mj.parts.convex.settings import METHOD, ConvexSettings
 from cycloid_mj.parts.convex.surface import ConvexSurface, SlicePlacement, convex_slice
-from cycloid_mj.parts.convex.teeth import SAMPLES
 from cycloid_mj.parts.convex.walls import gear_depth, housing_depth
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import socket_half_angle
@@ -79,7 +78,7 @@ def _facets(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSettings
     near, far = hole.radius - error, hole.radius + depth
     width = 2.0 * near * math.tan(0.5 * step)
     edges = np.array([-0.5, 0.5]) * step
-    aside = 0.5 * OVERLAP * settings.chord_error * np.array([[-1.0, 0.0], [1.0, 0.0]])
+    aside = 0.5 * METHOD.overlap * settings.chord_error * np.array([[-1.0, 0.0], [1.0, 0.0]])
     face, base = near / math.cos(0.5 * step) * unit(edges) + aside, far * unit(edges) + aside
     outline = np.concatenate([face, base[::-1]])
     curvature = 1.0 / hole.inner_radius - 1.0 / hole.radius
@@ -90,7 +89,7 @@ def _facets(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSettings
         for member, (turn, centre) in enumerate(zip(hole.turns, hole.centres, strict=True), start=1)
         for angle in angles
     ]
-    seen = unit(hole.turns[0] + np.linspace(-1.0, 1.0, SAMPLES, endpoint=not whole) * hole.half_angle)
+    seen = unit(hole.turns[0] + np.linspace(-1.0, 1.0, METHOD.samples, endpoint=not whole) * hole.half_angle)
     corner = near / math.cos(0.5 * step) - hole.radius
     base_area = 0.5 * count * far**2 * math.sin(step)
     return ConvexSurface(
@@ -102,6 +101,6 @@ def _facets(hole: Hole, depth: float, reducer: Reducer, settings: ConvexSettings
         normals=-seen,
         strip_area=len(hole.turns) * (base_area - hole.half_angle * hole.radius**2),
         depth=depth * math.cos(0.5 * step),
-        overfill_bound=TOLERANCE * max(error, settings.play_error),
-        underfill_bound=TOLERANCE * corner,
+        overfill_bound=METHOD.tolerance * max(error, settings.play_error),
+        underfill_bound=METHOD.tolerance * corner,
     )

@@ -8,16 +8,8 @@ from scipy.spatial import ConvexHull
 from cycloid_mj.base.array import Array
 from cycloid_mj.parts import Mesh, Prism
 from cycloid_mj.parts.convex.quality import Quality, fill, hull_body, quality
+from cycloid_mj.parts.convex.settings import METHOD
 from cycloid_mj.parts.inertia import region_moments
-
-SPACING = 1e-4
-"""Spacing of the measured points on the walls of a prism [m]."""
-
-DEPTH, REACH = 1e-4, 5e-2
-"""Start below the wall and end above it of the search along a normal [m]."""
-
-GRID = 1e-4
-"""Grid of CoACD relative to the size of the mesh: cracks of that width are not counted as gaps."""
 
 
 def pieces_quality(region: Prism, pieces: tuple[Mesh, ...], points: Array, normals: Array) -> Quality:
@@ -35,7 +27,7 @@ def pieces_quality(region: Prism, pieces: tuple[Mesh, ...], points: Array, norma
     middle = 0.5 * (region.z0 + region.z1)
     at, out = np.insert(points, 2, middle, axis=1), np.insert(normals, 2, 0.0, axis=1)
     bodies = [hull_body(piece.vertices) for piece in pieces]
-    ends = fill(at, out, bodies, DEPTH, REACH, seam=GRID * float(np.ptp(region.outline)))
+    ends = fill(at, out, bodies, METHOD.depth, METHOD.reach, seam=METHOD.coacd_grid * float(np.ptp(region.outline)))
     volume = math.fsum(float(ConvexHull(piece.vertices).volume) for piece in pieces)
     true_volume = region_moments(region).area * region.height
     return quality(np.minimum(ends, free_distance(region, points, normals)), len(pieces), volume / true_volume - 1.0)
@@ -47,14 +39,14 @@ def wall_samples(region: Prism) -> tuple[Array, Array]:
     for ring in (region.outline, *(hole[::-1] for hole in region.holes)):
         edges = np.roll(ring, -1, axis=0) - ring
         for corner, edge, size in zip(ring, edges, np.linalg.norm(edges, axis=1), strict=True):
-            count = math.ceil(size / SPACING)
+            count = math.ceil(size / METHOD.spacing)
             points.append(corner + (np.arange(count)[:, np.newaxis] + 0.5) / count * edge)
             normals.append(np.tile([edge[1] / size, -edge[0] / size], (count, 1)))
     return np.concatenate(points), np.concatenate(normals)
 
 
 def free_distance(region: Prism, points: Array, normals: Array) -> Array:
-    """Compute the distance along each normal to the next material of the prism, at most ``REACH`` [m], shape (k,)."""
+    """Compute the distance along each normal to the next material of the prism, at most `METHOD.reach` [m] (k,)."""
     rings = (region.outline, *region.holes)
     starts = np.concatenate(rings)
     edges = np.concatenate([np.roll(ring, -1, axis=0) - ring for ring in rings])
@@ -69,5 +61,5 @@ def _first_crossing(starts: Array, edges: Array, normal: Array) -> float:
     turn = np.where(turn == 0.0, np.inf, turn)
     along = (starts[:, 0] * edges[:, 1] - starts[:, 1] * edges[:, 0]) / turn
     across = (starts[:, 0] * normal[1] - starts[:, 1] * normal[0]) / turn
-    met = (along > DEPTH) & (across >= 0.0) & (across <= 1.0)
-    return float(along[met].min(initial=REACH))
+    met = (along > METHOD.depth) & (across >= 0.0) & (across <= 1.0)
+    return float(along[met].min(initial=METHOD.reach))

@@ -7,8 +7,7 @@ from cycloid_mj.parts import VISUAL_CHORD_ERROR, Mesh, Solid, gear_solid, housin
 from cycloid_mj.parts.convex.decompose import coacd_pieces
 from cycloid_mj.parts.convex.measure import pieces_quality
 from cycloid_mj.parts.convex.quality import Quality
-from cycloid_mj.parts.convex.settings import CoacdSettings
-from cycloid_mj.parts.convex.teeth import SAMPLES
+from cycloid_mj.parts.convex.settings import METHOD, CoacdSettings
 from cycloid_mj.reducer import Reducer
 
 
@@ -23,13 +22,13 @@ class Plain:
 
 def plain_gear(reducer: Reducer, settings: CoacdSettings) -> Plain:
     """Decompose the entire cycloid disc by CoACD; takes about a minute."""
-    seen = profile.sample(reducer.gear_profile, SAMPLES, reducer.profile_offset)
+    seen = profile.sample(reducer.gear_profile, METHOD.samples, reducer.profile_offset)
     return _plain(gear_solid(reducer, VISUAL_CHORD_ERROR), seen, settings)
 
 
 def plain_ring(reducer: Reducer, settings: CoacdSettings) -> Plain:
     """Decompose the entire internal gear of a nonpin design by CoACD; takes about a minute."""
-    seen = envelope.sample_ring(reducer.tooth_profile, SAMPLES)
+    seen = envelope.sample_ring(reducer.tooth_profile, METHOD.samples)
     return _plain(housing_solid(reducer, VISUAL_CHORD_ERROR), seen, settings)
 
 

@@ -10,13 +10,9 @@ import numpy.typing as npt
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.statistics import rms
+from cycloid_mj.parts.convex.settings import METHOD
 from cycloid_mj.parts.convex.surface import ConvexSurface, placed_outline
 from cycloid_mj.parts.polygon import area_moments
-
-SEAM = 1e-11
-"""Width of gaps that are due to rounding [m]."""
-
-_PARALLEL = 1e-12
 
 
 @dataclass(frozen=True)
@@ -80,7 +76,7 @@ def hull_body(vertices: Array) -> ConvexRegion:
 
 
 def fill(
-    points: Array, normals: Array, bodies: Sequence[ConvexRegion], start: float, reach: float, seam: float = SEAM
+    points: Array, normals: Array, bodies: Sequence[ConvexRegion], start: float, reach: float, seam: float = METHOD.seam
 ) -> Array:
     """Compute where the union of convex bodies ends along each normal [m], shape (k,).
 
@@ -162,9 +158,9 @@ def _intervals(
         room = body.offsets - points[near] @ body.normals.T
         with np.errstate(divide="ignore", invalid="ignore"):
             crossing = room / slope
-        low = np.where(slope < -_PARALLEL, crossing, -np.inf).max(axis=1)
-        high = np.where(slope > _PARALLEL, crossing, np.inf).min(axis=1)
-        outside = ((np.abs(slope) <= _PARALLEL) & (room < -SEAM)).any(axis=1)
+        low = np.where(slope < -METHOD.parallel, crossing, -np.inf).max(axis=1)
+        high = np.where(slope > METHOD.parallel, crossing, np.inf).min(axis=1)
+        outside = ((np.abs(slope) <= METHOD.parallel) & (room < -METHOD.seam)).any(axis=1)
         inside = (low <= high) & ~outside
         intervals.append((near[inside], low[inside], high[inside]))
     sample, low, high = (np.concatenate(column) for column in zip(*intervals, strict=True))

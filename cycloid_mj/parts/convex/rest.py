@@ -13,15 +13,12 @@ from cycloid_mj.parts import Mesh, Prism, circle, mesh, output_solid, stretches
 from cycloid_mj.parts.convex.decompose import coacd_pieces
 from cycloid_mj.parts.convex.measure import pieces_quality, wall_samples
 from cycloid_mj.parts.convex.quality import Quality, require_within
-from cycloid_mj.parts.convex.settings import ConvexSettings
+from cycloid_mj.parts.convex.settings import METHOD, ConvexSettings
 from cycloid_mj.parts.convex.teeth import gear_base, ring_base
 from cycloid_mj.parts.convex.walls import gear_depth, housing_depth
 from cycloid_mj.parts.polygon import arc
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import arc_half_angle, wall_radius
-
-MAX_DECOMPOSITIONS = 4
-"""Maximum number of decompositions of a sector, each with half the threshold, to meet its bound."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +71,7 @@ def decompose(sector: Sector, settings: ConvexSettings) -> Rest:
         The pieces deviate by more than the bound of the sector.
     """
     shape, walls, coacd = mesh(sector.region), wall_samples(sector.region), settings.coacd
-    for _ in range(MAX_DECOMPOSITIONS):
+    for _ in range(METHOD.decompositions):
         pieces = coacd_pieces(shape, coacd)
         measured = pieces_quality(sector.region, pieces, *walls)
         if measured.max_overfill <= sector.bound:

@@ -4,11 +4,26 @@ from dataclasses import dataclass
 
 from cycloid_mj.base.errors import DesignError
 
-TOLERANCE = 1.2
-"""Allowed ratio of measured to requested error (float32 vertices, chords of the parallel curve)."""
 
-OVERLAP = 0.1
-"""Overlap of neighbouring slices relative to the chord error, against cracks in single precision."""
+@dataclass(frozen=True)
+class SliceMethod:
+    """Numbers of the decomposition beyond its settings: sampling, tolerances and limits; lengths in metres."""
+
+    tolerance: float = 1.2  # allowed ratio of measured to requested error: float32 vertices, chords of parallels
+    overlap: float = 0.1  # overlap of slices relative to the chord error, against cracks in float32
+    samples: int = 5000  # points of a surface at which its slices are measured
+    flank_samples: int = 512  # points of a flank from which its slices are chosen
+    wall_share: float = 0.25  # thickness relative to the thinnest wall: slices of both sides leave half of it
+    decompositions: int = 4  # attempts of CoACD for a sector, each with half the threshold
+    spacing: float = 1e-4  # spacing of the measured points on the walls of a prism
+    depth: float = 1e-4  # start of the search along a normal, below the wall
+    reach: float = 5e-2  # end of the search along a normal, above the wall
+    coacd_grid: float = 1e-4  # grid of CoACD relative to the size of the mesh; cracks that wide are no gaps
+    seam: float = 1e-11  # width of gaps that are due to rounding
+    parallel: float = 1e-12  # slope of a plane along a normal below which both are parallel
+
+
+METHOD = SliceMethod()
 
 
 @dataclass(frozen=True)

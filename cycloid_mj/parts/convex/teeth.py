@@ -14,16 +14,11 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.geometry.profile import CycloidGear, SmoothArc
-from cycloid_mj.parts.convex.settings import OVERLAP, TOLERANCE, ConvexSettings
+from cycloid_mj.parts.convex.settings import METHOD, ConvexSettings
 from cycloid_mj.parts.convex.surface import ConvexSurface, Slice, SlicePlacement, convex_slice
 from cycloid_mj.parts.convex.walls import gear_depth, housing_depth
 from cycloid_mj.parts.polygon import area_moments, rotate_clockwise
 from cycloid_mj.reducer import Reducer
-
-SAMPLES = 5000
-"""Number of points of a surface at which its slices are measured."""
-
-_MESH_GRID = 512
 
 
 def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> ConvexSurface:
@@ -52,7 +47,7 @@ def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Con
     between = profile.curvature(gear, (half[:-1] + half[1:]) / 2.0, offset)
     quads = _quads("teeth", face, base, between + 1.0 / gear.pin_radius, settings)
     slices = [*quads, *_gear_tip(gear, offset, settings, depth)]
-    seen = profile.sample(gear, SAMPLES, offset)
+    seen = profile.sample(gear, METHOD.samples, offset)
     base_area = -area_moments(_all_round(_symmetric(base), gear.lobes)).area
     return ConvexSurface(
         name="teeth",
@@ -63,8 +58,8 @@ def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Con
         normals=seen.normals,
         strip_area=profile.area(gear, offset) - base_area,
         depth=depth,
-        overfill_bound=TOLERANCE * max(settings.chord_error, settings.hull_chord_error),
-        underfill_bound=TOLERANCE * max(settings.chord_error, settings.hull_chord_error),
+        overfill_bound=METHOD.tolerance * max(settings.chord_error, settings.hull_chord_error),
+        underfill_bound=METHOD.tolerance * max(settings.chord_error, settings.hull_chord_error),
         disc=disc,
     )
 
@@ -78,7 +73,7 @@ def ring_lobes(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
     gear_bend = profile.curvature(gear, -middle / gear.lobes, reducer.profile_offset)
     bends = gear_bend - 1.0 / envelope.Sigma(gear, middle).radius
     slices = [*_quads("lobe", face, base, bends, settings), _ring_tip(gear, settings, depth)]
-    seen = envelope.sample_ring(gear, SAMPLES)
+    seen = envelope.sample_ring(gear, METHOD.samples)
     base_area = -area_moments(_all_round(ring_base(reducer, depth, B), gear.ring_teeth)).area
     return ConvexSurface(
         name="lobe",
@@ -89,8 +84,8 @@ def ring_lobes(reducer: Reducer, settings: ConvexSettings) -> ConvexSurface:
         normals=seen.normals,
         strip_area=base_area - envelope.area(gear),
         depth=depth,
-        overfill_bound=TOLERANCE * max(settings.chord_error, settings.hull_chord_error),
-        underfill_bound=TOLERANCE * max(settings.chord_error, settings.hull_chord_error),
+        overfill_bound=METHOD.tolerance * max(settings.chord_error, settings.hull_chord_error),
+        underfill_bound=METHOD.tolerance * max(settings.chord_error, settings.hull_chord_error),
     )
 
 
@@ -140,7 +135,7 @@ def _sigma(gear: CycloidGear, B: Array, into: float) -> Array:
 def _quads(name: str, face: Array, base: Array, curvature: Array, settings: ConvexSettings) -> list[Slice]:
     """Return one quadrilateral for each chord of a concave face."""
     width = np.linalg.norm(np.diff(face, axis=0), axis=1)
-    overlap = OVERLAP * settings.chord_error
+    overlap = METHOD.overlap * settings.chord_error
     outlines = [
         np.concatenate([_longer(face[i : i + 2], overlap), _longer(base[i : i + 2], overlap)[::-1]])
         for i in range(len(width))
@@ -165,7 +160,8 @@ def _gear_tip(gear: CycloidGear, offset: float, settings: ConvexSettings, depth:
     face = profile.outline(gear, t, offset - error)
     edge = profile.outline(gear, inflection, offset + depth)
     middle = float(edge @ profile.unit(tip)) * profile.unit(tip)
-    cuts, overlap = np.linspace(0, len(t) - 1, settings.hulls + 1).round().astype(int), OVERLAP * settings.chord_error
+    cuts = np.linspace(0, len(t) - 1, settings.hulls + 1).round().astype(int)
+    overlap = METHOD.overlap * settings.chord_error
     slices = []
     for low, high in itertools.pairwise(cuts):
         base = _longer(edge + np.array([[high], [low]]) / (len(t) - 1) * (middle - edge), overlap)
@@ -181,7 +177,7 @@ def _hull_curvature(gear: CycloidGear, offset: float, phases: Array) -> float:
     It is the mean of ln kappa, to which compliance is proportional, weighted by the square of the moment arm as in the
     stiffness of the mesh.
     """
-    B = np.linspace(phases[0], phases[1], _MESH_GRID)
+    B = np.linspace(phases[0], phases[1], METHOD.flank_samples)
     kappa = profile.curvature(gear, -B / gear.lobes, offset) + 1.0 / gear.pin_radius
     weight = profile.moment_arm(gear, B) ** 2
     return float(np.exp(np.sum(weight * np.log(kappa)) / np.sum(weight)))
@@ -194,7 +190,7 @@ def _ring_tip(gear: CycloidGear, settings: ConvexSettings, depth: float) -> Slic
     centre = gear.pin_circle_radius * profile.unit(0.0)
     face = centre - (rho + error) * profile.unit(angle)
     edge = centre - (rho - depth) * profile.unit(angle[-1])
-    overlap = OVERLAP * settings.chord_error
+    overlap = METHOD.overlap * settings.chord_error
     base = _longer(np.array([edge, edge * [0.0, 1.0]]), overlap)
     return convex_slice("lobe", np.concatenate([_longer(face, overlap), base]), math.inf, 1.0 / rho)
 

@@ -3,11 +3,8 @@
 import math
 
 from cycloid_mj.geometry import profile
-from cycloid_mj.parts.convex.settings import ConvexSettings
+from cycloid_mj.parts.convex.settings import METHOD, ConvexSettings
 from cycloid_mj.reducer import Reducer
-
-WALL_SHARE = 0.25
-"""Thickness of slices relative to the thinnest wall: slices from both sides leave half of it."""
 
 
 def gear_depth(reducer: Reducer, settings: ConvexSettings) -> float:
@@ -22,7 +19,7 @@ def gear_depth(reducer: Reducer, settings: ConvexSettings) -> float:
         valley - output.pin_circle_radius - hole,
         _lobe_width(reducer),
     )
-    return min(settings.depth * design.ring.pin_radius, WALL_SHARE * min(walls))
+    return min(settings.depth * design.ring.pin_radius, METHOD.wall_share * min(walls))
 
 
 def housing_depth(reducer: Reducer, settings: ConvexSettings) -> float:
@@ -36,7 +33,7 @@ def housing_depth(reducer: Reducer, settings: ConvexSettings) -> float:
         socket = ring.pin_radius + design.socket_play
         between = 2.0 * (ring.pin_circle_radius * math.sin(math.pi / ring.teeth) - socket)
         walls = [design.housing.outer_radius - ring.pin_circle_radius - socket, between]
-    return min(settings.depth * ring.pin_radius, WALL_SHARE * min(walls))
+    return min(settings.depth * ring.pin_radius, METHOD.wall_share * min(walls))
 
 
 def _lobe_width(reducer: Reducer) -> float:

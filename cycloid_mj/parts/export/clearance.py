@@ -18,8 +18,16 @@ TOLERANCE = 2e-8
 WALL_ROUNDING = 1e-9
 """Relative tolerance of the radius of the wall between the sockets; points of sockets are further out."""
 
-_STARTS_PER_LOBE = 200
-_NEWTON_STEPS = 20
+
+@dataclass(frozen=True)
+class DistanceSearch:
+    """Settings of the search for the nearest point of a flank by Newton's method."""
+
+    starts_per_lobe: int = 200  # start points on each lobe
+    newton_steps: int = 20  # number of steps: convergence is quadratic
+
+
+SEARCH = DistanceSearch()
 
 
 @dataclass(frozen=True)
@@ -36,11 +44,11 @@ def flank_distance(gear: profile.CycloidGear, points: Array) -> Array:
     """Compute the depth of points (n, 2) [m] inside the trochoid of a disc [m], by Newton's method."""
     from scipy.spatial import cKDTree
 
-    grid = 2.0 * np.pi * np.arange(_STARTS_PER_LOBE * gear.lobes) / (_STARTS_PER_LOBE * gear.lobes)
+    grid = 2.0 * np.pi * np.arange(SEARCH.starts_per_lobe * gear.lobes) / (SEARCH.starts_per_lobe * gear.lobes)
     # the outline, not the trochoid: points in a lobe's tip are nearer to other stretches of the trochoid
     _, nearest = cKDTree(profile.outline(gear, grid)).query(points)
     t = grid[nearest]
-    for _ in range(_NEWTON_STEPS):
+    for _ in range(SEARCH.newton_steps):
         away = profile.trochoid(gear, t) - points
         first, second = profile.trochoid_derivatives(gear, t)
         step = np.sum(away * first, axis=1) / (np.sum(first**2, axis=1) + np.sum(away * second, axis=1))

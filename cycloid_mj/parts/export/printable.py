@@ -1,6 +1,7 @@
 """Printability: warnings of thin walls, small holes and overhangs, and a test coupon for the printer offset."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -16,32 +17,42 @@ from cycloid_mj.reducer import Reducer
 MIN_HOLE = 2.0e-3
 """Diameter below which printed holes close (assumed) [m]."""
 
-CLEARANCES = (50e-6, 100e-6, 200e-6)
-"""Clearances of the sockets of the coupon around its pin [m]."""
 
-PIN, HEIGHT, WALL, MARK = 4e-3, 8e-3, 4e-3, 0.8e-3
-"""Coupon: radius of the pin, height of both parts, wall around sockets, radius of the marks [m]."""
+@dataclass(frozen=True)
+class Coupon:
+    """Test print of the clearance of a pin in a socket; lengths in metres."""
+
+    clearances: tuple[float, ...] = (50e-6, 100e-6, 200e-6)  # clearances of the sockets around the pin
+    pin_radius: float = 4e-3  # radius of the pin
+    height: float = 8e-3  # height of the block; the pin has twice that
+    wall: float = 4e-3  # wall around the sockets
+    mark_radius: float = 0.8e-3  # radius of the holes that mark the sockets
+
+
+COUPON = Coupon()
 
 
 def coupon(chord_error: float) -> dict[str, Solid]:
-    """Return a block with a socket for each of `CLEARANCES`, marked by one to three holes, and its pin."""
-    pitch = 2.0 * (PIN + WALL)
-    length, depth = pitch * len(CLEARANCES), pitch + 4.0 * MARK
+    """Return a block with a socket for each of `COUPON.clearances`, marked by one to three holes, and its pin."""
+    pitch = 2.0 * (COUPON.pin_radius + COUPON.wall)
+    length, depth = pitch * len(COUPON.clearances), pitch + 4.0 * COUPON.mark_radius
     corners = np.array([[0.0, 0.0], [length, 0.0], [length, depth], [0.0, depth]])
     holes: list[Array] = []
-    for number, clearance in enumerate(CLEARANCES):
+    for number, clearance in enumerate(COUPON.clearances):
         x, y = (number + 0.5) * pitch, 0.5 * pitch
-        holes.append(circle(PIN + clearance, chord_error, (x, y)))
+        holes.append(circle(COUPON.pin_radius + clearance, chord_error, (x, y)))
         for mark in range(number + 1):
-            holes.append(circle(MARK, chord_error, (x + 4.0 * MARK * (mark - 0.5 * number), pitch)))
-    block = Prism(corners, tuple(holes), 0.0, HEIGHT)
-    pin = Prism(circle(PIN, chord_error), (), 0.0, 2.0 * HEIGHT)
+            holes.append(
+                circle(COUPON.mark_radius, chord_error, (x + 4.0 * COUPON.mark_radius * (mark - 0.5 * number), pitch))
+            )
+    block = Prism(corners, tuple(holes), 0.0, COUPON.height)
+    pin = Prism(circle(COUPON.pin_radius, chord_error), (), 0.0, 2.0 * COUPON.height)
     return {name: Solid(name, (one,), 1.0) for name, one in (("coupon_block", block), ("coupon_pin", pin))}
 
 
 def coupon_words() -> str:
     """Return instructions for using the fit of the coupon in an export."""
-    sizes = ", ".join(f"{number} {1e6 * clearance:g}" for number, clearance in enumerate(CLEARANCES, start=1))
+    sizes = ", ".join(f"{number} {1e6 * clearance:g}" for number, clearance in enumerate(COUPON.clearances, start=1))
     return (
         "coupon: print coupon_block and coupon_pin; the first socket in which the pin turns, by its marks, tells "
         f"--offset-um: {sizes}"

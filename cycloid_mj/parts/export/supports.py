@@ -8,20 +8,23 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.parts import Mesh, Prism, Solid, circle, mesh
-from cycloid_mj.parts.mesh import UNIT
+from cycloid_mj.parts.mesh import GRIDS
 from cycloid_mj.parts.polygon import signed_area, within
 
-GAP_BELOW, GAP_ASIDE = 0.2e-3, 0.4e-3
-"""Gap of a support below its face (a layer) and next to walls (a line of a 0.4 mm nozzle), both assumed [m]."""
 
-MAX_BRIDGE, MAX_LEDGE = 8e-3, 0.5e-3
-"""Diameter of hole ends and width of ledges that are printed without support (assumed) [m]."""
+@dataclass(frozen=True)
+class SupportSettings:
+    """Settings of supports for a nozzle of 0.4 mm and layers of 0.2 mm (assumed)."""
 
-SLIVER_AREA = 1e-12
-"""Twice the area below which a triangle has no direction [m2]."""
+    gap_below: float = 0.2e-3  # gap of a support below its face, a layer [m]
+    gap_aside: float = 0.4e-3  # gap of a support next to walls, a line of the nozzle [m]
+    max_bridge: float = 8e-3  # largest diameter of the end of a hole that is printed as a bridge [m]
+    max_ledge: float = 0.5e-3  # largest width of a ledge that is printed without support [m]
+    sliver_area: float = 1e-12  # twice the area below which a triangle has no direction [m2]
+    circle_tolerance: float = 1e-8  # largest difference of the radii of the vertices of a circle [m]
 
-CIRCLE_TOLERANCE = 1e-8
-"""Largest difference of the radii of the vertices of a circle [m]."""
+
+SUPPORTS = SupportSettings()
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,12 +42,14 @@ def overhangs(shape: Mesh) -> Iterator[Overhang]:
     corners = shape.vertices[shape.faces]
     a, b, c = corners.transpose(1, 0, 2)
     level = np.ptp(corners[..., 2], axis=1) == 0.0
-    down = level & (np.cross(b - a, c - a)[:, 2] < -SLIVER_AREA) & (a[:, 2] > 0.0)
+    down = level & (np.cross(b - a, c - a)[:, 2] < -SUPPORTS.sliver_area) & (a[:, 2] > 0.0)
     for z in np.unique(a[down, 2]):
-        triangles = corners[down & (a[:, 2] == z)][:, ::-1, :2] / UNIT
+        triangles = corners[down & (a[:, 2] == z)][:, ::-1, :2] / GRIDS.unit
         for region in manifold3d.CrossSection(list(triangles)).decompose():
-            outline, *holes = sorted((UNIT * ring for ring in region.to_polygons()), key=signed_area, reverse=True)
-            face = Overhang(float(z), outline, tuple(hole[::-1] for hole in holes), region.area() * UNIT**2)
+            outline, *holes = sorted(
+                (GRIDS.unit * ring for ring in region.to_polygons()), key=signed_area, reverse=True
+            )
+            face = Overhang(float(z), outline, tuple(hole[::-1] for hole in holes), region.area() * GRIDS.unit**2)
             if not _is_bridged(face):
                 yield face
 
@@ -56,7 +61,7 @@ def support(solid: Solid, under: Overhang, chord_error: float) -> Mesh | None:
         return None
     (middle, radius), inner = outer, _largest(under.holes)
     width = radius - (inner[1] if inner else 0.0)
-    gap = min(GAP_ASIDE, 0.25 * width)
+    gap = min(SUPPORTS.gap_aside, 0.25 * width)
     outline = circle(radius - gap, chord_error, middle)
     holes: tuple[Array, ...] = ()
     if inner:
@@ -68,8 +73,10 @@ def support(solid: Solid, under: Overhang, chord_error: float) -> Mesh | None:
     if len(floors) > 1:
         return None
     floor = floors.pop()
-    low = floor + GAP_BELOW if floor else 0.0
-    return mesh(Prism(outline, holes, low, under.z - GAP_BELOW)) if low < under.z - GAP_BELOW else None
+    low = floor + SUPPORTS.gap_below if floor else 0.0
+    return (
+        mesh(Prism(outline, holes, low, under.z - SUPPORTS.gap_below)) if low < under.z - SUPPORTS.gap_below else None
+    )
 
 
 def _is_bridged(face: Overhang) -> bool:
@@ -77,7 +84,7 @@ def _is_bridged(face: Overhang) -> bool:
     outer, inner = _circle_of(face.outline), _largest(face.holes)
     if not outer:
         return False
-    return outer[1] - inner[1] <= MAX_LEDGE if inner else 2.0 * outer[1] <= MAX_BRIDGE
+    return outer[1] - inner[1] <= SUPPORTS.max_ledge if inner else 2.0 * outer[1] <= SUPPORTS.max_bridge
 
 
 def _largest(holes: tuple[Array, ...]) -> tuple[tuple[float, float], float] | None:
@@ -90,7 +97,7 @@ def _circle_of(loop: Array) -> tuple[tuple[float, float], float] | None:
     """Return centre and radius of a closed loop [m] if it is a circle, else None."""
     x, y = loop.mean(axis=0)  # corners of circles are even
     radii = np.hypot(loop[:, 0] - x, loop[:, 1] - y)
-    return ((float(x), float(y)), float(radii.mean())) if np.ptp(radii) < CIRCLE_TOLERANCE else None
+    return ((float(x), float(y)), float(radii.mean())) if np.ptp(radii) < SUPPORTS.circle_tolerance else None
 
 
 def _floors(solid: Solid, points: Array, z: float) -> set[float]:
