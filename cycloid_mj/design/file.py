@@ -240,7 +240,7 @@ def _plain(value: Any) -> Any:
 
 
 def dump(design: Design, reasons: Mapping[str, str] | None = None) -> str:
-    """Write the complete commented design file of a design; reading it back gives an equal design.
+    """Write the complete commented design file of a design; the design that is read back is equal.
 
     `reasons` explain values, by ``table.name`` as in the model, or by the name of a value in no table.
     """
@@ -363,7 +363,7 @@ def _number_to_si(unit: Unit, value: Any) -> Any:
 
 
 def _expand_sparse_lists(values: dict[str, Any], where: str) -> dict[str, Any]:
-    """Expand lists given as ``{3 = 5.0}``: the third value 5 and the others 0."""
+    """Expand lists such as ``{3 = 5.0}``: the third value 5 and the others 0."""
     for table, section in values.items():
         inner = section_of(Design.model_fields[table])
         fields = inner.model_fields if inner else {}
@@ -383,7 +383,7 @@ def _count(values: Mapping[str, Any], table: str, name: str) -> Any:
 def _full_list(sparse: Mapping[str, Any], counts: Sequence[Any], where: str) -> tuple[Any, ...]:
     """List as many values as there are parts, 0 but for those named by their number from 1 on."""
     if not all(isinstance(count, int) and count <= LIMITS.list_length for count in counts):
-        return tuple(sparse.values())  # their number is none that is allowed: that is what will be told
+        return tuple(sparse.values())  # the validation reports the number of parts, which is out of range
     number = math.prod(counts)
     parts = [str(part) for part in range(1, number + 1)]
     for part in sparse:

@@ -1,7 +1,7 @@
 """Limits and fits of ISO 286-1:2010, up to 500 mm: standard tolerances, zones of shafts and holes, clearances of fits.
 
-A zone is a letter, which places it beside the nominal size (fundamental deviation), and a grade, its width: small
-letters are shafts, large ones holes. Holes follow from shafts by the rules of the standard: up to H and for JS they are
+A zone is a letter, the fundamental deviation from the nominal size, and a grade, its width: small letters are
+shafts, capital letters holes. Holes follow from shafts by the rules of the standard: up to H and for JS they are
 mirrored, beyond H mirrored and, in fine grades, moved by the difference of two neighbouring grades.
 """
 

@@ -1,4 +1,4 @@
-"""Materials by name: what a part is made of when the design file gives no numbers of its own.
+"""Materials by name, with the properties of parts for which the design file states none.
 
 Values at 23 °C, in SI, as their sources print them; strengths of steels go with the heat treatment, of plastics with
 time and temperature. A plastic's modulus is that of a short test: under a load that stays, Hostaform C 9021 (POM) has
@@ -39,8 +39,8 @@ class Entry:
     surface_yield
         Yield strength of a hardened surface [Pa]; 0: that of the body.
     endurance_pressure
-        Hertz's pressure that a surface bears 10^7 times without pits [Pa]; 0: of steel by its tensile strength, of
-        others there is none.
+        Hertzian pressure that a surface withstands 10^7 times without pits [Pa]; 0: that of steel follows from its
+        tensile strength, and other materials have none.
     """
 
     youngs_modulus: float

@@ -322,7 +322,7 @@ class Shaft(Section):
 
 
 class Housing(Section):
-    """The housing that holds the pins or forms the internal gear."""
+    """The housing, which supports the pins or forms the internal gear."""
 
     outer_radius: float = quantity(
         50.0, "outer radius of the pinwheel or internal gear", u.MILLIMETRE, ge=0.001, le=5000.0
@@ -456,7 +456,7 @@ class Modification(Section):
 class Friction(Section):
     """Coulomb friction coefficient of each mating pair, at the surface where its two parts meet.
 
-    Catalogues give the torque of a rolling bearing as 0.5 mu P d with its bore d, and mu = 0.0020 for caged needle
+    Catalogues state the torque of a rolling bearing as 0.5 mu P d with its bore d, and mu = 0.0020 for caged needle
     rollers (SKF, Rolling bearings, "Constant coefficient of friction"; JTEKT, Bearing knowledge, table 8-1: 0.0020 to
     0.0030; cylindrical rollers 0.0008 to 0.0012). Here the coefficient acts at the radius of the cam and at the rim
     of the rollers of output pins, as if these were the bore, which is an upper bound. If ``output.core_radius`` is

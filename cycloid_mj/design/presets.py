@@ -12,8 +12,8 @@ def _make_printed() -> Design:
 
     Source: github.com/JelmerV/Anti-Backlash-Cycloidal-Actuator (CC BY-SA 4.0), ``CAD source/parameters.txt``, and the
     parts that ``Documentation/Bill of Materials.xlsx`` names: HK0509 needle rollers on 5 mm output pins, HK1522 with an
-    inner ring 12 x 15 x 22.5 on the shaft. What it does not give is assumed, each value with its `reasons`, and one is
-    otherwise: the ring has the double-enveloping internal gear, printed, where this one has pins of steel. Its shaft
+    inner ring 12 x 15 x 22.5 on the shaft. Other values are assumed, each with its `reasons`. One differs: the
+    ring has the double-enveloping internal gear, printed, where this one has pins of steel. Its shaft
     is stepped to a 6803 and a 6806, here its bearings stand on the 12 mm of the inner ring.
     """
     mm, um = MILLIMETRE.to_si, MICROMETRE.to_si
@@ -44,8 +44,8 @@ def _make_printed() -> Design:
 def _make_twodisc() -> Design:
     """Return a drive with two discs, of a worked calculation: github.com/kubakos/cycloid-drive-generator.
 
-    It gives ratio, teeth, discs, output pins, input torque and speed, and the rating of the bearings on the eccentrics.
-    What it does not give is assumed, each value with its `reasons`.
+    Ratio, teeth, discs, output pins, input torque and speed, and the rating of the bearings on the eccentrics. Other
+    values are assumed, each with its `reasons`.
     """
     mm, um = MILLIMETRE.to_si, MICROMETRE.to_si
     return Design(name="twodisc", structure="springs").but(

@@ -14,7 +14,7 @@ from itertools import pairwise
 MM, KN = 1e-3, 1e3
 
 OFF = 1.25
-"""How much longer or shorter than asked for the reach of pins in stock may be."""
+"""Largest ratio of the lengths of pins in stock to the requested length, or of that to them."""
 
 ROUNDING = 1e-7
 """Within which sizes are the same [m]."""
@@ -42,12 +42,24 @@ _DOWELS = {
 """ISO 8734:1997, table 1, hardened, m6: diameter -> shortest and longest of `_LENGTHS`; as in FreeCAD's Fasteners
 workbench (``FsData/iso8734range.csv``)."""
 
-_GAUGES, _GAUGE_LENGTH, _GAUGE_STEP = (0.2, 1.0), 40, 0.01
-"""DIN 2269:1998 (0.1 to 20 mm), as sold: +-2 um, in steps of 0.01 mm; least and largest diameter that is taken, length
-of the usual sets (assumed), step. For ring pins below 1 mm, which ISO 8734 does not have."""
 
-_LONG_GAUGES, _LONG_GAUGE_LENGTH = (1.0, 20.0), 70
-"""The same from 1 mm on: least and largest diameter, and the length of the usual sets (assumed)."""
+@dataclass(frozen=True)
+class _Gauges:
+    """A set of pin gauges: smallest and largest diameter, length and step [mm]."""
+
+    low: float
+    high: float
+    length: int
+    step: float = 0.01
+
+    def includes(self, size: float) -> bool:
+        """Return whether the set has a gauge of a diameter [mm]."""
+        return self.low <= size <= self.high and abs(size / self.step - round(size / self.step)) < 1e-6
+
+
+_GAUGES, _LONG_GAUGES = _Gauges(0.2, 1.0, 40), _Gauges(1.0, 20.0, 70)
+"""DIN 2269:1998 (0.1 to 20 mm), as sold: +-2 um; the lengths are those of the usual sets (assumed). The first is for
+ring pins below 1 mm, which ISO 8734 does not have."""
 
 _ROLLERS = {
     1: (5.8, 9.8),
@@ -146,7 +158,7 @@ _THIN_BALL_BEARINGS = """
 dynamic and static load rating [kN] of FBJ's miniature and thin section bearings (68); 618/9 as 618/8 (assumed).
 """
 
-_BARS = (3, 4, 5, 6, 8, 10, 12, 14, 15, 16, 18, 20, 25, 30, 35, 40, 45, 50, 55, 60, 80)
+_BARS = (3, 4, 5, 6, 8, 10, 12, 14, 15, 16, 18, *range(20, 61, 5), 80)
 """Diameters of shafts of hardened and ground steel, h6, by the metre (ISO 13012-1 has bushings for most of them)."""
 
 _BOLTS = """
@@ -184,8 +196,9 @@ _BOLT_HOLES = {1.6: 1.8, 2: 2.4, 2.5: 2.9, 3: 3.4, 4: 4.5, 5: 5.5, 6: 6.6, 8: 9,
 _PITCHES = {1.6: 0.35, 2: 0.4, 2.5: 0.45, 3: 0.5, 4: 0.7, 5: 0.8, 6: 1, 8: 1.25, 10: 1.5, 12: 1.75, 16: 2}
 """ISO 261:1998, coarse pitch of a thread [mm]."""
 
-_HEAD_FACES = (2.72, 3.48, 4.18, 5.07, 6.53, 8.03, 9.38, 12.33, 15.33, 17.23, 23.17)
-_HEAD_BEARINGS = dict(zip(_PITCHES, _HEAD_FACES, strict=True))
+_HEAD_BEARINGS = dict(
+    zip(_PITCHES, (2.72, 3.48, 4.18, 5.07, 6.53, 8.03, 9.38, 12.33, 15.33, 17.23, 23.17), strict=True)
+)
 """ISO 4762:2004, table 1, d_w min: thread -> diameter of the bearing face under the head [mm]."""
 
 _INSERTS = """
@@ -271,8 +284,8 @@ class Insert:
 @cache
 def pin_diameters() -> tuple[float, ...]:
     """List the diameters of hardened pins [m], from the thinnest on."""
-    steps = range(round(_GAUGES[0] / _GAUGE_STEP), round(_GAUGES[1] / _GAUGE_STEP))
-    return tuple(round(size * MM, 9) for size in (*(step * _GAUGE_STEP for step in steps), *_DOWELS))
+    numbers = range(round(_GAUGES.low / _GAUGES.step), round(_GAUGES.high / _GAUGES.step))
+    return tuple(round(size * MM, 9) for size in (*(number * _GAUGES.step for number in numbers), *_DOWELS))
 
 
 def dowel_diameters() -> tuple[float, ...]:
@@ -292,8 +305,8 @@ def pins(diameter: float, reach: float) -> tuple[Dowel, int] | None:
         usual = [length for length in _LENGTHS if shortest <= length <= longest]
         length = usual[min(bisect_left(usual, needed / count - 1e-6), len(usual) - 1)]
         return Dowel(f"ISO 8734 - {size:g} x {length} - A", diameter, length * MM), int(count)
-    if _GAUGES[0] <= size < _GAUGES[1] and abs(size / _GAUGE_STEP - round(size / _GAUGE_STEP)) < 1e-6:
-        return Dowel(f"DIN 2269 - {size:.2f} x {_GAUGE_LENGTH}", diameter, _GAUGE_LENGTH * MM), 1
+    if size < _GAUGES.high and _GAUGES.includes(size):
+        return Dowel(f"DIN 2269 - {size:.2f} x {_GAUGES.length}", diameter, _GAUGES.length * MM), 1
     return None
 
 
@@ -312,16 +325,12 @@ def free_pin(diameter: float, reach: float, play: float) -> Roller | None:
         cut = 0.0 if sold else reach / count - 2.0 * play
         length = sold or next(one for one in lengths if one >= needed / count - 2.0 * play / MM - 1e-6)
         return Roller(f"ISO 3096 - {size:g} x {length:g} - G2", "0/-2 um", diameter, length * MM, int(count), cut)
-    longest = next((long for (low, high), long in _gauges() if low <= size <= high), 0.0)
-    if not longest or abs(size / _GAUGE_STEP - round(size / _GAUGE_STEP)) > 1e-6:
+    longest = next((gauges.length for gauges in (_GAUGES, _LONG_GAUGES) if gauges.includes(size)), 0)
+    if not longest:
         return None
     count = int(max(-(-(needed - 2.0 * play / MM) // longest), 1))
     designation = f"DIN 2269 - {size:.2f} x {longest:g}"
     return Roller(designation, "+-1 um", diameter, longest * MM, count, reach / count - 2.0 * play)
-
-
-def _gauges() -> tuple[tuple[tuple[float, float], float], ...]:
-    return (_GAUGES, _GAUGE_LENGTH), (_LONG_GAUGES, _LONG_GAUGE_LENGTH)
 
 
 def key_for(shaft: float, reach: float) -> Key | None:
@@ -358,7 +367,7 @@ def bar_diameters() -> tuple[float, ...]:
 
 @cache
 def needle_bearings() -> tuple[StockBearing, ...]:
-    """List needle roller bearings without inner ring by size: drawn cups, then machined ones."""
+    """List needle roller bearings without inner ring by size: drawn cups, then machined rings."""
     cups = [
         StockBearing(f"HK{bore:02g}{width:02g}", *_si(bore, out, width), dynamic * KN, static * KN)
         for bore, out, width, dynamic, static in _rows(_DRAWN_CUPS, 5)

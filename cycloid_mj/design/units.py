@@ -36,7 +36,7 @@ class Unit:
         """Convert an SI value to the shortest number in the file's unit that ``to_si`` turns into it again.
 
         Every value that came from a file has one. An SI value that falls between two of the file's floats
-        has none: then the nearest number is given, whose SI value differs in the last bit.
+        has none: then the nearest number is returned, whose SI value differs in the last bit.
         """
         near = value * self.divisor / self.multiplier
         shortened = (float(f"{near:.{digits}g}") for digits in (14, 15, 16))

@@ -6,7 +6,7 @@ from cycloid_mj.base import names
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.figures.figure import Compute, Figure, Need
 from cycloid_mj.geometry import profile
-from cycloid_mj.parts import carried, mass_properties, parts
+from cycloid_mj.parts import attached_parts, mass_properties, parts
 from cycloid_mj.reducer import Reducer, once
 
 CHORD_ERROR = 1e-6
@@ -16,7 +16,9 @@ CHORD_ERROR = 1e-6
 @once
 def masses(reducer: Reducer) -> dict[str, float]:
     """Compute the masses of the parts [kg] by name, including all ring pins (or sleeves), spacers and rollers."""
-    carried_parts = Counter(part for body in (names.SHAFT, names.OUTPUT) for part, _ in carried(reducer, body).values())
+    carried_parts = Counter(
+        part for body in (names.SHAFT, names.OUTPUT) for part, _ in attached_parts(reducer, body).values()
+    )
     counts = {names.PIN: reducer.design.ring.teeth, **carried_parts}
     return {
         name: mass_properties(solid).mass * counts.get(name, 1) for name, solid in parts(reducer, CHORD_ERROR).items()

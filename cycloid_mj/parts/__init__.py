@@ -13,8 +13,8 @@ from cycloid_mj.parts.mesh import Mesh, mesh
 from cycloid_mj.parts.output import output_centres, output_solid, pin_radius
 from cycloid_mj.parts.part import Part, PartSection, Stretch
 from cycloid_mj.parts.parts import (
+    attached_parts,
     body_solids,
-    carried,
     crank_solid,
     crank_stretches,
     lay_out_parts,
@@ -34,8 +34,8 @@ __all__ = [
     "Prism",
     "Solid",
     "Stretch",
+    "attached_parts",
     "body_solids",
-    "carried",
     "circle",
     "crank_solid",
     "crank_stretches",

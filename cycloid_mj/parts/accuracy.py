@@ -6,6 +6,15 @@ from cycloid_mj.reducer import Reducer
 VISUAL_CHORD_ERROR = 5e-6
 """Chord error of meshes for viewing [m]: a few thousand triangles per part."""
 
+EXPORT_CHORD_ERROR = 1e-6
+"""Chord error of exported meshes and polylines, and of the mass of a drive [m]: volumes are accurate to 1e-4."""
+
+SAME_LENGTH = 1e-9
+"""Tolerance of equal lengths [m], such as the radii of two circles or the heights of two faces: above rounding."""
+
+RELATIVE_ROUNDING = 1e-9
+"""Relative rounding allowance of a limit: a part of exactly the limit passes."""
+
 MASS_CHORD_ERROR = 5e-7
 """Chord error for mass properties, relative to the thinnest radius of the design."""
 

@@ -1,4 +1,4 @@
-"""Choice of the rolling bearing in stock for the cams; apart from `parts.export`, which takes 50 ms to import."""
+"""Choice of the rolling bearing in stock for the cams; outside `parts.export`, which takes 50 ms to import."""
 
 from cycloid_mj.design import stock
 from cycloid_mj.reducer import Reducer

@@ -9,11 +9,9 @@ from typing import Protocol
 import numpy as np
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.parts.accuracy import SAME_LENGTH
 from cycloid_mj.parts.curve import Circle, Curve, rotate_curve
 from cycloid_mj.parts.polygon import circle, rotate_points
-
-SAME_RADIUS = 1e-9
-"""Difference below which two radii are equal [m]; rounding errors are 1e-17."""
 
 
 class Contour(Protocol):
@@ -82,7 +80,7 @@ def with_matching_circles(contours: Sequence[Contour], chord_error: float) -> Se
         for centre, radii in centres.items()
         for group in _groups(sorted(radii), 2.0 * chord_error)
         if len(group) > 1
-        for same in _groups(group, SAME_RADIUS)
+        for same in _groups(group, SAME_LENGTH)
         for radius in same
     }
     if not matched:

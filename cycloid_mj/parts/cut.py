@@ -3,19 +3,18 @@
 import numpy as np
 
 from cycloid_mj.base.array import Array
+from cycloid_mj.parts.accuracy import SAME_LENGTH
 from cycloid_mj.parts.prism import Prism
-
-PLANE_OFFSET = 1e-9
-"""Offset of the plane from x = 0 [m], so that a vertex or an edge on it counts once."""
 
 
 def cut(prism: Prism, centre: tuple[float, float] = (0.0, 0.0)) -> list[tuple[float, float]]:
     """Return the intervals along y [m] of a prism, whose frame is at a centre [m], in the plane x = 0.
 
-    Successive crossings with its outline and holes bound material and gaps in turn.
+    Successive crossings with its outline and holes bound material and gaps in turn. The plane is `SAME_LENGTH` off, so
+    that a vertex or an edge on it counts once.
     """
     x, y = centre
-    crossings = np.sort(np.concatenate([_crossings(ring + np.array([x - PLANE_OFFSET, y])) for ring in _rings(prism)]))
+    crossings = np.sort(np.concatenate([_crossings(ring + np.array([x - SAME_LENGTH, y])) for ring in _rings(prism)]))
     return [(float(low), float(high)) for low, high in zip(crossings[::2], crossings[1::2], strict=True)]
 
 

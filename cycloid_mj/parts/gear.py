@@ -13,7 +13,7 @@ from cycloid_mj.geometry.modification import (
     sample_turned,
     tooth_profile,
 )
-from cycloid_mj.parts.accuracy import drawing_error
+from cycloid_mj.parts.accuracy import RELATIVE_ROUNDING, drawing_error
 from cycloid_mj.parts.contour import CircleContour, TurnedContour, circles_at
 from cycloid_mj.parts.curve import Curve, SmoothCurve, fit_splines, rotate_curve
 from cycloid_mj.parts.fit import require_above, require_below
@@ -26,9 +26,6 @@ from cycloid_mj.reducer import Reducer, once
 __all__ = ["gear_outline", "gear_part", "gear_profile", "gear_solid", "profile_offset", "section_area", "tooth_profile"]
 
 from cycloid_mj.base.array import Array
-
-ROUNDING = 1e-9
-"""Relative rounding allowance: a hole of exactly output pin + eccentricity passes."""
 
 
 def gear_part(reducer: Reducer, disc: int = 0) -> Part:
@@ -152,7 +149,7 @@ def _require_room(reducer: Reducer) -> None:
     """Raise DesignError unless bore, holes and valleys are separate and the output pins can orbit in the holes."""
     design = reducer.design
     gear, output, clearance = design.gear, design.output, design.clearance
-    orbit = (output.pin_radius + gear.eccentricity) * (1 - ROUNDING)
+    orbit = (output.pin_radius + gear.eccentricity) * (1 - RELATIVE_ROUNDING)
     half_pitch = output.pin_circle_radius * math.sin(math.pi / output.pins)
     to_bore = output.pin_circle_radius - output.hole_radius - clearance.output
     valley = reducer.gear_profile.pin_circle_radius - gear.eccentricity - reducer.profile_offset

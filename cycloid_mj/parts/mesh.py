@@ -16,7 +16,7 @@ from cycloid_mj.parts.prism import Prism, Solid
 Faces = npt.NDArray[np.int32]
 
 VOLUME_TOLERANCE = 1e-9
-"""Relative tolerance of areas and volumes: triangulations of a polygon differ by rounding, wrong ones by triangles."""
+"""Relative tolerance of areas and volumes: rounding is below, and a wrong triangle above it."""
 
 
 @dataclass(frozen=True)

@@ -75,13 +75,13 @@ def body_solids(reducer: Reducer) -> dict[str, Solid]:
     whole = {
         body: make(reducer.shape)
         for body, make in ((names.SHAFT, _whole_crank), (names.OUTPUT, _whole_output))
-        if carried(reducer, body)
+        if attached_parts(reducer, body)
     }
-    included = {part for body in whole for part, _ in carried(reducer, body).values()}
+    included = {part for body in whole for part, _ in attached_parts(reducer, body).values()}
     return {name: whole.get(name, solid) for name, solid in parts(reducer).items() if name not in included}
 
 
-def carried(reducer: Reducer, body: str) -> dict[str, tuple[str, Array]]:
+def attached_parts(reducer: Reducer, body: str) -> dict[str, tuple[str, Array]]:
     """Return the parts that shaft or output carry in addition to their own: cams and spacers, or rollers.
 
     For the name of each copy: its part, and its position in the frame of the carrying part, shape (3,) [m].
@@ -128,7 +128,7 @@ def _whole_output(reducer: Reducer) -> Solid:
     (tube,) = parts[names.ROLLER].prisms
     rollers = [
         Prism(tube.outline + place[:2], tuple(hole + place[:2] for hole in tube.holes), tube.z0 + z, tube.z1 + z)
-        for _, place in carried(reducer, names.OUTPUT).values()
+        for _, place in attached_parts(reducer, names.OUTPUT).values()
         for z in (float(place[2]),)
     ]
     output = parts[names.OUTPUT]

@@ -6,7 +6,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import HOUSING, OUTPUT, SHAFT, family, gears
-from cycloid_mj.parts import Mesh, Solid, carried, mesh, parts
+from cycloid_mj.parts import Mesh, Solid, attached_parts, mesh, parts
 from cycloid_mj.parts.parts import COLOURS as SOLID
 from cycloid_mj.parts.parts import Colour, tint
 from cycloid_mj.reducer import Reducer
@@ -38,7 +38,7 @@ def shapes(reducer: Reducer) -> dict[str, tuple[Piece, ...]]:
     up. A built-up crank is the shaft with its cams and spacers, the output has its rollers; several discs are in their
     planes.
     """
-    solids, copies = parts(reducer, CHORD_ERROR), {by: carried(reducer, by) for by in (SHAFT, OUTPUT)}
+    solids, copies = parts(reducer, CHORD_ERROR), {by: attached_parts(reducer, by) for by in (SHAFT, OUTPUT)}
     planes = {
         name: np.array([0.0, 0.0, plane])
         for name, plane in zip(gears(reducer.design.gear.discs), reducer.design.gear.disc_planes, strict=True)

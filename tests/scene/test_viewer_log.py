@@ -27,7 +27,7 @@ from cycloid_mj.geometry import profile
 from cycloid_mj.log import LogWriter, load, read
 from cycloid_mj.log import write as write_run
 from cycloid_mj.log.viewer import due
-from cycloid_mj.parts import carried, mass_properties, parts
+from cycloid_mj.parts import attached_parts, mass_properties, parts
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene import RATE, Scene, contact_forces, frame_rate, poses, ring_places
@@ -156,7 +156,8 @@ def test_parts_are_the_solids_seen_through_a_gltf_viewer(kind):
         mesh.merge_vertices(merge_norm=True)
         own = np.array([0.0, 0.0, planes.get(name, 0.0)])
         truths = [
-            (mass_properties(solids[part]), at) for part, at in [(name, own), *carried(Reducer(design), name).values()]
+            (mass_properties(solids[part]), at)
+            for part, at in [(name, own), *attached_parts(Reducer(design), name).values()]
         ]
         volume = sum(truth.volume for truth, _ in truths)
         centroid = sum(truth.volume * (truth.centroid + at) for truth, at in truths) / volume

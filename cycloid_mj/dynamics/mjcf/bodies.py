@@ -11,7 +11,7 @@ from cycloid_mj.base.array import Array, on_grid, significant
 from cycloid_mj.dynamics.contact.gap import Flank, Trochoid
 from cycloid_mj.dynamics.contact.teeth import Teeth, user_data
 from cycloid_mj.geometry.modification import FlankEnds, flank_ends
-from cycloid_mj.parts import MassProperties, carried
+from cycloid_mj.parts import MassProperties, attached_parts
 from cycloid_mj.parts.parts import COLOURS, Colour, tint
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Body, Role, Surfaces
@@ -79,7 +79,7 @@ def crank_inertia(reducer: Reducer, shaft: MassProperties) -> float:
 
 def seen(reducer: Reducer, body: Body) -> list[tuple[str, Array]]:
     """List the parts that a body is seen by, and the place (x, y, z) of each in its frame, shape (3,) [m]."""
-    return [(body.part, np.zeros(3)), *carried(reducer, body.part).values()]
+    return [(body.part, np.zeros(3)), *attached_parts(reducer, body.part).values()]
 
 
 def colour(part: str) -> Colour:

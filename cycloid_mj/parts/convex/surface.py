@@ -95,12 +95,12 @@ def prism(surface: ConvexSurface, number: int) -> Prism:
     return Prism(surface.slices[number].outline, (), -surface.half_width, surface.half_width)
 
 
-def placed_outline(surface: ConvexSurface, place: SlicePlacement) -> Array:
+def placed_outline(surface: ConvexSurface, placement: SlicePlacement) -> Array:
     """Compute the outline of a placed slice, counter-clockwise, in the frame of the part (n, 2) [m]."""
-    points = surface.slices[place.slice].outline
-    if place.mirrored:
+    points = surface.slices[placement.slice].outline
+    if placement.mirrored:
         points = (points * [-1.0, 1.0])[::-1]
-    return rotate_clockwise(points, place.angle) + place.centre
+    return rotate_clockwise(points, placement.angle) + placement.centre
 
 
 def convex_slice(

@@ -15,7 +15,7 @@ from cycloid_mj.base.frame import Cell, Frame, make_frame
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.parts import Mesh, Part, PartSection, Solid, lay_out_parts, mass_properties, mesh, part_sections, parts
-from cycloid_mj.parts.accuracy import mass_chord_error
+from cycloid_mj.parts.accuracy import EXPORT_CHORD_ERROR, mass_chord_error
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.curve import Arc, Circle, Curve, LineSegment, Spline
 from cycloid_mj.parts.export.assembly import assembly_parts, assembly_sections, assembly_step, places
@@ -85,13 +85,10 @@ from cycloid_mj.base.units import MILLIMETRES
 Format = Literal["stl", "obj", "dxf", "svg", "step"]
 FORMATS: tuple[Format, ...] = ("stl", "obj", "dxf", "svg", "step")
 
-CHORD_ERROR = 1e-6
-"""Chord error of exported meshes and polylines [m]."""
+CHORD_ERROR = EXPORT_CHORD_ERROR
 
 VOLUME_TOLERANCE = 1e-3
 """Relative tolerance of volumes, the accuracy of OpenCASCADE on splines; a lost hole changes far more."""
-
-_POINTS_PER_CURVE = 200
 
 
 @dataclass(frozen=True, repr=False)
@@ -339,14 +336,14 @@ def _loop_points(loop: tuple[Curve, ...]) -> Array:
     return np.concatenate([_curve_points(curve) for curve in loop])
 
 
-def _curve_points(curve: Curve) -> Array:
-    """Compute points along a curve (n, 2) [m]."""
+def _curve_points(curve: Curve, count: int = 200) -> Array:
+    """Compute `count` points along a curve (n, 2) [m]; the ends of a line."""
     match curve:
         case Spline():
-            return curve.points(_POINTS_PER_CURVE)
+            return curve.points(count)
         case LineSegment():
             return np.array([curve.start, curve.end])
         case _:
             start, end = (curve.start, curve.end) if isinstance(curve, Arc) else (0.0, 2.0 * np.pi)
-            angle = np.linspace(start, end, _POINTS_PER_CURVE)
+            angle = np.linspace(start, end, count)
             return np.array(curve.centre) + curve.radius * np.column_stack([np.cos(angle), np.sin(angle)])

@@ -7,7 +7,7 @@ import numpy as np
 from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.geometry.profile import unit
-from cycloid_mj.parts import Part, PartSection, carried, output_centres
+from cycloid_mj.parts import Part, PartSection, attached_parts, output_centres
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.export.bearings import cam_radius, cam_seat, pin_pieces
 from cycloid_mj.parts.export.casing import (
@@ -80,7 +80,7 @@ def _places(reducer: Reducer, crank: float, sizes: Casing | None) -> Iterator[Pl
     for body, angle in turned.items():
         yield _rotated_place(body, body, origin, angle, body)
     rollers = roller_places(reducer) if design.output.rollers else {}
-    for body, attached in ((names.SHAFT, carried(reducer, names.SHAFT)), (names.OUTPUT, rollers)):
+    for body, attached in ((names.SHAFT, attached_parts(reducer, names.SHAFT)), (names.OUTPUT, rollers)):
         for name, (part, position) in attached.items():
             yield _rotated_place(name, part, position, turned[body], names.ROLLER if part == names.ROLLER else body)
     if not in_one_piece(reducer):

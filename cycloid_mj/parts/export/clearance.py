@@ -9,14 +9,12 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.geometry import profile
 from cycloid_mj.parts import output_centres
+from cycloid_mj.parts.accuracy import RELATIVE_ROUNDING
 from cycloid_mj.parts.polygon import rotate_clockwise
 from cycloid_mj.reducer import Reducer
 
 TOLERANCE = 2e-8
 """Allowed deviation of a clearance from the design [m]."""
-
-WALL_ROUNDING = 1e-9
-"""Relative tolerance of the radius of the wall between the sockets; points of sockets are further out."""
 
 
 @dataclass(frozen=True)
@@ -136,4 +134,4 @@ def _socket_points(reducer: Reducer, ring_loop: Array) -> Array:
     centres = ring.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(ring.teeth) / ring.teeth)
     distance, _ = cKDTree(centres).query(ring_loop)
     radius = np.linalg.norm(ring_loop, axis=1)
-    return np.asarray(distance, dtype=np.float64)[radius > radius.min() * (1.0 + WALL_ROUNDING)]
+    return np.asarray(distance, dtype=np.float64)[radius > radius.min() * (1.0 + RELATIVE_ROUNDING)]

@@ -2,6 +2,7 @@
 
 from cycloid_mj.base import names
 from cycloid_mj.parts import mass_properties
+from cycloid_mj.parts.accuracy import EXPORT_CHORD_ERROR
 from cycloid_mj.parts.export.assembly import assembly_parts, places
 from cycloid_mj.parts.export.casing import FLANGE, MOTOR_COVER, OUTPUT_COVER, casing, casing_or_none
 from cycloid_mj.parts.export.printing import PrintedPart, manufactured_parts
@@ -9,9 +10,6 @@ from cycloid_mj.reducer import Reducer, once
 
 BEARING_FILL = 0.67
 """Mass of a rolling bearing relative to a solid ring: 608, 61804, 6204, HK1010 have 0.66 to 0.70 (SKF)."""
-
-CHORD_ERROR = 1e-6
-"""Largest distance of a chord from its curve [m]; volumes are accurate to 1e-4."""
 
 TURNING = {names.OUTPUT: (names.OUTPUT, FLANGE), names.HOUSING: (names.HOUSING, MOTOR_COVER, OUTPUT_COVER)}
 """Parts that rotate with the loaded body, by body."""
@@ -35,7 +33,7 @@ def drive_mass(reducer: Reducer) -> float:
     sizes = casing(one)
     laid = assembly_parts(one, sizes)
     share = {name: BEARING_FILL if name.endswith("_bearing") else 1.0 for name in laid}
-    mass = {name: share[name] * mass_properties(part.solid(CHORD_ERROR)).mass for name, part in laid.items()}
+    mass = {name: share[name] * mass_properties(part.solid(EXPORT_CHORD_ERROR)).mass for name, part in laid.items()}
     return sum(mass[place.part] for place in places(one, 0.0, sizes))
 
 
@@ -47,7 +45,7 @@ def casing_inertia(reducer: Reducer) -> float:
     DesignError
         A part does not fit.
     """
-    bare, cased = (manufactured_parts(reducer, CHORD_ERROR, sizes=sizes) for sizes in (None, casing(reducer)))
+    bare, cased = (manufactured_parts(reducer, EXPORT_CHORD_ERROR, sizes=sizes) for sizes in (None, casing(reducer)))
     slow, fast = (
         sum(_inertia(cased.get(name)) - _inertia(bare.get(name)) for name in turning)
         for turning in (TURNING[reducer.mechanism.turning], (names.SHAFT,))

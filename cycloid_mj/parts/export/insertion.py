@@ -13,7 +13,7 @@ import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.parts import Prism
-from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
+from cycloid_mj.parts.accuracy import SAME_LENGTH, VISUAL_CHORD_ERROR
 from cycloid_mj.parts.export.assembly import assembly_parts, places
 from cycloid_mj.parts.export.casing import (
     CAM_BEARING,
@@ -35,7 +35,6 @@ from cycloid_mj.parts.export.casing import (
 from cycloid_mj.parts.export.crank_joints import KEY
 from cycloid_mj.parts.export.crank_rings import CRANK_RING
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT
-from cycloid_mj.parts.export.round_part import SAME_FACE
 from cycloid_mj.parts.export.step import Place
 from cycloid_mj.parts.polygon import rotate_points
 from cycloid_mj.reducer import Reducer
@@ -118,7 +117,7 @@ def _is_blocked(moving: Sections, present: Sections, direction: int) -> bool:
     """Return whether sections overlap on the path of the moving ones; those that they only touch do not count."""
     for low, high, one in moving:
         for bottom, top, other in present:
-            ahead = bottom < high - SAME_FACE if direction == UP else top > low + SAME_FACE
+            ahead = bottom < high - SAME_LENGTH if direction == UP else top > low + SAME_LENGTH
             if not ahead:
                 continue
             common = one ^ other

@@ -9,6 +9,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import Mesh, Prism, Solid, mesh
+from cycloid_mj.parts.accuracy import RELATIVE_ROUNDING
 from cycloid_mj.parts.export.casing import Casing, is_printed
 from cycloid_mj.parts.export.printing import material_part, printed_parts
 from cycloid_mj.parts.export.supports import overhangs, support
@@ -17,9 +18,6 @@ from cycloid_mj.reducer import Reducer
 
 GAP = 5e-3
 """Distance between the bounding boxes of neighbouring parts [m], for a brim."""
-
-ROUNDING = 1e-9
-"""Relative rounding allowance of the length of a row."""
 
 
 @dataclass(frozen=True)
@@ -221,7 +219,7 @@ def _rows(
     corners = [(0.0, 0.0)] * len(sizes)
     x = y = depth = 0.0
     for i in order:
-        if x > 0.0 and x + sizes[i][0] > limit * (1.0 + ROUNDING):
+        if x > 0.0 and x + sizes[i][0] > limit * (1.0 + RELATIVE_ROUNDING):
             x, y, depth = 0.0, y + depth + gap, 0.0
         corners[i] = (x, y)
         x, depth = x + sizes[i][0] + gap, max(depth, sizes[i][1])

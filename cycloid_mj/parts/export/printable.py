@@ -9,9 +9,9 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import Prism, Solid, circle
+from cycloid_mj.parts.accuracy import SAME_LENGTH
 from cycloid_mj.parts.export.casing import MIN_PRINTED_WALL, Casing, is_printed
 from cycloid_mj.parts.export.printing import material_part, printed_parts
-from cycloid_mj.parts.export.round_part import SAME_FACE
 from cycloid_mj.reducer import Reducer
 
 MIN_HOLE = 2.0e-3
@@ -70,7 +70,7 @@ def print_warnings(
         if not is_printed(reducer, material_part(reducer, name)):
             continue
         wall = min(map(thinnest_wall, part.solid.prisms))
-        if wall < MIN_PRINTED_WALL - SAME_FACE:
+        if wall < MIN_PRINTED_WALL - SAME_LENGTH:
             least = MILLIMETRES * MIN_PRINTED_WALL
             yield f"{name} has a wall of {MILLIMETRES * wall:.2g} mm; one prints from {least:g} mm on"
         hole = min((_diameter(one) for prism in part.solid.prisms for one in prism.holes), default=np.inf)

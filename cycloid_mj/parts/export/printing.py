@@ -82,7 +82,7 @@ def part_material(reducer: Reducer, part: str, sizes: Casing | None) -> Material
 def printed_parts(
     reducer: Reducer, chord_error: float, cam_seat: float = 0.0, sizes: Casing | None = None
 ) -> dict[str, PrintedPart]:
-    """Return the printed parts: the plastic ones of `manufactured_parts`, or all if none is plastic."""
+    """Return the printed parts: the plastic parts of `manufactured_parts`, or all if none is plastic."""
     manufactured = manufactured_parts(reducer, chord_error, cam_seat, sizes)
     plastic = {name: part for name, part in manufactured.items() if is_printed(reducer, material_part(reducer, name))}
     return plastic or manufactured

@@ -10,10 +10,8 @@ from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.design import stock
 from cycloid_mj.parts import Stretch
+from cycloid_mj.parts.accuracy import SAME_LENGTH
 from cycloid_mj.parts.contour import CircleContour, Contour, circles_at
-
-SAME_FACE = 1e-9
-"""Distance along z within which two faces are the same [m]."""
 
 Round = tuple[float, float, float]
 """Radius about the axis of the part, lower and upper end along z [m]."""
@@ -79,9 +77,9 @@ def with_holes(name: str, part: RoundPart, base: Sequence[Stretch] = ()) -> tupl
     faces = sorted({z for pair in ends for z in pair})
     stretches = []
     for shell in shells:
-        inner_faces = [z for z in faces if shell.z0 + SAME_FACE < z < shell.z1 - SAME_FACE]
+        inner_faces = [z for z in faces if shell.z0 + SAME_LENGTH < z < shell.z1 - SAME_LENGTH]
         for low, high in pairwise([shell.z0, *inner_faces, shell.z1]):
-            if high - low < SAME_FACE:
+            if high - low < SAME_LENGTH:
                 continue
             through = [
                 hole

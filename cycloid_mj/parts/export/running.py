@@ -17,14 +17,13 @@ from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.design import stock
 from cycloid_mj.parts import Stretch
-from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
+from cycloid_mj.parts.accuracy import SAME_LENGTH, VISUAL_CHORD_ERROR
 from cycloid_mj.parts.contour import Contour, circle_of
 from cycloid_mj.parts.export.assembly import assembly_parts, places
 from cycloid_mj.parts.export.bearings import shaft_bearing
 from cycloid_mj.parts.export.casing import CAM_BEARING, OUTPUT_BEARING, SHAFT_BEARING, Casing, shoulder_radius
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN
 from cycloid_mj.parts.export.joints import MOTOR
-from cycloid_mj.parts.export.round_part import SAME_FACE
 from cycloid_mj.parts.export.step import Place
 from cycloid_mj.reducer import Reducer
 
@@ -95,11 +94,11 @@ def running_gaps(reducer: Reducer, sizes: Casing) -> tuple[RunningGap, ...]:
 def _is_mate(one: Annulus, other: Annulus, axial: float, radial: float) -> bool:
     """Return whether parts overlap along z by design, or a shoulder ends where the rolling elements begin."""
     families = {names.family(one.part), names.family(other.part)}
-    if ROLLING_ELEMENTS in families and radial > -SAME_FACE:
+    if ROLLING_ELEMENTS in families and radial > -SAME_LENGTH:
         return True
-    if {one.body, other.body} == {names.PIN, names.HOUSING} and axial < -SAME_FACE:
+    if {one.body, other.body} == {names.PIN, names.HOUSING} and axial < -SAME_LENGTH:
         return True  # pins stay in their sockets
-    return axial < -SAME_FACE and any(families <= mates for mates in _MATES)
+    return axial < -SAME_LENGTH and any(families <= mates for mates in _MATES)
 
 
 def swept_annuli(reducer: Reducer, sizes: Casing) -> tuple[Annulus, ...]:

@@ -33,7 +33,7 @@ class Place:
 
 
 def step_part(name: str, sections: Sequence[PartSection], solids_wanted: int = 1) -> bytes:
-    """Encode the sections of a part as STEP solids, one or several; equal sections give equal bytes.
+    """Encode the sections of a part as STEP solids, one or several; the bytes of equal sections are equal.
 
     Raises
     ------

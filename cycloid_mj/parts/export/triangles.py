@@ -1,4 +1,4 @@
-"""Meshes as binary STL and Wavefront OBJ; equal meshes give equal bytes."""
+"""Meshes as binary STL and Wavefront OBJ; the bytes of equal meshes are equal."""
 
 import numpy as np
 
