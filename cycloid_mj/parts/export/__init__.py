@@ -15,7 +15,7 @@ from cycloid_mj.base.frame import Cell, Frame, make_frame
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.parts import Mesh, Part, PartSection, Solid, lay_out_parts, mass_properties, mesh, part_sections, parts
-from cycloid_mj.parts.accuracy import EXPORT_CHORD_ERROR, mass_chord_error
+from cycloid_mj.parts.accuracy import EXPORT_CHORD_ERROR, SAME_LENGTH, mass_chord_error
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.curve import Arc, Circle, Curve, LineSegment, Spline
 from cycloid_mj.parts.export.assembly import assembly_parts, assembly_sections, assembly_step, places
@@ -31,7 +31,6 @@ from cycloid_mj.parts.export.order import assembly_order
 from cycloid_mj.parts.export.plate import PrintPlate, plate, plates
 from cycloid_mj.parts.export.polylines import polyline_sections, svg_bytes
 from cycloid_mj.parts.export.printing import manufactured_parts, widen_clearances
-from cycloid_mj.parts.export.round_part import SAME_FACE
 from cycloid_mj.parts.export.step import SPLINES, Place, read_volume, step_part
 from cycloid_mj.parts.export.threemf import threemf_bytes
 from cycloid_mj.parts.export.triangles import obj_bytes, read_stl, stl_bytes
@@ -216,7 +215,7 @@ def drilled_threads(reducer: Reducer, sizes: Casing, part: str) -> Iterator[Dril
         for thread in joint.threads:
             radius = core_radius(reducer, thread.thread)
             for centres, drilled, *_ in joint.holes_in(part):
-                if thread.part == part and abs(drilled - radius) < SAME_FACE:
+                if thread.part == part and abs(drilled - radius) < SAME_LENGTH:
                     yield DrilledThread(f"M{MILLIMETRES * thread.thread:g}", centres, radius)
 
 

@@ -17,7 +17,7 @@ from cycloid_mj.base.extras import extra
 from cycloid_mj.base.units import MICROMETRES, MILLIMETRES
 from cycloid_mj.design import Material, fits
 from cycloid_mj.parts import Part
-from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
+from cycloid_mj.parts.accuracy import SAME_LENGTH, VISUAL_CHORD_ERROR
 from cycloid_mj.parts.contour import circle_of
 from cycloid_mj.parts.cut import cut
 from cycloid_mj.parts.export.assembly import assembly_parts
@@ -27,7 +27,6 @@ from cycloid_mj.parts.export.dxf import fixed_metadata
 from cycloid_mj.parts.export.joint import Joint, JointKind
 from cycloid_mj.parts.export.joints import drive_joints
 from cycloid_mj.parts.export.printing import manufactured_parts, material_part, part_material
-from cycloid_mj.parts.export.round_part import SAME_FACE
 from cycloid_mj.reducer import Reducer
 
 ROUGHNESS = {"seat": "Ra 0.8", "raceway": "Ra 0.2", "teeth": "Ra 0.4", "other": "Ra 3.2"}
@@ -124,7 +123,7 @@ def _diameters(reducer: Reducer, part: Part, name: str, joints: Sequence[Joint])
         for contour, inner in ((stretch.outline, False), *((hole, True) for hole in stretch.holes)):
             circle = circle_of(contour)
             centre = (0.0, 0.0) if circle is None else circle.centre
-            if circle and (np.hypot(*centre) <= SAME_FACE or (not inner and names.CAM in stretch.name)):
+            if circle and (np.hypot(*centre) <= SAME_LENGTH or (not inner and names.CAM in stretch.name)):
                 key = round(circle.radius, 9), inner, centre
                 spans.setdefault(key, []).extend((stretch.z0, stretch.z1))
     for (radius, inner, centre), ends in spans.items():
@@ -132,21 +131,21 @@ def _diameters(reducer: Reducer, part: Part, name: str, joints: Sequence[Joint])
         zone = _zone(reducer, name, joints, radius, inner=inner)
         limits = f" ({_deviations(zone, 2.0 * radius)})" if zone.rstrip("0123456789").lower() in fits.LETTERS else ""
         text = f"⌀{_mm(2.0 * radius)}" + (f" {zone}{limits}" if zone else "")
-        text += f", eccentric by {MILLIMETRES * off:.4f} ± 0.005" if off > SAME_FACE else ""
+        text += f", eccentric by {MILLIMETRES * off:.4f} ± 0.005" if off > SAME_LENGTH else ""
         yield Dimension(text, min(ends), max(ends), radius)
 
 
 def _zone(reducer: Reducer, name: str, joints: Sequence[Joint], radius: float, *, inner: bool) -> str:
     """Return the tolerance zone of a surface from the joint that it belongs to; empty if it is free."""
     on_crank = name == names.SHAFT or names.family(name) == names.CAM
-    if not inner and on_crank and abs(radius - cam_radius(reducer)) < SAME_FACE:
+    if not inner and on_crank and abs(radius - cam_radius(reducer)) < SAME_LENGTH:
         return "h5"
     for joint in joints:
         seats = {
             joint.diameter,
             *(size for part in joint.bought for what, size in part.dimensions if "outside" in what),
         }
-        if name in joint.parts and any(abs(0.5 * size - radius) < SAME_FACE for size in seats if size):
+        if name in joint.parts and any(abs(0.5 * size - radius) < SAME_LENGTH for size in seats if size):
             for letters, grade in _ZONE.findall(joint.fit):
                 if letters.isupper() == inner:
                     return f"{letters}{grade}"
@@ -165,7 +164,7 @@ def _holes(name: str, joints: Sequence[Joint]) -> Iterator[str]:
         threads = [one.thread for one in joint.threads if one.part == name]
         for centres, radius, low, high in joint.holes_in(name):
             away = np.hypot(*centres.T)
-            if away.max() <= SAME_FACE:
+            if away.max() <= SAME_LENGTH:
                 continue
             circle, angle = 2.0 * float(away.mean()), float(np.degrees(np.arctan2(centres[0, 1], centres[0, 0])))
             zone = f" {joint.fit}" if joint.kind in (JointKind.DOWELLED, JointKind.PRESSED) else ""

@@ -13,9 +13,9 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.extras import extra
 from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.parts.accuracy import SAME_LENGTH
 from cycloid_mj.parts.biarcs import arcs_of
 from cycloid_mj.parts.curve import Arc, Circle, Curve, LineSegment, Spline
-from cycloid_mj.parts.export.round_part import SAME_FACE
 
 _FORMAT = "R2000"
 
@@ -88,7 +88,7 @@ def _joined(ends: list[tuple[float, float]]) -> list[tuple[float, float]]:
     """Join consecutive stretches along z."""
     joined: list[tuple[float, float]] = []
     for low, high in sorted(ends):
-        if joined and low - joined[-1][1] < SAME_FACE:
+        if joined and low - joined[-1][1] < SAME_LENGTH:
             joined[-1] = joined[-1][0], high
         else:
             joined.append((low, high))
@@ -105,9 +105,9 @@ def _key(loop: Loop) -> object:
 
 def _is_drilled(loop: Loop, thread: DrilledThread) -> bool:
     circle = loop if isinstance(loop, Circle) else loop[0] if len(loop) == 1 else None
-    if not isinstance(circle, Circle) or abs(circle.radius - thread.radius) > SAME_FACE:
+    if not isinstance(circle, Circle) or abs(circle.radius - thread.radius) > SAME_LENGTH:
         return False
-    return bool(np.min(np.linalg.norm(thread.centres - np.array(circle.centre), axis=1)) < SAME_FACE)
+    return bool(np.min(np.linalg.norm(thread.centres - np.array(circle.centre), axis=1)) < SAME_LENGTH)
 
 
 def _shapes(loop: Loop, arcs: float | None) -> Iterator[Curve | Array]:
