@@ -125,7 +125,10 @@ def compare_layout(layout: str) -> list[dict[str, str]]:
     for share, friction, speed in itertools.product(SOLVERS.loads, SOLVERS.frictions, SOLVERS.speeds):
         design = design_of(layout, share, friction, speed)
         reducer, stopped = Reducer(design), []
-        models: dict[str, Model] = {"planar": planar_model(reducer, step=SOLVERS.planar_step), "MuJoCo": build(design)}
+        models: dict[str, Model] = {
+            "planar": planar_model(reducer, timestep=SOLVERS.planar_step),
+            "MuJoCo": build(design),
+        }
         figures = {}
         for solver, model in models.items():
             try:

@@ -21,7 +21,7 @@ import numpy as np
 from numba import cfunc, njit, types
 
 from cycloid_mj.design import PRESETS, Design, override
-from cycloid_mj.dynamics.contact.collider import installed
+from cycloid_mj.dynamics.contact.collider import install
 from cycloid_mj.dynamics.contact.library import function_address, library
 from cycloid_mj.dynamics.contact.memory import read_address, write_float
 from cycloid_mj.dynamics.drive_cycle import initial_state, ramp_and_hold
@@ -109,7 +109,7 @@ def bare_cost(design: Design, compiled: ReducerModel, warm: int = WARM) -> tuple
     )
     data = initial_state(compiled, Reducer(design))
     places = compiled.model._address, data._address, data.ctrl.ctypes.data
-    with installed() if contact_of(compiled) == "profile" else nullcontext():
+    with install() if contact_of(compiled) == "profile" else nullcontext():
         _steps(*places, commands[:warm])
         narrow, start = data.timer[_NARROW].duration, time.thread_time_ns()
         _steps(*places, commands[warm:])

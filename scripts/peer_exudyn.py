@@ -28,7 +28,7 @@ from numba import njit
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.design import PRESETS, Design, override
-from cycloid_mj.dynamics.contact.collider import installed
+from cycloid_mj.dynamics.contact.collider import install
 from cycloid_mj.dynamics.drive_cycle import initial_state, ramp_and_hold
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.geometry.modification import gear_profile, profile_offset, tooth_profile
@@ -95,7 +95,7 @@ def run_ours(timestep: float, friction: float, end: float, pins: str = "fixed") 
     commands[:, 1] = 0.0  # the output, which nothing holds, has no load: that is on the gear
     every, rows = round(SAMPLING / timestep), []
     crank, gear, drive = data.joint("crank"), data.joint("gear_angle"), data.actuator("drive")
-    with installed():
+    with install():
         start = time.process_time()
         for number, command in enumerate(commands):
             data.ctrl[:] = command

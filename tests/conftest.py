@@ -53,9 +53,9 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def _contact() -> None:
-    from cycloid_mj.dynamics.contact.collider import installed
+    from cycloid_mj.dynamics.contact.collider import install
 
-    with installed():
+    with install():
         pass
 
 

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 
 from cycloid_mj.design import Design
-from cycloid_mj.dynamics.contact.collider import installed
+from cycloid_mj.dynamics.contact.collider import install
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.geometry import envelope
 from cycloid_mj.geometry.profile import CycloidGear
@@ -29,7 +29,7 @@ class Rig:
         x, y = self.centre(crank, shift)
         for joint, value in (("gear_x", x), ("gear_y", y), ("gear_angle", self.angle(crank, turn)), ("crank", crank)):
             self.data.joint(joint).qpos[0] = value
-        with installed():
+        with install():
             mujoco.mj_fwdPosition(self.model, self.data)
         found = []
         for k in range(self.data.ncon):

@@ -18,22 +18,22 @@ CRASHED = "ended by a signal"
 
 def spoiled_lifts() -> dict[str, Callable[[], str]]:
     """Trials of the lift, by the place that is spoiled."""
-    places, steps = reference_correction.layout_offsets(), layout.discover_steps()
+    steps = layout.discover_steps()
     instead = {
-        "nuserdata": places.nuserdata + 4,
-        "nuser_geom": places.nuserdata,
-        "contacts": places.contacts + 4,
-        "reference": steps.efc_vel,
-        "accelerations": steps.userdata,
-        "stride": places.stride + 8,
-        "dim": places.row,
-        "row": places.dim,
-        "friction": places.regularised,
-        "regularised": places.regularised + 8,
+        "nuserdata": steps.nuserdata + 4,
+        "nuser_geom": steps.nuserdata,
+        "ncon": steps.ncon + 4,
+        "efc_aref": steps.efc_vel,
+        "qacc": steps.userdata,
+        "stride": steps.stride + 8,
+        "dim": steps.efc_address,
+        "efc_address": steps.dim,
+        "friction": steps.mu,
+        "mu": steps.mu + 8,
     }
 
     def trial(place: str) -> str:
-        wrong = places._replace(**{place: instead[place]})
+        wrong = steps._replace(**{place: instead[place]})
         return selftest.try_lift(reference_correction.between_speeds_and_forces(wrong).address)
 
     return {place: lambda place=place: trial(place) for place in instead}
@@ -45,7 +45,7 @@ def spoiled_steps() -> dict[str, Callable[[], str]]:
     instead = {"efc_force": steps.efc_vel, "stride": steps.stride + 8, "efc_address": steps.dim, "ncon": steps.ncon + 4}
 
     def trial(place: str) -> str:
-        wrong = steps.__class__(**{**vars(steps), place: instead[place]})
+        wrong = steps._replace(**{place: instead[place]})
         each_step.discover_steps = lambda: wrong
         with each_step._installation.kept():
             return selftest.try_steps(each_step.add_sensor, each_step.EachStep)

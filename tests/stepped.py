@@ -6,7 +6,8 @@ from typing import Any, NamedTuple
 from cycloid_mj.base.array import Array
 from cycloid_mj.dynamics.contact import each_step
 from cycloid_mj.dynamics.contact.each_step import EachStep
-from cycloid_mj.dynamics.contact.forces import OF_PAIR, pair_index
+from cycloid_mj.dynamics.contact.forces import pair_index
+from cycloid_mj.dynamics.contact.samples import OF_PAIR
 
 
 class Stepped(NamedTuple):
@@ -21,7 +22,7 @@ class Stepped(NamedTuple):
 def stepped(model: Any, data: Any, pairs: Sequence[Any]) -> Stepped:
     """Take a step, under the collider that is installed; what it gives is of the step's start."""
     run = EachStep(model, data, pair_index(model, pairs))
-    with each_step.installed():
+    with each_step.install():
         row = run.advance(1)[0]
     data.userdata[0] = 0.0
     table = row[run.pairs].reshape(-1, OF_PAIR)

@@ -113,13 +113,13 @@ def _discs(motion: Series) -> tuple[Disc, ...]:
     each = [motion.of_disc(disc) for disc in range(count)] if count > 1 else []
     return tuple(
         Disc(
-            name=one.gear,
-            speed=_speed(one.gear_speed, one),
-            transmission_error=_transmission_error(one.gear_angle, one),
-            q_path=_path(one, one.judged),
-            q_speed=_velocity(one.q_velocity, one.judged),
+            name=series_of_disc.gear,
+            speed=_speed(series_of_disc.gear_speed, series_of_disc),
+            transmission_error=_transmission_error(series_of_disc.gear_angle, series_of_disc),
+            q_path=_path(series_of_disc, series_of_disc.judged),
+            q_speed=_velocity(series_of_disc.q_velocity, series_of_disc.judged),
         )
-        for one in each
+        for series_of_disc in each
     )
 
 
@@ -148,11 +148,11 @@ def _acceleration(motion: Series, rows: Mask) -> AccelerationFindings | None:
     inner = np.flatnonzero(rows[1:] & rows[:-1])
     if inner.size == 0 or peak(np.diff(motion.crank_angle)[inner]) > MAX_CRANK_STEP:
         return None
-    step = np.diff(motion.time)
+    interval = np.diff(motion.time)
     angle, speed = (_middle(values) for values in (motion.crank_angle, motion.crank_speed.simulated))
-    crank_acceleration = np.diff(motion.crank_speed.simulated) / step
+    crank_acceleration = np.diff(motion.crank_speed.simulated) / interval
     path = point_path(motion.reducer, motion.q, motion.disc, angle, speed, crank_acceleration)
-    simulated = np.diff(motion.q_velocity.simulated, axis=0) / step[:, np.newaxis]
+    simulated = np.diff(motion.q_velocity.simulated, axis=0) / interval[:, np.newaxis]
     error = Compared(simulated, path.acceleration).error_size[inner]
     return AccelerationFindings(rms(error), peak(error))
 

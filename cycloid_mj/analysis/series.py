@@ -81,7 +81,7 @@ class PinPath:
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """A run beside its closed form; n samples.
+    """A run and its closed form; n samples.
 
     Attributes
     ----------
@@ -202,9 +202,9 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
     moving = design.ring.has_pin_bodies
     planar = [name for gear in names.gears(design.gear.discs) for name in _planar(gear)]
     run = _usable(run, (*MOTION, *planar, *PIN_1) if moving else (*MOTION, *planar))
-    if len(run) < window.FEWEST_SAMPLES:
+    if len(run) < window.WINDOW.min_samples:
         raise LogError(
-            f"the run has {len(run)} usable samples; at least {window.FEWEST_SAMPLES} are needed: simulate it again"
+            f"the run has {len(run)} usable samples; at least {window.WINDOW.min_samples} are needed: simulate it again"
         )
     if window.reaches_hold(reducer, run.time):
         hold = window.in_hold(reducer, run.time, settle)
@@ -339,8 +339,8 @@ def _disc_motion(run: Run, reducer: Reducer, q: Array, disc: int) -> dict[str, C
 def _point_motion(run: Run, reducer: Reducer, q: Array, disc: int) -> tuple[Array, Array]:
     """Position from the initial centre of the first disc [m] and velocity [m/s] of a disc's point q, each (n, 2)."""
     columns = _planar(reducer.gears[disc])
-    place, velocity = kinematics.carried_point(q, run.block(columns[:3]), run.block(columns[3:]))
-    return place - kinematics.gear_centre(reducer.tooth_profile, 0.0), velocity
+    position, velocity = kinematics.carried_point(q, run.block(columns[:3]), run.block(columns[3:]))
+    return position - kinematics.gear_centre(reducer.tooth_profile, 0.0), velocity
 
 
 def _pin_1(run: Run, reducer: Reducer) -> PinPath:

@@ -3,8 +3,8 @@
 An order is a number of cycles per turn of the crank. `periodic_orders` is for values at even crank steps that repeat:
 it is exact. `tapered_orders` is for logs, whose samples are even in time while the crank's speed varies, and whose
 signals need not repeat in the window: it resamples by band-limited interpolation and applies a Hann window. Amplitudes
-of cosines are right within 1 % between ``LOWEST`` cycles in the window and ``BAND`` of the sampling rate; linear
-interpolation would lose 7 % at 0.15 of the rate and nearly half at 0.4.
+of cosines are right within 1 % between ``SPECTRUM.min_cycles`` cycles in the window and ``SPECTRUM.band`` of the
+sampling rate; linear interpolation would lose 7 % at 0.15 of the rate and nearly half at 0.4.
 """
 
 import math
@@ -17,30 +17,31 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.frame import Frame
 from cycloid_mj.base.notebook_display import Presented
 
-BAND = 0.4
-"""Highest frequency of a spectrum, as a share of the sampling rate."""
 
-LOWEST = 3.0
-"""Fewest cycles in the window at which any cosine is right within 1 %; a cosine of an integer number of cycles is right
-below it, too, at its own order."""
+@dataclass(frozen=True)
+class SpectrumSettings:
+    """Settings of band-limited interpolation, Hann-windowed spectra and the decimation filter."""
 
-REACH = 16
-"""Samples on either side that a value between samples is interpolated from."""
+    band: float = 0.4
+    """Highest frequency of a spectrum, as a share of the sampling rate."""
+    min_cycles: float = 3.0
+    """Fewest cycles in the window at which any cosine is right within 1 %; a cosine of an integer number of cycles is
+    right below it, too, at its own order."""
+    reach: int = 16
+    """Samples on either side that a value between samples is interpolated from."""
+    kaiser_beta: float = 9.0
+    """Parameter beta of the Kaiser window: ripple 1e-4."""
+    padding: int = 8
+    """Orders per cycle in the window (zero padding), so that a peak between two cycles is not too low."""
+    hann_bandwidth: float = 1.5
+    """Equivalent noise bandwidth of a Hann window, in cycles of the window."""
+    step_rtol: float = 1e-6
+    """Relative tolerance of the even steps of the crank."""
+    missing_cycle_share: float = 0.02
+    """Share of a cycle by which a window may be shorter than full cycles."""
 
-SHARPNESS = 9.0
-"""Parameter beta of the Kaiser window: ripple 1e-4."""
 
-PADDING = 8
-"""Orders per cycle in the window (zero padding), so that a peak between two cycles is not too low."""
-
-HANN_BANDWIDTH = 1.5
-"""Equivalent noise bandwidth of a Hann window, in cycles of the window."""
-
-EVEN = 1e-6
-"""Relative tolerance of the even steps of the crank."""
-
-SHORT = 0.02
-"""Share of a cycle by which a window may be shorter than full cycles."""
+SPECTRUM = SpectrumSettings()
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -105,11 +106,11 @@ def periodic_orders(crank: Array, values: Array, base: float = 1.0, most: float 
     UsageError
         The steps are not even, or do not fit in a cycle, or there is no whole cycle.
     """
-    period, step = 2.0 * np.pi / base, float(crank[-1] - crank[0]) / (len(crank) - 1)
-    cycles = int((len(crank) * step) / period + EVEN)
-    points = round(cycles * period / step)
-    uneven = np.abs(np.diff(crank) - step).max() > EVEN * step
-    if cycles < 1 or uneven or abs(points * step - cycles * period) > EVEN * period:
+    period, increment = 2.0 * np.pi / base, float(crank[-1] - crank[0]) / (len(crank) - 1)
+    cycles = int((len(crank) * increment) / period + SPECTRUM.step_rtol)
+    points = round(cycles * period / increment)
+    uneven = np.abs(np.diff(crank) - increment).max() > SPECTRUM.step_rtol * increment
+    if cycles < 1 or uneven or abs(points * increment - cycles * period) > SPECTRUM.step_rtol * period:
         raise UsageError(
             f"{len(crank)} crank angles spanning {np.degrees(crank[-1] - crank[0]):.6g} deg do not cover full cycles "
             f"of {np.degrees(period):.6g} deg in equal steps: sample at equally spaced angles, with a whole number of "
@@ -132,7 +133,7 @@ def tapered_orders(angle: Array, values: Array, most: float = np.inf, base: floa
     values
         Shape (n,).
     most
-        The largest order to return [1]; at most ``BAND`` of the samples in a turn.
+        The largest order to return [1]; at most ``SPECTRUM.band`` of the samples in a turn.
     base
         Cycles per crank turn of which the window has an integer number [1]; by default full turns.
 
@@ -142,22 +143,22 @@ def tapered_orders(angle: Array, values: Array, most: float = np.inf, base: floa
         None if the values are shorter than a cycle.
     """
     swept = base * np.abs(angle - angle[0]) / (2.0 * np.pi)
-    if len(swept) < 2 * REACH or (np.diff(swept) <= 0.0).any():
+    if len(swept) < 2 * SPECTRUM.reach or (np.diff(swept) <= 0.0).any():
         return None
     sampled = float(swept[-1]) * len(swept) / (len(swept) - 1)
-    cycles = int(sampled + SHORT)
+    cycles = int(sampled + SPECTRUM.missing_cycle_share)
     if cycles < 1:
         return None
     points = int(np.ceil(cycles / sampled * len(swept)))
     places = _inverse(swept, cycles * np.arange(points) / points)
     even = between_samples(values, places)
     taper = np.hanning(points + 1)[:-1]
-    amplitude = 2.0 * np.abs(np.fft.rfft(taper * (even - even.mean()), PADDING * points)) / np.sum(taper)
-    order = base * np.arange(amplitude.size) / (PADDING * cycles)
-    highest = min(most, BAND * base * len(swept) / sampled)
+    amplitude = 2.0 * np.abs(np.fft.rfft(taper * (even - even.mean()), SPECTRUM.padding * points)) / np.sum(taper)
+    order = base * np.arange(amplitude.size) / (SPECTRUM.padding * cycles)
+    highest = min(most, SPECTRUM.band * base * len(swept) / sampled)
     kept = (order > 0.0) & (order <= highest)
-    band = LOWEST * base / cycles, highest
-    return Orders(base, order[kept], amplitude[kept], band, cycles, HANN_BANDWIDTH * PADDING)
+    band = SPECTRUM.min_cycles * base / cycles, highest
+    return Orders(base, order[kept], amplitude[kept], band, cycles, SPECTRUM.hann_bandwidth * SPECTRUM.padding)
 
 
 def _inverse(rising: Array, targets: Array) -> Array:
@@ -177,7 +178,7 @@ def _inverse(rising: Array, targets: Array) -> Array:
 
 
 def between_samples(values: Array, places: Array) -> Array:
-    """Compute the band-limited signal through even samples, right to 1e-3 up to ``BAND`` of their rate.
+    """Compute the band-limited signal through even samples, right to 1e-3 up to ``SPECTRUM.band`` of their rate.
 
     Parameters
     ----------
@@ -186,13 +187,15 @@ def between_samples(values: Array, places: Array) -> Array:
     places
         Sample numbers, from 0 to n - 1 or little more, that need not be integers, shape (k,).
     """
-    ahead = np.pad(values, REACH, mode="reflect", reflect_type="odd")
+    ahead = np.pad(values, SPECTRUM.reach, mode="reflect", reflect_type="odd")
     first = np.clip(np.floor(places).astype(np.int64), 0, len(values) - 1)
     total, weights = np.zeros(len(places)), np.zeros(len(places))
-    for offset in range(1 - REACH, REACH + 1):
+    for offset in range(1 - SPECTRUM.reach, SPECTRUM.reach + 1):
         away = places - first - offset
-        weight = np.sinc(away) * np.i0(SHARPNESS * np.sqrt(np.clip(1.0 - (away / REACH) ** 2, 0.0, 1.0)))
-        total += weight * ahead[first + offset + REACH]
+        weight = np.sinc(away) * np.i0(
+            SPECTRUM.kaiser_beta * np.sqrt(np.clip(1.0 - (away / SPECTRUM.reach) ** 2, 0.0, 1.0))
+        )
+        total += weight * ahead[first + offset + SPECTRUM.reach]
         weights += weight
     return np.asarray(total / weights)
 
@@ -205,7 +208,8 @@ def decimate(values: Array, every: int, means: bool = False) -> Array:
     values
         Even samples, shape (n,) or (n, k).
     every
-        Frequencies above ``1 - BAND`` of the new rate are attenuated to 1e-3, those below ``BAND`` of it are kept.
+        Frequencies above ``1 - SPECTRUM.band`` of the new rate are attenuated to 1e-3, those below ``SPECTRUM.band`` of
+        it are kept.
     means
         Whether values are means from one sample to the next; the filter then corrects their attenuation.
 
@@ -243,10 +247,10 @@ def density(values: Array, rate: float, segment: int) -> tuple[Array, Array]:
     Returns
     -------
     tuple of Array
-        Up to ``BAND`` of the rate: shapes (m,), and (m,) or (m, k) in squares of the values' unit per Hz.
+        Up to ``SPECTRUM.band`` of the rate: shapes (m,), and (m,) or (m, k) in squares of the values' unit per Hz.
     """
     from scipy.signal import welch
 
     frequency, power = welch(values, rate, nperseg=segment, axis=0)
-    kept = frequency <= BAND * rate
+    kept = frequency <= SPECTRUM.band * rate
     return frequency[kept], power[kept]

@@ -4,6 +4,7 @@ Some are known before the run; the others concern its end, its time step, its po
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,40 +15,45 @@ from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.base.record import Run
 from cycloid_mj.design.units import MICROMETRE, RPM
 from cycloid_mj.dynamics.jam import SELF_LOCKING
-from cycloid_mj.dynamics.planar.timestep import MAX_ITERATIONS, PLANAR_RULE
+from cycloid_mj.dynamics.planar.settings import NEWTON
+from cycloid_mj.dynamics.planar.timestep import PLANAR_RULE
 from cycloid_mj.dynamics.regime import pace
 from cycloid_mj.dynamics.settling import penetration_limit
 from cycloid_mj.dynamics.timestep import MUJOCO_RULE
 from cycloid_mj.reducer import Reducer
 
-BALANCE_RTOL = 0.002
-"""Largest error of the power balance, relative to the power: what samples may miss of it.
 
-With every time step sampled, the balance closes to 1e-9 at any speed; at 20 kHz, over full turns of loaded reducers of
-nine designs, to 2e-5.
-"""
+@dataclass(frozen=True)
+class WarningLimits:
+    """Limits from which on the results of a run cause a warning."""
 
-IDLING_BALANCE_RTOL = 0.01
-"""The same for an idling reducer, relative to its input power: the stated accuracy of its mean values.
+    balance_rtol: float = 0.002
+    """Largest error of the power balance, relative to the power: what samples may miss of it.
 
-Samples at 10 kHz miss 0.01 to 6 % on sixteen reducers, as parts strike each other; with every time step sampled, the
-balance closes to 0.25 % in 0.2 s.
-"""
+    With every time step sampled, the balance closes to 1e-9 at any speed; at 20 kHz, over full turns of loaded reducers
+    of nine designs, to 2e-5.
+    """
+    idling_balance_rtol: float = 0.01
+    """The same for an idling reducer, relative to its input power: the stated accuracy of its mean values.
+
+    Samples at 10 kHz miss 0.01 to 6 % on sixteen reducers, as parts strike each other; with every time step sampled,
+    the balance closes to 0.25 % in 0.2 s.
+    """
+    min_turns: float = 0.99
+    """Crank turns from which on sampled powers average out; rounding may take a sample off a full turn."""
+    min_power_share: float = 0.01
+    """Smallest power that errors are related to, relative to the rated power: an idling reducer takes next to none."""
+    min_driving_share: float = 0.1
+    """Input power relative to output power below which the load does not yet act on the shaft that drives."""
+    penetration_share: float = 0.5
+    """Share of the allowed penetration from which on a run is warned of."""
+
+
+LIMITS = WarningLimits()
+
 
 COARSE = "the log rate or the hold is too low for these powers: raise settings.log_rate_hz or drive.hold_s"
 """Cause of an open balance, and its remedy."""
-
-MIN_TURNS = 0.99
-"""Crank turns from which on sampled powers average out; rounding may take a sample off a full turn."""
-
-MIN_POWER_SHARE = 0.01
-"""Smallest power that errors are related to, relative to the rated power: an idling reducer takes next to none."""
-
-MIN_DRIVING_SHARE = 0.1
-"""Input power relative to output power below which the load does not yet act on the shaft that drives."""
-
-PENETRATION_WARNING = 0.5
-"""Share of the allowed penetration from which on a run is warned of."""
 
 
 def warnings(motion: Series, judged: Window, contacts: ContactSummary) -> Iterator[str]:
@@ -63,7 +69,7 @@ def warnings(motion: Series, judged: Window, contacts: ContactSummary) -> Iterat
         yield _short(motion, judged)
     yield from run_warnings(motion)
     limit = MICROMETRE.from_si(penetration_limit(motion.reducer))
-    if contacts.max_penetration_um > PENETRATION_WARNING * limit:
+    if contacts.max_penetration_um > LIMITS.penetration_share * limit:
         yield (
             f"largest contact deflection {contacts.max_penetration_um:.3g} um; a run stops with an error at {limit:g} "
             "um (contact.max_penetration_um)"
@@ -84,11 +90,11 @@ def convergence_warnings(run: Run) -> Iterator[str]:
     """Yield a warning if time steps of the planar solver ended before its contact iteration converged."""
     if run.provenance.get("solver") != "planar" or "solver_iterations" not in run.columns:
         return
-    count = int(np.count_nonzero(run["solver_iterations"] > MAX_ITERATIONS))
+    count = int(np.count_nonzero(run["solver_iterations"] > NEWTON.max_iterations))
     if count:
         yield (
             f"in {count} of {len(run)} samples, the contact iteration of the planar solver did not converge within "
-            f"{MAX_ITERATIONS} iterations: forces and losses there are wrong; reduce settings.timestep_us"
+            f"{NEWTON.max_iterations} iterations: forces and losses there are wrong; reduce settings.timestep_us"
         )
 
 
@@ -107,14 +113,18 @@ def balance_warnings(run: Run, reducer: Reducer, remedy: str = "") -> tuple[str,
     """
     design = reducer.design
     powers = mean_powers(run)
-    idle = MIN_POWER_SHARE * design.drive.torque * abs(design.drive.speed)
+    idle = LIMITS.min_power_share * design.drive.torque * abs(design.drive.speed)
     taken = max(powers.crank, powers.output, powers.lost)
     scale = max(taken, idle)
     texts = []
-    short = _swept(run) < MIN_TURNS
+    short = _swept(run) < LIMITS.min_turns
     if "kinetic_energy" in run.columns and not short:
         idles = powers.delivered <= idle
-        through, most = (max(taken, MIN_POWER_SHARE * idle), IDLING_BALANCE_RTOL) if idles else (scale, BALANCE_RTOL)
+        through, most = (
+            (max(taken, LIMITS.min_power_share * idle), LIMITS.idling_balance_rtol)
+            if idles
+            else (scale, LIMITS.balance_rtol)
+        )
         if abs(powers.missing) > most * through:
             texts.append(_open(powers.missing, through, abs(design.drive.speed), idles, remedy or COARSE))
     if design.load.torque and 0.0 < powers.efficiency < SELF_LOCKING:
@@ -124,17 +134,20 @@ def balance_warnings(run: Run, reducer: Reducer, remedy: str = "") -> tuple[str,
         )
     why = remedy or ("the hold is shorter than a crank turn: raise drive.hold_s" if short else COARSE)
     of_load = abs(design.load.torque * design.drive.speed) / design.reduction
-    if powers.supplied < MIN_DRIVING_SHARE * powers.delivered and powers.delivered > MIN_POWER_SHARE * of_load > 0.0:
+    if (
+        powers.supplied < LIMITS.min_driving_share * powers.delivered
+        and powers.delivered > LIMITS.min_power_share * of_load > 0.0
+    ):
         texts.append(
             f"the load does not act yet: {powers.supplied:.3g} W in, {powers.delivered:.3g} W out, while parts cross "
             "their clearances; forces and efficiency are not steady: "
             f"raise {'' if remedy else 'drive.hold_s or '}load.torque_nm, or reduce clearance.*"
         )
-    if powers.supplied <= MIN_DRIVING_SHARE * powers.delivered:
+    if powers.supplied <= LIMITS.min_driving_share * powers.delivered:
         # the efficiency of a drive that floats or stands still is undefined
         return tuple(texts)
     # without friction the efficiency is 1 to rounding and what sampled powers leave open
-    most = 1.0 + (BALANCE_RTOL if powers.lost < BALANCE_RTOL * scale else 0.0)
+    most = 1.0 + (LIMITS.balance_rtol if powers.lost < LIMITS.balance_rtol * scale else 0.0)
     outside = not 0.0 <= powers.efficiency <= most if design.load.torque else powers.efficiency > most
     if design.load.torque and powers.note:
         texts.append(f"efficiency 0, {powers.note}: both shafts drive, and friction takes all power; or {why}")

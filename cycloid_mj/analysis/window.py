@@ -1,5 +1,6 @@
 """Selection of samples: the ramp, the settled hold, and full periods of the crank within them."""
 
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -9,21 +10,29 @@ from cycloid_mj.base.errors import LogError, UsageError
 from cycloid_mj.dynamics.settling import SETTLING, slowness
 from cycloid_mj.reducer import Reducer
 
-SETTLING_TURN = 1 / 8
-"""Shortest settling time, as a share of a crank turn: slow reducers are large, with low natural frequencies."""
 
-FEWEST_SAMPLES = 2
-ROUNDING = 1e-9
+@dataclass(frozen=True)
+class WindowSettings:
+    """Settings of the evaluated samples."""
+
+    settling_turn: float = 1 / 8
+    """Shortest settling time, as a share of a crank turn: slow reducers are large, with low natural frequencies."""
+    min_samples: int = 2
+    time_rtol: float = 1e-9
+    """Relative tolerance of times, for rounding."""
+
+
+WINDOW = WindowSettings()
 
 
 def in_ramp(reducer: Reducer, time: Array) -> Mask:
     """Mark the samples before the crank's speed is constant, shape (n,)."""
-    return time < reducer.design.drive.ramp * (1 - ROUNDING)
+    return time < reducer.design.drive.ramp * (1 - WINDOW.time_rtol)
 
 
 def reaches_hold(reducer: Reducer, time: Array) -> bool:
     """Return whether a run has enough samples at constant crank speed to evaluate."""
-    return int(np.count_nonzero(~in_ramp(reducer, time))) >= FEWEST_SAMPLES
+    return int(np.count_nonzero(~in_ramp(reducer, time))) >= WINDOW.min_samples
 
 
 def require_hold(reducer: Reducer, time: Array) -> None:
@@ -32,15 +41,15 @@ def require_hold(reducer: Reducer, time: Array) -> None:
         count = np.count_nonzero(~in_ramp(reducer, time))
         reached = f"it ends at {time[-1]:.6g} s" if time.size else "it has no usable samples"
         raise LogError(
-            f"the run has {count} samples at constant crank speed, at least {FEWEST_SAMPLES} are required: {reached},"
-            f" the ramp ends at {reducer.design.drive.ramp:.6g} s; run the design to its end"
+            f"the run has {count} samples at constant crank speed, at least {WINDOW.min_samples} are required: "
+            f"{reached}, the ramp ends at {reducer.design.drive.ramp:.6g} s; run the design to its end"
         )
 
 
 def settling(reducer: Reducer) -> float:
     """Compute the settling time of a run of a design [s]."""
-    speed, contacts = abs(reducer.design.drive.speed), SETTLING * slowness(reducer)
-    return max(contacts, SETTLING_TURN * 2.0 * np.pi / speed) if speed else contacts
+    speed, contacts = abs(reducer.design.drive.speed), SETTLING.min_time * slowness(reducer)
+    return max(contacts, WINDOW.settling_turn * 2.0 * np.pi / speed) if speed else contacts
 
 
 def in_hold(reducer: Reducer, time: Array, settle: float | None = None) -> Mask:
@@ -65,7 +74,7 @@ def in_hold(reducer: Reducer, time: Array, settle: float | None = None) -> Mask:
     if not settle >= 0.0:
         raise UsageError(f"the settling time is {settle} s; it must be at least 0 s, or omitted")
     start = ramp + min(settle, (time[-1] - ramp) / 2)
-    return ~in_ramp(reducer, time) & (time >= start - ROUNDING * max(ramp, time[-1]))
+    return ~in_ramp(reducer, time) & (time >= start - WINDOW.time_rtol * max(ramp, time[-1]))
 
 
 def whole_periods(crank_angle: Array, mesh_period: float) -> slice:

@@ -10,7 +10,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import ARCSECONDS, MILLIMETRES
 from cycloid_mj.parts import output_centres
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.scene import moved, ring_places
+from cycloid_mj.scene import ring_places, transform
 from cycloid_mj.statics import loads, springs_of, transmission_error
 from cycloid_mj.statics.sheet import load_of
 
@@ -61,7 +61,7 @@ def forces(reducer: Reducer, turn: int = 0) -> dict[str, Any]:
     of_disc = 3 * springs.contacts.disc[:, np.newaxis] + np.arange(2)  # columns of x and y of the disc of each contact
     direction = np.take_along_axis(slope, np.broadcast_to(of_disc, (len(crank), *of_disc.shape)), axis=2)
     rings, pins = ring_places(reducer), output_centres(reducer)
-    turned = np.stack([moved(np.array([0.0, 0.0, -angle / lobes]), pins) for angle in shown])
+    turned = np.stack([transform(np.array([0.0, 0.0, -angle / lobes]), pins) for angle in shown])
     teeth = np.tile(rings, (len(crank), discs, 1)) + design.ring.pin_radius * direction[:, : springs.teeth]
     output = np.tile(turned, (1, discs, 1)) + design.output.pin_radius * direction[:, springs.teeth :]
     return {

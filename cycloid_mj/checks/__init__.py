@@ -1,9 +1,10 @@
 """Checks of a design: whether it can be built, and how well it works, each with its reason and remedy.
 
 Symbols: N ring teeth, c eccentricity, E pin-circle radius, rho pin radius [m]. As in the parts, the clearance is cut
-from the disc (profile and holes) or added to sockets and bore. A design that cannot be made, assembled or turned fails
-a check. Limits without a source are assumed and stated as such, and cause warnings: ``MIN_WALL_SHARE``,
-``MIN_CORE_SHARE``, ``MAX_CLEARANCE_SHARE``, ``OVERLOAD`` and ``PLAUSIBLE``, and those of `margin` and `strength`.
+from the disc (profile and holes) or added to sockets and bore. A design that cannot be manufactured, assembled or
+turned fails a check. Limits without a source are assumed and stated as such, and cause warnings:
+``TEETH.min_wall_share``, ``TEETH.min_core_share``, ``MECHANICS.max_clearance_share``, ``MECHANICS.overload`` and
+``PLAUSIBLE``, and those of `margin` and `strength`.
 """
 
 from collections.abc import Iterator
@@ -15,26 +16,26 @@ from cycloid_mj.checks.body import balance_rules, body_rules
 from cycloid_mj.checks.check import Check, Checks
 from cycloid_mj.checks.limit import Limit
 from cycloid_mj.checks.margin import margin_rules
-from cycloid_mj.checks.mechanics import MAX_CLEARANCE_SHARE, OVERLOAD, PLAUSIBLE, jumps, mechanical_rules
+from cycloid_mj.checks.mechanics import PLAUSIBLE, jumps, mechanical_rules
 from cycloid_mj.checks.multi_disc import disc_checks
 from cycloid_mj.checks.rule import evaluate
 from cycloid_mj.checks.strength import strength_checks
 from cycloid_mj.checks.summary import Summary, summary
-from cycloid_mj.checks.teeth import MIN_WALL_SHARE, WALLS, tooth_rules
+from cycloid_mj.checks.teeth import WALLS, tooth_rules
 from cycloid_mj.checks.tolerance import tolerance_checks
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.reducer import Reducer
 
 __all__ = [
-    "MAX_CLEARANCE_SHARE",
-    "MIN_WALL_SHARE",
-    "OVERLOAD",
     "PLAUSIBLE",
     "WALLS",
     "Check",
     "Checks",
     "Limit",
+    "MECHANICS.max_clearance_share",
+    "MECHANICS.overload",
     "Summary",
+    "TEETH.min_wall_share",
     "check",
     "jumps",
     "require_sound",
@@ -69,7 +70,7 @@ def soundness(reducer: Reducer) -> tuple[Check, ...]:
     """Return the checks of whether a design can be built and turned.
 
     Checks that depend on a failed one are left out: undercut of a profile with loops, balance and assembly of a disc
-    that cannot be made.
+    that cannot be manufactured.
     """
     return tuple(sound_checks(reducer))
 

@@ -1,20 +1,33 @@
 """Try each change that a failed check proposes, and complete it until no other check fails because of it."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.judgement import Judgement
 from cycloid_mj.checks import Check, Checks, soundness
 from cycloid_mj.checks.check import Change
-from cycloid_mj.checks.limit import rounded
+from cycloid_mj.checks.limit import round_beyond
 from cycloid_mj.checks.margin import margin_rules
 from cycloid_mj.checks.rule import evaluate
 from cycloid_mj.design import override, value_of
 from cycloid_mj.reducer import Reducer
 
-MAX_REPAIRS = 6
-"""Largest number of further changes that complete a change."""
+
+@dataclass(frozen=True)
+class AdviceSettings:
+    """Settings of the search for a change that makes checks pass."""
+
+    max_repairs: int = 6
+    """Largest number of further changes that complete a change."""
+    strides: tuple[float, float, float, float, float] = (0.02, 0.05, 0.1, 0.2, 0.5)
+    """Shares by which a value is changed further to see where a check passes."""
+    rtol: float = 1e-3
+    """Relative accuracy of such a value."""
+
+
+ADVICE = AdviceSettings()
+
 
 RANKS = {Judgement.PASSED: 0, Judgement.NOT_APPLICABLE: 0, Judgement.WARNING: 1, Judgement.FAILED: 2}
 
@@ -23,12 +36,6 @@ TWO_SIDED = "output.hole_radius_mm"
 
 TIED = {"gear.eccentricity_mm", "output.pin_radius_mm"}
 """Keys whose values add up to the hole's radius."""
-
-STRIDES = 0.02, 0.05, 0.1, 0.2, 0.5
-"""Shares by which a value is changed further to see where a check passes."""
-
-FINENESS = 1e-3
-"""Relative accuracy of such a value."""
 
 
 def with_tried_advice(reducer: Reducer, checks: Checks) -> Checks:
@@ -80,7 +87,7 @@ def _distinct(changes: Iterable[Change]) -> Iterator[Change]:
 def _complete(reducer: Reducer, change: Change, check: Check, before: Mapping[str, Check]) -> Change | None:
     """Complete a change until the check passes and no other is worse than before; None if that leads nowhere."""
     done: dict[str, float] = dict(change)
-    for _ in range(MAX_REPAIRS):
+    for _ in range(ADVICE.max_repairs):
         after = quick_checks(reducer, done)
         if after is None:
             return None
@@ -98,7 +105,7 @@ def _complete(reducer: Reducer, change: Change, check: Check, before: Mapping[st
 
 
 def _is_worse(after: Check, before: Check | None, name: str) -> bool:
-    """Return whether a check is graver than before; one that could not be made before must not be a failure."""
+    """Return whether a check is more serious than before; a new check must not be a failure."""
     if after.name == name:
         return not after.passed
     return RANKS[after.judgement] > (RANKS[before.judgement] if before else RANKS[Judgement.WARNING])
@@ -130,15 +137,15 @@ def _further(reducer: Reducer, failed: Check, done: Change) -> Change | None:
         return bool(after and failed.name in after and after[failed.name].passed)
 
     near = value
-    for stride in STRIDES:
-        far = float(rounded(value / (1.0 + stride) if lower else value * (1.0 + stride), lower, is_integer))
+    for stride in ADVICE.strides:
+        far = float(round_beyond(value / (1.0 + stride) if lower else value * (1.0 + stride), lower, is_integer))
         if passes(far):
             break
         near = far
     else:
         return None
-    while abs(far - near) > max(FINENESS * abs(far), float(is_integer)):
-        middle = float(rounded(0.5 * (near + far), lower, is_integer))
+    while abs(far - near) > max(ADVICE.rtol * abs(far), float(is_integer)):
+        middle = float(round_beyond(0.5 * (near + far), lower, is_integer))
         if middle in (near, far):
             break
         near, far = (near, middle) if passes(middle) else (middle, far)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from cycloid_mj.checks.check import Check
 from cycloid_mj.checks.limit import Limit, millimetres
 from cycloid_mj.checks.rule import Rule, wall_rule
-from cycloid_mj.checks.teeth import MIN_WALL_SHARE, circles_on_circle
+from cycloid_mj.checks.teeth import TEETH, circles_on_circle
 from cycloid_mj.design.units import MILLIMETRE
 from cycloid_mj.reducer import Reducer
 
@@ -42,15 +42,17 @@ def body_rules(reducer: Reducer) -> Iterator[Rule | Check]:
             Limit("ring.pin_circle_radius", "more than", (circle + hole + below_root) / (1 - wall)),
         )
 
-    yield wall_rule("bore", bore_to_root, MIN_WALL_SHARE, E, f"between the bore and {root_text}")
-    yield wall_rule("holes_to_bore", bore_to_holes, MIN_WALL_SHARE, E, "between the bore and the output holes")
-    yield wall_rule("holes_to_root", holes_to_root, MIN_WALL_SHARE, E, f"between the output holes and {root_text}")
+    yield wall_rule("bore", bore_to_root, TEETH.min_wall_share, E, f"between the bore and {root_text}")
+    yield wall_rule("holes_to_bore", bore_to_holes, TEETH.min_wall_share, E, "between the bore and the output holes")
+    yield wall_rule(
+        "holes_to_root", holes_to_root, TEETH.min_wall_share, E, f"between the output holes and {root_text}"
+    )
     yield _neighbouring_holes(reducer)
     yield _hole_size(reducer)
 
 
 def balance_rules(reducer: Reducer) -> tuple[Rule, ...]:
-    """Return the rules for counterweight and shaft bearings of a disc that can be made.
+    """Return the rules for counterweight and shaft bearings of a feasible disc.
 
     Several discs balance each other and need no counterweight.
     """
@@ -63,7 +65,7 @@ def balance_rules(reducer: Reducer) -> tuple[Rule, ...]:
 def balance(reducer: Reducer) -> Rule:
     """Return the rule that a half-disc counterweight no thicker than the shaft is long balances disc and cam.
 
-    It needs a disc that can be made and a counterweight larger than the shaft.
+    It requires a feasible disc and a counterweight larger than the shaft.
 
     Static moments about the axis: w c (q S_gear + S_cam) < 2/3 (R^3 - r^3) L with the face width w, areas S, the disc's
     density over the shaft's q, radii R and r of counterweight and shaft, and the shaft's length L.
@@ -125,7 +127,9 @@ def _neighbouring_holes(reducer: Reducer) -> Rule:
             Limit("output.pin_circle_radius", "more than", taken / math.sin(math.pi / output.pins)),
         )
 
-    return wall_rule("neighbouring_holes", limits, MIN_WALL_SHARE, E, "between neighbouring output holes", tied=True)
+    return wall_rule(
+        "neighbouring_holes", limits, TEETH.min_wall_share, E, "between neighbouring output holes", tied=True
+    )
 
 
 def _hole_size(reducer: Reducer) -> Check:

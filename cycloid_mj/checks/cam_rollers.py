@@ -17,7 +17,8 @@ def roller_contacts(reducer: Reducer) -> Iterator[tuple[str, float]]:
     """Yield the part that each side of a roller presses on, and its pressure over that of the contact ``cam`` [1].
 
     The contact has the curvature of a roller on the cam and the modulus of shaft on disc. Hertz's pressure is as
-    sqrt(curvature x modulus): on the cam a roller meets its own material, in the bore the curvature is smaller.
+    sqrt(curvature x modulus): on the cam a roller is in contact with its own material, in the bore the curvature is
+    smaller.
     """
     design, contact = reducer.design, reducer.contacts["cam"]
     shaft, roller, bore = design.material_of("shaft"), reducer.contacts.roller_radius, design.gear.bore_radius

@@ -43,7 +43,7 @@ class Check:
     name
         For programs.
     passed
-        Whether the design meets the limit.
+        Whether the design is within the limit.
     got, limit
         The value that is checked, and what is allowed, as text with units.
     why

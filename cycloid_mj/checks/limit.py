@@ -19,14 +19,20 @@ SIDES = {"less than": operator.lt, "at most": operator.le, "more than": operator
 STRICT = ("less than", "more than")
 SYMBOLS = {"mpa": "MPa", "nm": "N m", "kw": "kW", "kg_m3": "kg/m3"}
 
-STRICT_MARGIN = 1e-9
-"""Relative distance of a remedy from a strict limit: rounding must not undo it."""
 
-FULL_DIGITS = 13
-"""Digits that write a value of the file in full: two fewer than those of float64, which rounding needs."""
+@dataclass(frozen=True)
+class LimitSettings:
+    """Rounding of values and remedies."""
 
-SMALLEST_BOUND = 1e-30
-"""Bounds nearer to 0 [SI] are no remedy."""
+    strict_margin: float = 1e-9
+    """Relative distance of a remedy from a strict limit: rounding must not undo it."""
+    full_digits: int = 13
+    """Digits that write a value of the file in full: two fewer than those of float64, which rounding needs."""
+    smallest_bound: float = 1e-30
+    """Bounds nearer to 0 [SI] are no remedy."""
+
+
+LIMIT = LimitSettings()
 
 
 class Numbers(TypedDict):
@@ -51,7 +57,7 @@ class Limit:
         return float(getattr(getattr(reducer.design, table), name))
 
     def is_met(self, reducer: Reducer) -> bool:
-        """Return whether the design meets the limit."""
+        """Return whether the design is within the limit."""
         return bool(SIDES[self.side](self.value(reducer), self.bound))
 
     def texts(self, reducer: Reducer) -> tuple[str, str]:
@@ -63,8 +69,8 @@ class Limit:
         return numbers(self.value(reducer), self.bound, self.unit)
 
     def remedy(self, reducer: Reducer) -> str:
-        """Describe the change that meets the limit, rounded to the safe side; empty if the file does not allow it."""
-        if not SMALLEST_BOUND < abs(self.bound) < math.inf:
+        """Describe the change that satisfies the limit, rounded to the safe side; empty if none is allowed."""
+        if not LIMIT.smallest_bound < abs(self.bound) < math.inf:
             return ""
         number = self._safe_number
         try:
@@ -75,30 +81,30 @@ class Limit:
         return f"{verb} {self.file_key} to {number} or {beyond}"
 
     def change(self, reducer: Reducer) -> tuple[str, float] | None:
-        """Return the file's key and the value that meets the limit; None if the file does not allow it."""
+        """Return the file's key and the value that satisfies the limit; None if the file does not allow it."""
         return (self.file_key, float(self._safe_number)) if self.remedy(reducer) else None
 
     @property
     def unit(self) -> Unit:
         """Unit of the value in the design file."""
-        return unit_of(self._field)
+        return unit_of(self._model_field)
 
     @property
     def file_key(self) -> str:
         """The key as the design file has it, with its unit."""
         table, name = self.key.split(".")
-        return f"{table}.{file_key(name, self._field)}"
+        return f"{table}.{file_key(name, self._model_field)}"
 
     @property
     def _safe_number(self) -> str:
-        """The last number of four digits, or the last integer, that meets the limit, in the file's unit."""
+        """The last number of four digits, or the last integer, that satisfies the limit, in the file's unit."""
         inward = -1 if self.side in UPPER else 1
-        margin = STRICT_MARGIN * abs(self.bound) if self.side in STRICT else 0.0
+        margin = LIMIT.strict_margin * abs(self.bound) if self.side in STRICT else 0.0
         bound = self.unit.from_si(self.bound + inward * margin)
-        return rounded(bound, inward < 0, self._field.annotation is int)
+        return round_beyond(bound, inward < 0, self._model_field.annotation is int)
 
     @property
-    def _field(self) -> FieldInfo:
+    def _model_field(self) -> FieldInfo:
         """The field of the model that has the key."""
         table, name = self.key.split(".")
         field: FieldInfo = section_of(Design.model_fields[table]).model_fields[name]
@@ -106,27 +112,27 @@ class Limit:
 
 
 def single_changes(reducer: Reducer, limits: Iterable[Limit]) -> tuple[Change, ...]:
-    """List the changes that each meet one of some limits."""
+    """List the changes that each satisfy a limit."""
     return tuple(dict([change]) for limit in limits if (change := limit.change(reducer)))
 
 
 def joint_change(reducer: Reducer, limits: Iterable[Limit]) -> tuple[Change, ...]:
-    """List the one change that meets all of some limits; empty if the file does not allow one, or there is no limit."""
+    """List the change that satisfies all limits at once; empty if the file does not allow one, or there is no limit."""
     changes = [limit.change(reducer) for limit in limits]
     return (dict(filter(None, changes)),) if changes and all(changes) else ()
 
 
 def alternatives(reducer: Reducer, limits: Iterable[Limit]) -> str:
-    """Describe the changes that each meet one of some limits; empty if the file allows none."""
+    """Describe the changes that each satisfy a limit, as alternatives; empty if the file allows none."""
     return ", or ".join(filter(None, (limit.remedy(reducer) for limit in limits)))
 
 
 def joint_remedy(reducer: Reducer, limits: Iterable[Limit]) -> str:
-    """Describe the one change that meets all of some limits, without those for which the file allows none."""
+    """Describe the change that satisfies all limits at once, without those for which the file allows none."""
     return " and ".join(filter(None, (limit.remedy(reducer) for limit in limits)))
 
 
-def rounded(value: float, down: bool, is_integer: bool) -> str:
+def round_beyond(value: float, down: bool, is_integer: bool) -> str:
     """Write the next lower or higher number of four digits, or whole number."""
     increment = 1.0 if is_integer else 10.0 ** (math.floor(math.log10(abs(value))) - 3)
     return f"{(math.floor if down else math.ceil)(value / increment) * increment:.10g}"
@@ -144,7 +150,7 @@ def value_and_limit(value: float, side: str, bound: float, unit: Unit) -> tuple[
     """
     symbol = SYMBOLS.get(unit.suffix, unit.suffix)
     shown, limit = unit.from_si(value), unit.from_si(bound)
-    digits = next((n for n in range(4, FULL_DIGITS) if decimal(shown, n) != decimal(limit, n)), FULL_DIGITS)
+    digits = next((n for n in range(4, LIMIT.full_digits) if decimal(shown, n) != decimal(limit, n)), LIMIT.full_digits)
     return f"{decimal(shown, digits)} {symbol}".rstrip(), f"{side} {decimal(limit, digits)} {symbol}".rstrip()
 
 

@@ -2,24 +2,31 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 from cycloid_mj.checks.limit import Limit, millimetres
 from cycloid_mj.checks.rule import Rule
 from cycloid_mj.geometry import envelope, profile
 from cycloid_mj.reducer import Reducer
 
-K1_RANGE = 0.35, 0.95
-"""Assumed range of K1 = c N / E: below, tooth forces are mostly radial; above, the lobes are sharply curved."""
 
-MAX_UNDERCUT_SHARE = 0.95
-"""Assumed largest share of the smallest convex radius of the pins' path that pin and clearance may use."""
+@dataclass(frozen=True)
+class MarginLimits:
+    """Assumed limits of the margins of teeth."""
 
-CUTTER_REACH = 10.0
-"""Assumed cutting depth of a cutter over its radius: five diameters."""
+    k1_range: tuple[float, float] = (0.35, 0.95)
+    """Assumed range of K1 = c N / E: below, tooth forces are mostly radial; above, the lobes are sharply curved."""
+    max_undercut_share: float = 0.95
+    """Assumed largest share of the smallest convex radius of the pins' path that pin and clearance may use."""
+    cutter_reach: float = 10.0
+    """Assumed cutting depth of a cutter over its radius: five diameters."""
+
+
+MARGINS = MarginLimits()
 
 
 def margin_rules(reducer: Reducer) -> Iterator[Rule]:
-    """Yield the rules for the margins of teeth that can be made; all are warnings."""
+    """Yield the rules for the margins of feasible teeth; all are warnings."""
     yield _short_width(reducer)
     yield _undercut_margin(reducer)
     yield _gear_tool(reducer)
@@ -31,7 +38,7 @@ def _short_width(reducer: Reducer) -> Rule:
     """Return the rule for K1 = c N / E, the eccentricity over that from which loops form."""
     design = reducer.design
     N, E = design.ring.teeth, design.ring.pin_circle_radius
-    low, high = K1_RANGE
+    low, high = MARGINS.k1_range
     above = Limit("gear.eccentricity", "at least", low * E / N)
     limit = Limit(above.key, "at most", high * E / N) if above.is_met(reducer) else above
     return Rule(
@@ -49,9 +56,10 @@ def _undercut_margin(reducer: Reducer) -> Rule:
     radius = reducer.design.ring.pin_radius
     return Rule(
         "undercut_margin",
-        Limit("ring.pin_radius", "at most", radius - offset + MAX_UNDERCUT_SHARE * bend),
+        Limit("ring.pin_radius", "at most", radius - offset + MARGINS.max_undercut_share * bend),
         f"the smallest convex radius of the lobes is {millimetres(bend - offset)}; it should be at least"
-        f" {1 - MAX_UNDERCUT_SHARE:.0%} of that of the pins' path, {millimetres(bend)} (assumed), or the edge wears",
+        f" {1 - MARGINS.max_undercut_share:.0%} of that of the pins' path, {millimetres(bend)} (assumed), or the"
+        " edge wears",
         severity="warning",
     )
 
@@ -71,8 +79,8 @@ def _tool(name: str, radius: float, where: str) -> Rule:
     """Return the rule that a cutter of a radius [m] reaches through the face width."""
     return Rule(
         name,
-        Limit("gear.face_width", "at most", CUTTER_REACH * radius),
+        Limit("gear.face_width", "at most", MARGINS.cutter_reach * radius),
         f"the {where} have a radius of {millimetres(radius)}, so that a cutter has at most that, and it cuts"
-        f" {CUTTER_REACH / 2:g} diameters deep (assumed); wire erosion or a broach cuts deeper",
+        f" {MARGINS.cutter_reach / 2:g} diameters deep (assumed); wire erosion or a broach cuts deeper",
         severity="warning",
     )

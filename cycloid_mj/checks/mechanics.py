@@ -2,17 +2,10 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 from cycloid_mj.checks.check import Check
-from cycloid_mj.checks.limit import (
-    STRICT_MARGIN,
-    Limit,
-    joint_change,
-    joint_remedy,
-    millimetres,
-    numbers,
-    value_and_limit,
-)
+from cycloid_mj.checks.limit import LIMIT, Limit, joint_change, joint_remedy, millimetres, numbers, value_and_limit
 from cycloid_mj.checks.rule import Rule
 from cycloid_mj.checks.teeth import circles_on_circle
 from cycloid_mj.design import PARTS, Material
@@ -20,17 +13,24 @@ from cycloid_mj.design.units import DEGREE, MICROMETRE
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.limits import widest_play
 
-MAX_CLEARANCE_SHARE = 0.1
-"""Assumed largest sum of the clearances over the smaller of c and rho that is small against the teeth."""
 
-JUMP_MARGIN = 1e-3
-"""Relative distance of a remedy from the limit on the backlash."""
+@dataclass(frozen=True)
+class MechanicsSettings:
+    """Assumed limits of clearances and drive, and settings of the check of backlash."""
 
-JUMP_POSES, JUMP_SIDES = 4, 32
-"""Crank angles at which a large backlash is computed, and sides of the polygon around the clearance of the cam."""
+    max_clearance_share: float = 0.1
+    """Assumed largest sum of the clearances over the smaller of c and rho that is small against the teeth."""
+    jump_margin: float = 1e-3
+    """Relative distance of a remedy from the limit on the backlash."""
+    jump_poses: int = 4
+    jump_sides: int = 32
+    """Crank angles at which a large backlash is computed, and sides of the polygon around the clearance of the cam."""
+    overload: float = 1.2
+    """Assumed largest product of motor torque and speed over the rated power."""
 
-OVERLOAD = 1.2
-"""Assumed largest product of motor torque and speed over the rated power."""
+
+MECHANICS = MechanicsSettings()
+
 
 PLAUSIBLE = {"youngs_modulus": (0.5e9, 700e9), "density": (800.0, 20000.0), "poisson": (0.1, 0.49)}
 """Assumed ranges [SI], from polymers to tungsten carbide: values beyond are mostly mistakes of units."""
@@ -154,7 +154,7 @@ def _clearance_checks(reducer: Reducer, has_shape: bool) -> Iterator[Check]:
         name="play",
         passed=total <= allowed,
         got=f"{got} ({' + '.join(names)})",
-        limit=f"{limit} ({MAX_CLEARANCE_SHARE:.0%} of the smaller of c and rho, assumed)",
+        limit=f"{limit} ({MECHANICS.max_clearance_share:.0%} of the smaller of c and rho, assumed)",
         why="with larger clearances the teeth are not in conjugate contact: statics and closed forms are estimates",
         remedy=joint_remedy(reducer, tighter),
         severity="warning",
@@ -169,7 +169,7 @@ def _total_clearance(reducer: Reducer) -> tuple[float, float]:
     """Return the sum of the clearances from crank to ring and output, and its usual maximum [m]."""
     design = reducer.design
     total = sum(getattr(design.clearance, name) for name in design.pair_kinds)
-    return total, MAX_CLEARANCE_SHARE * min(design.gear.eccentricity, design.ring.pin_radius)
+    return total, MECHANICS.max_clearance_share * min(design.gear.eccentricity, design.ring.pin_radius)
 
 
 def jumps(reducer: Reducer) -> bool:
@@ -188,8 +188,8 @@ def _half_lobe(reducer: Reducer) -> float:
 
 def _largest_backlashes(reducer: Reducer) -> Iterator[float]:
     """Yield the backlash of the output from stop to stop [rad] at a few crank angles."""
-    poses = (2.0 * math.pi * pose / JUMP_POSES for pose in range(JUMP_POSES))
-    return (widest_play(reducer, pose, JUMP_SIDES) for pose in poses)
+    poses = (2.0 * math.pi * pose / MECHANICS.jump_poses for pose in range(MECHANICS.jump_poses))
+    return (widest_play(reducer, pose, MECHANICS.jump_sides) for pose in poses)
 
 
 def _jump(reducer: Reducer) -> Check:
@@ -197,7 +197,7 @@ def _jump(reducer: Reducer) -> Check:
     design = reducer.design
     backlash, allowed = max(_largest_backlashes(reducer)), _half_lobe(reducer)
     got, limit = value_and_limit(backlash, "at most", allowed, DEGREE)
-    share = (1.0 - JUMP_MARGIN) * allowed / backlash
+    share = (1.0 - MECHANICS.jump_margin) * allowed / backlash
     lower = [
         Limit(f"clearance.{name}", "at most", share * getattr(design.clearance, name)) for name in design.pair_kinds
     ]
@@ -221,12 +221,12 @@ def _drive_rules(reducer: Reducer) -> Iterator[Rule]:
     speed = abs(drive.speed)
     yield Rule(
         "power",
-        Limit("drive.power", "at least", drive.torque * speed / OVERLOAD),
-        f"motor torque times speed should be at most {OVERLOAD:g} times the rated power (assumed)",
-        (Limit("drive.torque", "at most", OVERLOAD * drive.power / speed if speed else math.inf),),
+        Limit("drive.power", "at least", drive.torque * speed / MECHANICS.overload),
+        f"motor torque times speed should be at most {MECHANICS.overload:g} times the rated power (assumed)",
+        (Limit("drive.torque", "at most", MECHANICS.overload * drive.power / speed if speed else math.inf),),
         severity="warning",
     )
-    capacity = design.rated_torque * (1.0 + STRICT_MARGIN)  # the load may be that torque, up to rounding
+    capacity = design.rated_torque * (1.0 + LIMIT.strict_margin)  # the load may be that torque, up to rounding
     yield Rule(
         "load",
         Limit("load.torque", "at most", capacity) if load >= 0 else Limit("load.torque", "at least", -capacity),

@@ -47,7 +47,7 @@ class RatedLoad:
     def torque_at(self, kind: str, pressure: float) -> float:
         """Return the output torque [N m] at which a kind of contact has a peak pressure [Pa].
 
-        NaN if none is found, as where inertia forces alone exceed the pressure.
+        NaN if there is none, as where inertia forces alone exceed the pressure.
         """
         try:
             with np.errstate(invalid="ignore"):  # shares of the torque where it vanishes

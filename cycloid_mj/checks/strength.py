@@ -25,23 +25,27 @@ from cycloid_mj.design.materials import HARDNESS_PRESSURE, SHAKEDOWN_PRESSURE, Y
 from cycloid_mj.design.units import DEGREE, MEGAPASCAL, NEWTON_METRE, NONE
 from cycloid_mj.reducer import Reducer
 
-MAX_CONCENTRATION = 3.0
-"""Assumed largest tooth force over that of ideal load sharing."""
 
-MAX_PRESSURE_ANGLE = math.radians(70.0)
-"""Assumed largest mean pressure angle: radial forces are then three times the tangential ones."""
+@dataclass(frozen=True)
+class StrengthSettings:
+    """Assumed limits at the nominal torque, and settings of the remedies by statics."""
 
-WALL_SAFETY = 2.0
-"""Assumed factor for the notches of a wall; `cycloid-mj stress` computes them by finite elements."""
+    max_concentration: float = 3.0
+    """Assumed largest tooth force over that of ideal load sharing."""
+    max_pressure_angle: float = math.radians(70.0)
+    """Assumed largest mean pressure angle: the radial force is then three times the tangential force."""
+    wall_safety: float = 2.0
+    """Assumed factor for the notches of a wall; `cycloid-mj stress` computes them by finite elements."""
+    statics_rtol: float = 1e-3
+    """Relative distance of a remedy computed by statics from its limit: the accuracy of the statics."""
+    bisection_rtol: float = 0.01
+    """Relative accuracy of a remedy by bisection."""
+    max_iterations: int = 6
+    """Iterations for a face width: pressures and stresses are nearly a power of it."""
 
-STATICS_RTOL = 1e-3
-"""Relative distance of a remedy computed by statics from its limit: the accuracy of the statics."""
 
-BISECTION_RTOL = 0.01
-"""Relative accuracy of a remedy that is found by bisection."""
+STRENGTH = StrengthSettings()
 
-MAX_ITERATIONS = 6
-"""Iterations for a face width: pressures and stresses are nearly a power of it."""
 
 TENSION, SHEAR = 1.0, 1.0 / math.sqrt(3.0)
 """Strength of a wall over the yield strength in tension (von Mises)."""
@@ -107,7 +111,7 @@ def _pressures(state: RatedLoad, part: str) -> Iterator[Check]:
             remedies = [
                 _face_width(reducer, lambda other: other.peak_pressure(kind), allowed, 2.0),
                 Limit(key, "at least", ratio * pressure / factor),
-                Limit("drive.torque", "at most", (1.0 - STATICS_RTOL) * torque / design.reduction),
+                Limit("drive.torque", "at most", (1.0 - STRENGTH.statics_rtol) * torque / design.reduction),
             ]
         got, limit = value_and_limit(pressure, "at most", allowed, MEGAPASCAL)
         yield Check(
@@ -143,13 +147,13 @@ def _weaker(reducer: Reducer, kind: str, strength: str, of_surface: str) -> tupl
 def _face_width(reducer: Reducer, value: Callable[[RatedLoad], float], allowed: float, power: float) -> Limit:
     """Return the face width at which a value, about width ** -1/power, decreases to what is allowed."""
     width, figure = reducer.design.gear.face_width, value(rated_load(reducer))
-    for _ in range(MAX_ITERATIONS):
-        width *= (1.0 + STATICS_RTOL) * (figure / allowed) ** power
+    for _ in range(STRENGTH.max_iterations):
+        width *= (1.0 + STRENGTH.statics_rtol) * (figure / allowed) ** power
         try:
             figure = value(rated_load(reducer.but(gear={"face_width": width})))
         except CycloidError:
             return Limit("gear.face_width", "at least", math.inf)
-        if (1.0 - 4.0 * STATICS_RTOL) * allowed < figure <= allowed:
+        if (1.0 - 4.0 * STRENGTH.statics_rtol) * allowed < figure <= allowed:
             break
     return Limit("gear.face_width", "at least", width)
 
@@ -158,13 +162,17 @@ def _concentration(state: RatedLoad) -> Check:
     """Check the largest tooth force over that of ideal load sharing."""
     reducer, design, ratio = state.reducer, state.reducer.design, state.concentration
     names = _clearances(reducer)
-    passed = ratio <= MAX_CONCENTRATION
-    got, limit = value_and_limit(ratio, "at most", MAX_CONCENTRATION, NONE)
+    passed = ratio <= STRENGTH.max_concentration
+    got, limit = value_and_limit(ratio, "at most", STRENGTH.max_concentration, NONE)
 
     def tighter(share: float) -> Reducer:
         return reducer.but(clearance={name: share * getattr(design.clearance, name) for name in names})
 
-    share = 1.0 if passed else _threshold(lambda share: rated_load(tighter(share)).concentration <= MAX_CONCENTRATION)
+    share = (
+        1.0
+        if passed
+        else _threshold(lambda share: rated_load(tighter(share)).concentration <= STRENGTH.max_concentration)
+    )
     limits = [Limit(f"clearance.{name}", "at most", share * getattr(design.clearance, name)) for name in names]
     return Check(
         name="load_concentration",
@@ -181,7 +189,7 @@ def _concentration(state: RatedLoad) -> Check:
         severity="warning",
         key="the largest tooth force over that of ideal load sharing",
         changes=() if passed or not share else joint_change(reducer, limits),
-        **numbers(ratio, MAX_CONCENTRATION, NONE),
+        **numbers(ratio, STRENGTH.max_concentration, NONE),
     )
 
 
@@ -195,8 +203,8 @@ def _clearances(reducer: Reducer) -> tuple[str, ...]:
 def _pressure_angle(state: RatedLoad) -> Check:
     """Check the mean pressure angle of the tooth forces."""
     reducer, design, angle = state.reducer, state.reducer.design, state.pressure_angle
-    passed = angle <= MAX_PRESSURE_ANGLE
-    got, limit = value_and_limit(angle, "at most", MAX_PRESSURE_ANGLE, DEGREE)
+    passed = angle <= STRENGTH.max_pressure_angle
+    got, limit = value_and_limit(angle, "at most", STRENGTH.max_pressure_angle, DEGREE)
     least, most = design.gear.eccentricity, design.ring.pin_circle_radius / design.ring.teeth
 
     def steeper(share: float) -> Reducer:
@@ -206,7 +214,7 @@ def _pressure_angle(state: RatedLoad) -> Check:
         )
 
     def is_met(share: float) -> bool:
-        return rated_load(steeper(share)).pressure_angle <= MAX_PRESSURE_ANGLE
+        return rated_load(steeper(share)).pressure_angle <= STRENGTH.max_pressure_angle
 
     share = 1.0 if passed else _threshold(is_met)
     better = steeper(share).design if share else design
@@ -228,7 +236,7 @@ def _pressure_angle(state: RatedLoad) -> Check:
         severity="warning",
         key="the mean pressure angle at the nominal torque",
         changes=() if passed or not share else joint_change(reducer, limits),
-        **numbers(angle, MAX_PRESSURE_ANGLE, DEGREE),
+        **numbers(angle, STRENGTH.max_pressure_angle, DEGREE),
     )
 
 
@@ -242,7 +250,7 @@ def _threshold(is_met: Callable[[float], bool]) -> float:
             return False
 
     low, high = 0.0, 1.0
-    while high - low > BISECTION_RTOL * high and high > BISECTION_RTOL:
+    while high - low > STRENGTH.bisection_rtol * high and high > STRENGTH.bisection_rtol:
         middle = 0.5 * (low + high)
         low, high = (middle, high) if is_met_safely(middle) else (low, middle)
     return low
@@ -300,7 +308,7 @@ def _wall(state: RatedLoad, wall: Wall) -> Check:
 
     stress = acting(state)
     material = design.material_of(wall.part)
-    strength = wall.share * material.yield_strength / WALL_SAFETY
+    strength = wall.share * material.yield_strength / STRENGTH.wall_safety
     passed = stress <= strength
     kind = "tension" if wall.share == TENSION else "shear"
     got, limit = value_and_limit(stress, "at most", strength, MEGAPASCAL)
@@ -312,7 +320,7 @@ def _wall(state: RatedLoad, wall: Wall) -> Check:
         name=wall.name,
         passed=passed,
         got=f"{got} of {kind}",
-        limit=f"{limit} (the yield strength in {kind} over {WALL_SAFETY:g}, assumed)",
+        limit=f"{limit} (the yield strength in {kind} over {STRENGTH.wall_safety:g}, assumed)",
         why=f"the largest force there, {state.peak_force(wall.kind):.4g} N, must not tear the wall of"
         f" {1e3 * wall.thickness:.4g} mm",
         remedy=alternatives(reducer, remedies),

@@ -39,7 +39,7 @@ class Summary:
     backlash
         Backlash of the output, mean over a turn of the crank [rad].
     capacity
-        Torque on the output at which the first contact yields [N m]; NaN if no equilibrium is found there.
+        Torque on the output at which the first contact yields [N m]; NaN without an equilibrium there.
     weakest
         Kind of the contact with the highest pressure over its strength.
     material_limits
@@ -83,7 +83,7 @@ def summary(reducer: Reducer) -> Summary:
 
 
 def _capacity(reducer: Reducer) -> float:
-    """Compute the torque at first yield [N m]; NaN if no equilibrium is found there."""
+    """Compute the torque at first yield [N m]; NaN without an equilibrium there."""
     try:
         return figure("capacity_nm").value(reducer)
     except RunError:

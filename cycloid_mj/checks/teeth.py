@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 from cycloid_mj.checks.limit import Limit, millimetres
 from cycloid_mj.checks.rule import Rule, wall_rule
@@ -10,17 +11,24 @@ from cycloid_mj.geometry.profile import CycloidGear
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import socket_half_angle
 
-MIN_WALL_SHARE = 0.01
-"""Assumed least wall between any two cut-outs over E: 0.4 mm of a pin circle of 40 mm."""
 
-LOOP_MARGIN = 1e-6
-"""Relative distance of c N from E: closer to a loop the closed forms lose their digits to rounding."""
+@dataclass(frozen=True)
+class ToothLimits:
+    """Assumed limits of walls and cores, and the margin to a profile with loops."""
+
+    min_wall_share: float = 0.01
+    """Assumed least wall between any two cut-outs over E: 0.4 mm of a pin circle of 40 mm."""
+    loop_margin: float = 1e-6
+    """Relative distance of c N from E: closer to a loop the closed forms lose their digits to rounding."""
+    min_core_share: float = 1 / 3
+    """Assumed least radius of the pin inside a sleeve over rho: it carries the entire force in bending."""
+
+
+TEETH = ToothLimits()
+
 
 WALLS = ("bore", "holes_to_bore", "holes_to_root", "neighbouring_holes", "neighbouring_pins", "housing", "sleeve")
 """Names of the checks of walls: thinner than assumed is a warning, no wall an error."""
-
-MIN_CORE_SHARE = 1 / 3
-"""Assumed least radius of the pin inside a sleeve over rho: it carries the entire force in bending."""
 
 
 def tooth_rules(reducer: Reducer) -> Iterator[Rule]:
@@ -30,11 +38,11 @@ def tooth_rules(reducer: Reducer) -> Iterator[Rule]:
     shift = min(design.modification.pin_circle, 0.0)  # the disc may be generated with a smaller pin circle
     loops = Rule(
         "loops",
-        Limit("gear.eccentricity", "less than", (E + shift) / N * (1 - LOOP_MARGIN)),
+        Limit("gear.eccentricity", "less than", (E + shift) / N * (1 - TEETH.loop_margin)),
         "at c >= E / N the path of a pin in the disc has loops, and the profile crosses itself",
         (
-            Limit("ring.teeth", "less than", (E + shift) / c * (1 - LOOP_MARGIN)),
-            Limit("ring.pin_circle_radius", "more than", N * c / (1 - LOOP_MARGIN) - shift),
+            Limit("ring.teeth", "less than", (E + shift) / c * (1 - TEETH.loop_margin)),
+            Limit("ring.pin_circle_radius", "more than", N * c / (1 - TEETH.loop_margin) - shift),
         ),
     )
     yield loops
@@ -98,11 +106,11 @@ def _neighbouring_pins(reducer: Reducer) -> Rule:
             Limit("ring.pin_circle_radius", "more than", socket / room if room > 0.0 else math.inf),
         )
 
-    return wall_rule("neighbouring_pins", limits, MIN_WALL_SHARE, E, "between the sockets of neighbouring pins")
+    return wall_rule("neighbouring_pins", limits, TEETH.min_wall_share, E, "between the sockets of neighbouring pins")
 
 
 def _sleeve(reducer: Reducer) -> Rule:
-    """Return the rule that a sleeve leaves a pin inside, of at least `MIN_CORE_SHARE` of rho."""
+    """Return the rule that a sleeve leaves a pin inside, of at least `TEETH.min_core_share` of rho."""
     ring, play = reducer.design.ring, reducer.design.clearance.pin_sleeve
     no_pin = Rule(
         "sleeve",
@@ -111,9 +119,9 @@ def _sleeve(reducer: Reducer) -> Rule:
     )
     return Rule(
         "sleeve",
-        Limit("ring.sleeve_thickness", "at most", (1 - MIN_CORE_SHARE) * ring.pin_radius - play),
-        f"the pin inside should have at least {MIN_CORE_SHARE:.0%} of the sleeve's outside diameter (assumed)",
-        (Limit("ring.pin_radius", "at least", (ring.sleeve_thickness + play) / (1 - MIN_CORE_SHARE)),),
+        Limit("ring.sleeve_thickness", "at most", (1 - TEETH.min_core_share) * ring.pin_radius - play),
+        f"the pin inside should have at least {TEETH.min_core_share:.0%} of the sleeve's outside diameter (assumed)",
+        (Limit("ring.pin_radius", "at least", (ring.sleeve_thickness + play) / (1 - TEETH.min_core_share)),),
         severity="warning",
         failure=no_pin,
     )
@@ -163,7 +171,7 @@ def _housing(reducer: Reducer) -> Rule:
         )
 
     where = f"outside the ring's teeth (out to {millimetres(outermost)})"
-    return wall_rule("housing", limits, MIN_WALL_SHARE, ring.pin_circle_radius, where)
+    return wall_rule("housing", limits, TEETH.min_wall_share, ring.pin_circle_radius, where)
 
 
 def circles_on_circle(half_pitch_share: float) -> float:

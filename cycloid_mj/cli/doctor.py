@@ -110,7 +110,7 @@ def _self_tested() -> str:
 
     from cycloid_mj.dynamics.contact import collider, each_step
 
-    with collider.installed(), each_step.installed():
+    with collider.install(), each_step.install():
         return f"release {mujoco.__version__} passes: memory layout, gaps and forces are as expected"
 
 

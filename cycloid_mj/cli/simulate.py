@@ -251,14 +251,14 @@ def require_possible(design: Design, solver: "Solver" = "mujoco") -> None:
     if design.drive.speed == 0.0:
         raise UsageError("drive.speed_rpm is 0, so the crank would not turn: give --speed-rpm")
     from cycloid_mj.checks import require_sound
-    from cycloid_mj.dynamics.run import MAX_STEPS, STEP_RULES
+    from cycloid_mj.dynamics.run import RUN, STEP_RULES
 
     require_sound(reducer)
     step = STEP_RULES[solver].choose(reducer).seconds
     steps = (design.drive.ramp + design.drive.hold) / step
-    if steps > MAX_STEPS:
+    if steps > RUN.max_steps:
         raise UsageError(
-            f"the run would take {steps:.3g} steps of {step * 1e6:g} us; at most {MAX_STEPS:.0e} are "
+            f"the run would take {steps:.3g} steps of {step * 1e6:g} us; at most {RUN.max_steps:.0e} are "
             "allowed: increase --timestep-us, or reduce --ramp-s and --hold-s"
         )
 

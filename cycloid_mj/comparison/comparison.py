@@ -54,7 +54,7 @@ class Comparison:
 
     @property
     def tables(self) -> tuple[Table, ...]:
-        """The figures under each load, and the sensitivity of the dynamic ones, if it was run."""
+        """The figures under each load, and the sensitivity of dynamic figures, if it was computed."""
         tables = [table(self.at(load)) for load in self.loads]
         if self.sensitivity:
             tables.append(sensitivity_table(self.sensitivity, str(self.trials[-1].measures.findings.condition)))
@@ -69,7 +69,7 @@ class Comparison:
             "differences": self.differences,
             "runs": [_run(trial) for trial in self.trials],
             "sensitivity": [
-                plain(each) | {"changes": each.changes, "determined": each.determined} for each in self.sensitivity
+                plain(each) | {"changes": each.changes, "determined": each.is_determined} for each in self.sensitivity
             ],
         }
         return dict(plain(content))

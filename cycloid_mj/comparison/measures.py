@@ -41,7 +41,7 @@ def settling_time(reducer: Reducer) -> float:
     At no load a disc that starts in the centre takes about a turn until it rattles steadily.
     """
     design = reducer.design
-    loaded = max(design.load.rise - design.drive.ramp, 0.0) + SETTLING * slowness(reducer)
+    loaded = max(design.load.rise - design.drive.ramp, 0.0) + SETTLING.min_time * slowness(reducer)
     return loaded + (2 * math.pi / abs(design.drive.speed) if design.drive.speed else 0.0)
 
 

@@ -49,7 +49,7 @@ class Sensitivity:
         return tuple(_ratio(each.figure, self.figure) - 1.0 for each in self.responses)
 
     @property
-    def determined(self) -> bool:
+    def is_determined(self) -> bool:
         """True if the sign of the figure is certain, and its size within a factor `UNDETERMINED`."""
         ratios = [1.0, *(1.0 + change for change in self.changes)]
         return min(ratios) > 0.0 and max(ratios) / min(ratios) < UNDETERMINED
@@ -88,7 +88,7 @@ def sensitivity_table(sensitivities: Sequence[Sensitivity], condition: str) -> T
 
 
 def _words(sensitivity: Sensitivity) -> str:
-    if not sensitivity.determined:
+    if not sensitivity.is_determined:
         return "not determined: x " + ", ".join(f"{1.0 + change:.2g}" for change in sensitivity.changes)
     if sensitivity.unit == "%":
         return ", ".join(f"{each.figure - sensitivity.figure:+.2f} points" for each in sensitivity.responses)

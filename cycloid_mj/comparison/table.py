@@ -119,14 +119,14 @@ def table(trials: Sequence[Trial]) -> Table:
     window, starts = findings.window, min(len(trial.starts) for trial in trials)
     span = f"from {window.start_s:.6g} to {window.end_s:.6g} s ({window.crank_turns:.1f} turns)"
     over = f", range (mean) of {starts} starts" if starts > 1 else ""
-    of = ", disc and q of disc 1" if any(trial.measures.findings.discs for trial in trials) else ""
+    note = ", disc and q of disc 1" if any(trial.measures.findings.discs for trial in trials) else ""
     rows = []
     for figure in ROWS:
         spreads = [trial.over_starts(figure.of) for trial in trials]
         if any(spread is not None for spread in spreads):
             rows.append((figure.words, *("" if spread is None else _words(spread) for spread in spreads), figure.unit))
     header = ("quantity", *(trial.name for trial in trials), "unit")
-    return Table(f"{findings.condition}: {span}{over}{of}", header, tuple(rows))
+    return Table(f"{findings.condition}: {span}{over}{note}", header, tuple(rows))
 
 
 def _words(spread: StartSpread) -> str:

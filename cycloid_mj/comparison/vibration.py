@@ -31,7 +31,7 @@ class Acceleration:
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """One-sided power spectral densities at `frequency` [Hz], up to ``spectrum.BAND`` of the log rate.
+    """One-sided power spectral densities at `frequency` [Hz], up to ``spectrum.SPECTRUM.band`` of the log rate.
 
     Velocities are instantaneous samples, so vibration above half of the log rate is aliased from `rate` - f to f,
     reduced by f/(`rate` - f): to two thirds at the end of the band, to a tenth at a quarter of it. `centre`
@@ -74,8 +74,10 @@ def acceleration(motion: Series) -> Acceleration:
     angle = run["crank_angle"] + reducer.phases[motion.disc]
     theory = kinematics.gear_centre_velocity(reducer.tooth_profile, angle, run["crank_speed"])
     centre = run.block(planar_speeds(motion.gear)[:2]) - theory
-    step = np.diff(motion.time)
-    return Acceleration(np.diff(centre, axis=0) / step[:, np.newaxis], np.diff(motion.output_speed.error) / step)
+    interval = np.diff(motion.time)
+    return Acceleration(
+        np.diff(centre, axis=0) / interval[:, np.newaxis], np.diff(motion.output_speed.error) / interval
+    )
 
 
 def spectrum(motion: Series) -> Spectrum:
@@ -85,10 +87,12 @@ def spectrum(motion: Series) -> Spectrum:
     """
     parts = full_turns(motion)
     rows = slice(parts[0].start, parts[-1].stop)
-    accelerations, step = acceleration(motion), _sampling(motion)
+    accelerations, interval = acceleration(motion), _sampling(motion)
     segment = min(TURNS_PER_SEGMENT * (parts[0].stop - parts[0].start), len(accelerations.output[rows]))
-    frequency, power = density(np.column_stack([accelerations.centre, accelerations.output])[rows], 1.0 / step, segment)
-    power /= np.sinc(frequency * step)[:, np.newaxis] ** 2
+    frequency, power = density(
+        np.column_stack([accelerations.centre, accelerations.output])[rows], 1.0 / interval, segment
+    )
+    power /= np.sinc(frequency * interval)[:, np.newaxis] ** 2
     return Spectrum(frequency, power[:, :2].sum(axis=1), power[:, 2])
 
 

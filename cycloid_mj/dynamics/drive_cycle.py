@@ -1,6 +1,6 @@
 """Drive cycle of a run: initial state, and commands of crank and output over time.
 
-A *held* shaft follows a position command by its servo; a torque acts on the other shaft.
+The *driven* shaft follows a position command by its servo; a torque acts on the other shaft.
 """
 
 import math
@@ -42,8 +42,8 @@ class DriveCycle:
     angle, speed
         Of the crank at t = 0 [rad, rad/s]; all other bodies start at their closed-form positions.
     drive, load
-        Commands of crank and output at times [s], shape (n,): the position [rad] of the held shaft, the torque about +z
-        [N m] on the other one.
+        Commands of crank and output at times [s], shape (n,): the position [rad] of the driven shaft, the torque about
+        +z [N m] on the other one.
     """
 
     angle: float
@@ -77,7 +77,8 @@ def locked_crank(compiled: Held, angle: float, torque: Signal) -> DriveCycle:
 def braked_output(compiled: Held, reducer: Reducer, torque: Signal, angle: float = 0.0) -> DriveCycle:
     """Return a cycle with the output at the speed for the design's crank speed, and a torque on the crank [N m].
 
-    The model must hold the output: ``build(design, held="output")``. The crank starts at `angle` [rad], at full speed.
+    The servo of the model must be on the output: ``build(design, held="output")``. The crank starts at `angle` [rad],
+    at full speed.
     """
     design = reducer.design
     speed = design.drive.speed

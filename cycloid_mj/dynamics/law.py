@@ -13,21 +13,31 @@ from cycloid_mj.base.array import significant
 from cycloid_mj.base.errors import ContactError
 from cycloid_mj.reducer import Reducer
 
-MAX_COUPLING = 0.05
-"""Largest share of the added mass by which tangential acceleration couples into the normal force, mu^2/impratio.
 
-From 0.25 to 0.0025 all mean values of fixed and free pins, at 1 N m and at the rated load, agree within 0.1 %.
-"""
+@dataclass(frozen=True)
+class FrictionSettings:
+    """Settings of friction in MuJoCo's elliptic cone, all dimensionless."""
 
-IMPRATIO = 10.0
-"""``impratio`` of a model whose crank is at rest, and the largest one for stock MuJoCo, which lifts sliding contacts.
+    max_coupling: float = 0.05
+    """Largest share of the added mass by which tangential acceleration couples into the normal force, mu^2/impratio.
 
-Stock MuJoCo adds friction * creep * speed / impratio to the normal force. At 1 the rms of the disc's speed under the
-rated load is 25 % larger than at 10.
-"""
+    From 0.25 to 0.0025 all mean values of fixed and free pins, at 1 N m and at the rated load, agree within 0.1 %.
+    """
+    impratio: float = 10.0
+    """``impratio`` of a model whose crank is at rest, and the largest one for stock MuJoCo, which lifts sliding
+    contacts.
 
-MAX_LEAD, MAX_PIN_LEAD = 0.15, 0.05
-"""Largest lead of friction, see `stock_impratio`, and that of moving pins on their seats, which reverse their spin."""
+    Stock MuJoCo adds friction * creep * speed / impratio to the normal force. At 1 the rms of the disc's speed under
+    the rated load is 25 % larger than at 10.
+    """
+    max_lead: float = 0.15
+    """Largest lead of friction, see `stock_impratio`."""
+    max_pin_lead: float = 0.05
+    """That of moving pins on their seats, which reverse their spin."""
+
+
+FRICTION = FrictionSettings()
+
 
 MIN_IMPEDANCE, MAX_IMPEDANCE = 1e-4, 0.9999
 """Range to which MuJoCo limits the impedance of a constraint."""
@@ -78,7 +88,7 @@ class SolverParameters:
 def contact_law(
     stiffness: float, damping_ratio: float, effective_mass: float, friction: float, creep: float, timestep: float
 ) -> ContactParameters:
-    """Compute the law of a contact between two bodies of a given effective mass.
+    """Compute the law of a contact between two bodies with an effective mass.
 
     Parameters
     ----------
@@ -127,13 +137,15 @@ def impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]], 
 
     The normal force has the added mass 1/R, friction has impratio/R, which acts on the tangential acceleration: below
     the Coulomb limit friction is creep v + impratio/R dv/dt. At creep dt/2 it is centred in the step, like the damping;
-    more would let friction lead the sliding. Every kind of pair has at least that, and at most the coupling
-    `MAX_COUPLING`.
+    with more, friction would lead the sliding. Every kind of pair has at least that, and at most the coupling
+    `FRICTION.max_coupling`.
     """
     rubbing = [law for of_disc in laws for law in of_disc.values() if law.friction]
     if not (rubbing and reducer.design.drive.speed):
-        return IMPRATIO
-    least = [max(law.friction**2 / MAX_COUPLING, 0.5 * law.creep * timestep / law.added_mass) for law in rubbing]
+        return FRICTION.impratio
+    least = [
+        max(law.friction**2 / FRICTION.max_coupling, 0.5 * law.creep * timestep / law.added_mass) for law in rubbing
+    ]
     return significant(max(least))
 
 
@@ -154,17 +166,19 @@ def leads(reducer: Reducer, laws: Mapping[str, ContactParameters], impratio: flo
 
 
 def stock_impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]]) -> float:
-    """Compute the ``impratio`` of a model for stock MuJoCo, which lifts sliding contacts: at most `IMPRATIO`."""
+    """Compute the ``impratio`` of a model for stock MuJoCo, which lifts sliding contacts."""
     allowed = [
-        (MAX_PIN_LEAD if kind == reducer.design.seat_pair else MAX_LEAD) / lead
+        (FRICTION.max_pin_lead if kind == reducer.design.seat_pair else FRICTION.max_lead) / lead
         for of_disc in laws
         for kind, lead in leads(reducer, of_disc, 1.0).items()
         if lead
     ]
-    return significant(min([IMPRATIO, *allowed]))
+    return significant(min([FRICTION.impratio, *allowed]))
 
 
-def solver_parameters(law: ContactParameters, inverse_weight: float, impratio: float = IMPRATIO) -> SolverParameters:
+def solver_parameters(
+    law: ContactParameters, inverse_weight: float, impratio: float = FRICTION.impratio
+) -> SolverParameters:
     """Translate a contact law for MuJoCo.
 
     Parameters

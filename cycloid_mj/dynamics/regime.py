@@ -6,6 +6,7 @@ elsewhere.
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
@@ -23,38 +24,42 @@ from cycloid_mj.dynamics.timestep import (
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.friction import lacking_friction
 
-MIN_CLEARANCE_SHARE = 1e4 * 2.0**-52
-"""Smallest clearance over the pin-circle radius E. Gaps are accurate to some ten rounding errors of E, 0.1 % of it."""
 
-MIN_SAMPLES_PER_TOOTH = 8.0
-"""Smallest number of samples from tooth to tooth.
+@dataclass(frozen=True)
+class RegimeLimits:
+    """Limits from which on a setting runs but produces inaccurate results."""
 
-At this number a sampled sine keeps at least 92 % of its peak-to-peak value, and the transmission error of fixed pins
-99 %; at 3 samples 87 to 98 %, at one 50 to 97 %.
-"""
+    min_clearance_share: float = 1e4 * 2.0**-52
+    """Smallest clearance over the pin-circle radius E: gaps are accurate to 0.1 % of it, ten rounding errors of E."""
+    min_samples_per_tooth: float = 8.0
+    """Smallest number of samples from tooth to tooth.
 
-MAX_FRICTION_LEAD = 0.15
-"""Largest tangent of the angle by which friction leads the sliding.
+    At this number a sampled sine keeps at least 92 % of its peak-to-peak value, and the transmission error of fixed
+    pins 99 %; at 3 samples 87 to 98 %, at one 50 to 97 %.
+    """
+    max_friction_lead: float = 0.15
+    """Largest tangent of the angle by which friction leads the sliding.
 
-Fixed pins and internal gear under 1 to 3 N m: friction of the teeth is 5 % too low at 0.84, 1 % at 0.72 and correct
-within 0.1 % at 0.3; at 20 N m and 20 000 rpm losses are a third too low at 0.3 and correct within 1 % at 0.15.
-"""
+    Fixed pins and internal gear under 1 to 3 N m: friction of the teeth is 5 % too low at 0.84, 1 % at 0.72 and correct
+    within 0.1 % at 0.3; at 20 N m and 20 000 rpm losses are a third too low at 0.3 and correct within 1 % at 0.15.
+    """
+    max_missing_loss: float = 1e-3
+    """Largest loss that is missing because parts creep, as a share of the output power."""
+    max_friction_lag: float = 1e-3
+    """Largest error of the force of sliding teeth as a share of their working force, see `friction_lag`.
 
-MAX_MISSING_LOSS = 1e-3
-"""Largest loss that is missing because parts creep, as a share of the output power."""
+    Two discs with 0.35 um of play at 15 000 and 30 000 rpm, friction of the teeth 0.05 and 0.15, 5 to 100 % load,
+    against the planar solver at 0.5 us: efficiency and mean transmission error differ by up to four times this number.
+    """
+    max_raised_mass: float = 0.01
+    """Largest increase of an added mass by MuJoCo's minimum impedance, as a share of the effective mass."""
 
-MAX_FRICTION_LAG = 1e-3
-"""Largest error of the force of sliding teeth as a share of their working force, see `friction_lag`.
 
-Two discs with 0.35 um of play at 15 000 and 30 000 rpm, friction of the teeth 0.05 and 0.15, 5 to 100 % load, against
-the planar solver at 0.5 us: efficiency and mean transmission error differ by up to four times this number.
-"""
+LIMITS = RegimeLimits()
+
 
 _CREEP_REMEDY = "lower it, or set it to 0 to derive it from the sliding speed"
 """Remedy for friction that is not fully developed."""
-
-MAX_RAISED_MASS = 0.01
-"""Largest increase of an added mass by MuJoCo's minimum impedance, as a share of the effective mass."""
 
 
 class Compiled(Protocol):
@@ -75,10 +80,10 @@ class Compiled(Protocol):
 
 def warnings(reducer: Reducer, compiled: Compiled) -> tuple[str, ...]:
     """Return the warnings about a built design."""
-    step = compiled.model.opt.timestep  # by mesh contact it may be shorter than the design's
-    stiff = [text for kind, law in compiled.laws.items() for text in _resolution(reducer, kind, law, step)]
+    seconds = compiled.model.opt.timestep  # by mesh contact it may be shorter than the design's
+    stiff = [text for kind, law in compiled.laws.items() for text in _resolution(reducer, kind, law, seconds)]
     return (
-        *_rolling(reducer, step),
+        *_rolling(reducer, seconds),
         *stiff,
         *_leading(reducer, compiled),
         *_circling(reducer, compiled),
@@ -100,8 +105,8 @@ def passing_rate(reducer: Reducer) -> float:
 
 
 def lowest_log_rate(reducer: Reducer) -> float:
-    """Compute the log rate with `MIN_SAMPLES_PER_TOOTH` of each passing tooth at the design's crank speed [Hz]."""
-    return MIN_SAMPLES_PER_TOOTH * passing_rate(reducer)
+    """Compute the log rate [Hz] with `LIMITS.min_samples_per_tooth` at the design's crank speed."""
+    return LIMITS.min_samples_per_tooth * passing_rate(reducer)
 
 
 def pace(reducer: Reducer, min_steps: float = SETTINGS.min_steps_per_tooth) -> tuple[str, ...]:
@@ -116,19 +121,20 @@ def pace(reducer: Reducer, min_steps: float = SETTINGS.min_steps_per_tooth) -> t
 
 def _few_steps(reducer: Reducer, passing: float, min_steps: float) -> Iterator[str]:
     """Warn of too few steps per tooth; `passing` is the tooth passing frequency [Hz]."""
-    step, longest = timestep(reducer), passing_limit(reducer, min_steps)
-    if step > longest * (1.0 + 1e-9):
+    seconds, longest = timestep(reducer), passing_limit(reducer, min_steps)
+    if seconds > longest * (1.0 + 1e-9):
         yield (
-            f"settings.timestep_us = {1e6 * step:g}: a tooth passes in only {1.0 / (passing * step):.3g} time steps "
-            f"({math.degrees(abs(reducer.design.drive.speed)) * step:.3g} deg of crank rotation per step), so forces "
-            f"and ripple are wrong and peaks are cut; shorten it to {_below(1e6 * longest)} or lower drive.speed_rpm"
+            f"settings.timestep_us = {1e6 * seconds:g}: a tooth passes in only {1.0 / (passing * seconds):.3g} time "
+            f"steps ({math.degrees(abs(reducer.design.drive.speed)) * seconds:.3g} deg of crank rotation per step), so "
+            f"forces and ripple are wrong and peaks are cut; shorten it to {_below(1e6 * longest)} or lower "
+            "drive.speed_rpm"
         )
 
 
 def _few_samples(reducer: Reducer, passing: float) -> Iterator[str]:
     """Warn of too few log samples per tooth; a log has at most one sample per step."""
     design = reducer.design
-    rate, least = min(design.settings.log_rate, 1.0 / timestep(reducer)), MIN_SAMPLES_PER_TOOTH * passing
+    rate, least = min(design.settings.log_rate, 1.0 / timestep(reducer)), LIMITS.min_samples_per_tooth * passing
     if rate < least * (1.0 - 1e-9):
         yield (
             f"settings.log_rate_hz = {design.settings.log_rate:g}: only {rate / passing:.2g} samples per passing tooth "
@@ -140,7 +146,7 @@ def _few_samples(reducer: Reducer, passing: float) -> Iterator[str]:
 def creeping(reducer: Reducer) -> Iterator[str]:
     """Warn of parts that slide too slowly for fully developed friction."""
     lacking, of_output = lacking_friction(reducer)
-    if of_output > MAX_MISSING_LOSS:
+    if of_output > LIMITS.max_missing_loss:
         yield (
             f"contact.creep_speed_mm_s = {1e3 * reducer.contacts.creep_speed:g}: parts slide too slowly for full "
             f"friction at this crank speed and load; the losses of teeth and output are about {lacking:.0%} too low "
@@ -153,7 +159,7 @@ def creeping_in(runs: Mapping[str, Reducer]) -> Iterator[str]:
     groups: dict[str, list[str]] = {}
     for name, reducer in runs.items():
         lacking, of_output = lacking_friction(reducer)
-        if of_output > MAX_MISSING_LOSS:
+        if of_output > LIMITS.max_missing_loss:
             groups.setdefault(f"{lacking:.0%} and {100.0 * of_output:.2g} percentage points", []).append(name)
     if groups:
         slow = sum(len(names) for names in groups.values())
@@ -164,29 +170,29 @@ def creeping_in(runs: Mapping[str, Reducer]) -> Iterator[str]:
         )
 
 
-def stiffness_ratio(law: ContactParameters, step: float) -> float:
+def stiffness_ratio(law: ContactParameters, seconds: float) -> float:
     """Compute K dt^2/m [1]: the square of the time step over the contact's own time sqrt(m/K)."""
-    return law.stiffness * step**2 / law.effective_mass
+    return law.stiffness * seconds**2 / law.effective_mass
 
 
-def _rolling(reducer: Reducer, step: float) -> Iterator[str]:
+def _rolling(reducer: Reducer, seconds: float) -> Iterator[str]:
     """Warn of a time step that does not resolve parts that roll in their clearance."""
     for what, longest in rolling_limits(reducer).items():
-        if step > longest * (1.0 + 1e-9):
+        if seconds > longest * (1.0 + 1e-9):
             yield (
-                f"settings.timestep_us = {1e6 * step:g} is too long for the rolling of {what}: speeds and losses are "
-                f"wrong; shorten it to {_below(1e6 * longest)}, or set it to 0 for the automatic choice"
+                f"settings.timestep_us = {1e6 * seconds:g} is too long for the rolling of {what}: speeds and losses "
+                f"are wrong; shorten it to {_below(1e6 * longest)}, or set it to 0 for the automatic choice"
             )
 
 
-def _resolution(reducer: Reducer, kind: str, law: ContactParameters, step: float) -> Iterator[str]:
+def _resolution(reducer: Reducer, kind: str, law: ContactParameters, seconds: float) -> Iterator[str]:
     """Warn of a contact whose stiffness is too high for the time step."""
-    most, ratio = max_stiffness_ratio(reducer, kind), stiffness_ratio(law, step)
+    most, ratio = max_stiffness_ratio(reducer, kind), stiffness_ratio(law, seconds)
     if ratio > most * (1.0 + 1e-9):
-        longest = step * math.sqrt(most / ratio)
+        longest = seconds * math.sqrt(most / ratio)
         yield (
-            f"{kind}: a stiffness of {law.stiffness:.3g} N/m is too high for a time step of {1e6 * step:g} us: results "
-            f"are valid up to K dt^2/m = {most:g}, and it is {ratio:.3g}; shorten settings.timestep_us to "
+            f"{kind}: a stiffness of {law.stiffness:.3g} N/m is too high for a time step of {1e6 * seconds:g} us: "
+            f"results are valid up to K dt^2/m = {most:g}, and it is {ratio:.3g}; shorten settings.timestep_us to "
             f"{_below(1e6 * longest)} or lower stiffness.{kind}_n_m"
         )
 
@@ -195,15 +201,15 @@ def _leading(reducer: Reducer, compiled: Compiled) -> Iterator[str]:
     """Warn of friction that reverses before the sliding does."""
     lead = leads(reducer, compiled.laws, float(compiled.model.opt.impratio))
     kind = max(lead, key=lambda one: lead[one], default="")
-    if kind and lead[kind] > MAX_FRICTION_LEAD:
+    if kind and lead[kind] > LIMITS.max_friction_lead:
         yield (
             f"{kind}: friction leads the sliding by {math.degrees(math.atan(lead[kind])):.3g} deg of crank rotation at "
             f"this speed and working force, so losses are too low; shorten settings.timestep_us to "
-            f"{_below(1e6 * compiled.model.opt.timestep * MAX_FRICTION_LEAD / lead[kind])}"
+            f"{_below(1e6 * compiled.model.opt.timestep * LIMITS.max_friction_lead / lead[kind])}"
         )
 
 
-def friction_lag(reducer: Reducer, law: ContactParameters, step: float) -> float:
+def friction_lag(reducer: Reducer, law: ContactParameters, seconds: float) -> float:
     """Estimate the error of the force of sliding teeth, as a share of their working force, in a time step [s].
 
     The reference of a contact is corrected by its acceleration in the previous step (`reference_correction`), which
@@ -213,20 +219,20 @@ def friction_lag(reducer: Reducer, law: ContactParameters, step: float) -> float
     design = reducer.design
     speed, kind = abs(design.drive.speed), design.tooth_pair
     force = reducer.contacts[kind].force / design.lines(kind)
-    return law.friction * law.added_mass * design.gear.eccentricity * speed**3 * step / force
+    return law.friction * law.added_mass * design.gear.eccentricity * speed**3 * seconds / force
 
 
 def _circling(reducer: Reducer, compiled: Compiled) -> Iterator[str]:
     """Warn of discs whose orbit is too fast for the time step."""
-    kind, step = reducer.design.tooth_pair, float(compiled.model.opt.timestep)
+    kind, seconds = reducer.design.tooth_pair, float(compiled.model.opt.timestep)
     if kind not in compiled.laws or not compiled.model.nuser_geom or not reducer.design.drive.speed:
         return
-    lag, longest = friction_lag(reducer, compiled.laws[kind], step), circling_limit(reducer)
-    if lag > MAX_FRICTION_LAG:
-        longest = min(longest, step * math.sqrt(MAX_FRICTION_LAG / lag))
-    if step > longest * (1.0 + 1e-9):
+    lag, longest = friction_lag(reducer, compiled.laws[kind], seconds), circling_limit(reducer)
+    if lag > LIMITS.max_friction_lag:
+        longest = min(longest, seconds * math.sqrt(LIMITS.max_friction_lag / lag))
+    if seconds > longest * (1.0 + 1e-9):
         yield (
-            f"settings.timestep_us = {1e6 * step:g} is too long for discs that orbit at this crank speed: mean "
+            f"settings.timestep_us = {1e6 * seconds:g} is too long for discs that orbit at this crank speed: mean "
             f"transmission error and efficiency may be wrong by more than 0.3 %; shorten it to {_below(1e6 * longest)} "
             "or lower drive.speed_rpm"
         )
@@ -234,7 +240,7 @@ def _circling(reducer: Reducer, compiled: Compiled) -> Iterator[str]:
 
 def _noise(reducer: Reducer, kind: str) -> Iterator[str]:
     """Warn of a clearance below the rounding error of the gaps."""
-    least = MIN_CLEARANCE_SHARE * reducer.design.ring.pin_circle_radius
+    least = LIMITS.min_clearance_share * reducer.design.ring.pin_circle_radius
     clearance = getattr(reducer.design.clearance, kind)
     if clearance < least:
         yield (
@@ -251,7 +257,7 @@ def _raised_mass(compiled: Compiled) -> Iterator[str]:
         law = compiled.laws[kind]
         weight = sum(model.body_invweight0[model.geom(name).bodyid[0], 0] for name in (pair.on, pair.by))
         least = MIN_IMPEDANCE / (1.0 - MIN_IMPEDANCE) / float(weight)
-        if least - law.added_mass > MAX_RAISED_MASS * law.effective_mass:
+        if least - law.added_mass > LIMITS.max_raised_mass * law.effective_mass:
             yield (
                 f"{kind}: MuJoCo's minimum impedance, {MIN_IMPEDANCE:g}, raises the added mass of this contact from "
                 f"{law.added_mass:.3g} to {least:.3g} kg, {least / law.effective_mass:.1%} of the mass that moves on "

@@ -41,14 +41,18 @@ from cycloid_mj.base.version import __version__
 from cycloid_mj.design import Named, dump, resolve
 from cycloid_mj.dynamics.contact import collider, each_step
 from cycloid_mj.dynamics.contact.each_step import EachStep
-from cycloid_mj.dynamics.contact.forces import OF_PAIR, drag_rows, pair_index
+from cycloid_mj.dynamics.contact.forces import drag_rows, pair_index
+from cycloid_mj.dynamics.contact.samples import FRICTION_POWER as FRICTION_COLUMN
+from cycloid_mj.dynamics.contact.samples import NORMAL_POWER as NORMAL_COLUMN
+from cycloid_mj.dynamics.contact.samples import OF_PAIR, WARNINGS
 from cycloid_mj.dynamics.contact.shared import Shared
 from cycloid_mj.dynamics.drive_cycle import DriveCycle, initial_state, ramp_and_hold
 from cycloid_mj.dynamics.jam import jamming_power, moving_means
 from cycloid_mj.dynamics.massless import idle
 from cycloid_mj.dynamics.mjcf import Held, ReducerModel, addresses, build, sensors, unused, xml
 from cycloid_mj.dynamics.planar.model import PlanarModel, planar_model
-from cycloid_mj.dynamics.planar.stepper import MAX_CONTACT_SEARCHES, Stepper
+from cycloid_mj.dynamics.planar.settings import CONTACT_SEARCH
+from cycloid_mj.dynamics.planar.stepper import Stepper
 from cycloid_mj.dynamics.planar.timestep import PLANAR_RULE
 from cycloid_mj.dynamics.regime import pace
 from cycloid_mj.dynamics.settling import penetration_limit
@@ -70,8 +74,22 @@ STEP_RULES = {"mujoco": MUJOCO_RULE, "planar": PLANAR_RULE}
 Model = ReducerModel | PlanarModel
 """A reducer, compiled for one of the solvers."""
 
-MAX_STEPS = 10**9
-"""Largest number of time steps of a run: more would take at least a day, so a value is probably wrong."""
+
+@dataclass(frozen=True)
+class RunSettings:
+    """Sizes of a run."""
+
+    max_steps: int = 10**9
+    """Largest number of time steps of a run: more would take at least a day, so a value is probably wrong."""
+    block_samples: int = 100
+    """Smallest number of samples in a block; this many are lost if a run is stopped."""
+    steps_per_call: int = 2000
+    """Time steps per call of compiled code: they take 40 to 160 ms, for which Ctrl-C waits. With mesh contact, where a
+    step takes some ms, a call ends at the next sample."""
+
+
+RUN = RunSettings()
+
 
 MESH_SWAYS = (
     "with mesh contact, mean values are valid (within 3 % of exact profiles), but rms values of disc speed, forces and "
@@ -81,12 +99,6 @@ MESH_SWAYS = (
 """Warning about results that are not valid with mesh contact."""
 
 Marks = npt.NDArray[np.bool_]
-
-_BLOCK_SAMPLES = 100
-"""Smallest number of samples in a block; this many are lost if a run is stopped."""
-_STEPS_PER_CALL = 2000
-"""Time steps per call of compiled code: they take 40 to 160 ms, for which Ctrl-C waits. With mesh contact, where a step
-takes some ms, a call ends at the next sample."""
 
 # Every sample is checked for MuJoCo's warnings: they need not go to MUJOCO_LOG.TXT in the working folder as well.
 _no_log_file = Shared(
@@ -126,16 +138,16 @@ class Schedule:
         return -(-self.steps // self.stride)
 
 
-def schedule(reducer: Reducer, step: float = 0.0) -> Schedule:
+def schedule(reducer: Reducer, seconds: float = 0.0) -> Schedule:
     """Plan the time steps of a design's run: ramp and hold, sampled as close to the log rate as the step allows.
 
-    `step` is the time step [s] of the model; 0 stands for that of the design.
+    `seconds` is the time step [s] of the model; 0 stands for that of the design.
     """
     design = reducer.design
-    step = step or timestep(reducer)
-    steps = max(1, round((design.drive.ramp + design.drive.hold) / step))
-    stride = max(1, round(1.0 / (design.settings.log_rate * step)))
-    return Schedule(step, steps, min(stride, steps))
+    seconds = seconds or timestep(reducer)
+    steps = max(1, round((design.drive.ramp + design.drive.hold) / seconds))
+    stride = max(1, round(1.0 / (design.settings.log_rate * seconds)))
+    return Schedule(seconds, steps, min(stride, steps))
 
 
 def columns(compiled: Model, reducer: Reducer) -> Groups:
@@ -238,11 +250,11 @@ def simulate(
     samples, run = schedule(reducer, compiled.timestep).samples, list[SampleBlock]()
     late: tuple[str, ...] = ()
 
-    def stepped() -> Iterator[SampleBlock]:
+    def collect_blocks() -> Iterator[SampleBlock]:
         nonlocal late
         late = yield from blocks(compiled, reducer, course)
 
-    for block in stepped():
+    for block in collect_blocks():
         run.append(block)
         progress(sum(len(taken_block.time) for taken_block in run), samples)
     time = own(np.concatenate([block.time for block in run]))
@@ -263,24 +275,24 @@ def simulate(
 
 
 def provenance(
-    reducer: Reducer, contact: Contact = "profile", step: float = 0.0, solver: Solver = "mujoco"
+    reducer: Reducer, contact: Contact = "profile", seconds: float = 0.0, solver: Solver = "mujoco"
 ) -> dict[str, str]:
     """Return the assumptions of a run: solver, contact, time step, working forces of the stiffnesses, versions.
 
-    `step` is as in `schedule`.
+    `seconds` is as in `schedule`.
     """
     stiffened = reducer.for_slices if contact == "mesh" else reducer
     rule = STEP_RULES[solver]
     chosen = rule.choose(stiffened)
-    step = step or chosen.seconds
+    seconds = seconds or chosen.seconds
     return {
         "design": reducer.design.name,
         "solver": solver,
         "contact": contact,
-        "timestep_s": repr(step),
-        "timestep": str(chosen if chosen.seconds == step else TimeStep(step, "of the model")),
+        "timestep_s": repr(seconds),
+        "timestep": str(chosen if chosen.seconds == seconds else TimeStep(seconds, "of the model")),
         "timestep_for": describe_accuracy(
-            stiffened if chosen.seconds == step else stiffened.but(settings={"timestep": step}), rule.accuracy
+            stiffened if chosen.seconds == seconds else stiffened.but(settings={"timestep": seconds}), rule.accuracy
         ),
         "working_forces": stiffened.contacts.working_forces_text(reducer.mechanism.kinds),
         "cycloid_mj": __version__,
@@ -336,19 +348,19 @@ def blocks(
     warn(reducer.design.name, warnings(compiled, reducer, course))
     driven, course = course is None, course or ramp_and_hold(compiled, reducer)
     profile = contact_of(compiled) == "profile"
-    at_once = max(1, _STEPS_PER_CALL // plan.stride) if profile else 1
+    at_once = max(1, RUN.steps_per_call // plan.stride) if profile else 1
     with ExitStack() as stack:
         if isinstance(compiled, PlanarModel):
             stepping = _Stepping(compiled.stepper(course, plan.stride))
         else:
             stepping = _by_mujoco(compiled, reducer, initial_state(compiled, reducer, course), plan)
             if profile:
-                stack.enter_context(collider.installed(reducer.design.ring.kind == "nonpin"))
-            stack.enter_context(each_step.installed())
+                stack.enter_context(collider.install(reducer.design.ring.kind == "nonpin"))
+            stack.enter_context(each_step.install())
             stack.enter_context(unused.disable_unused(compiled.model))
             stack.enter_context(_no_log_file.kept())
         recorder = _Recorder(compiled, reducer, stepping, plan, driven)
-        size = max(_BLOCK_SAMPLES, at_once)
+        size = max(RUN.block_samples, at_once)
         for first in range(0, plan.samples, size):
             samples = range(first, min(first + size, plan.samples))
             taken, problem = _advance(plan, course, samples, recorder, at_once)
@@ -405,7 +417,7 @@ class _Stepping:
             return ()
         return (
             f"in {unconverged} of {plan.steps} time steps the planar solver's contact geometry did not converge in "
-            f"{MAX_CONTACT_SEARCHES} searches: contact forces at these times may be wrong; shorten "
+            f"{CONTACT_SEARCH.max_searches} searches: contact forces at these times may be wrong; shorten "
             f"settings.timestep_us (now {1e6 * plan.timestep:g})",
         )
 
@@ -459,7 +471,7 @@ class _Recorder:
     def advance(self, samples: int) -> tuple[Array, str]:
         """Return the rows of the next samples up to the first that fails a check, and the problem, "" for none."""
         rows = self.steps.advance(samples)
-        self.noted += int(rows[:, self.steps.solver][:, 5].sum())
+        self.noted += int(rows[:, self.steps.solver][:, WARNINGS].sum())
         checks = list(self._checks(rows))
         wrong = np.any([failed for failed, _ in checks], axis=0)
         if not wrong.any():
@@ -471,14 +483,14 @@ class _Recorder:
         """Compute the values of samples by topic, one row for each."""
         seen, solver, drags = (rows[:, part] for part in (self.steps.copied, self.steps.solver, self.steps.drags))
         pairs = rows[:, self.steps.pairs].reshape(len(rows), -1, OF_PAIR)
-        powers = np.stack([pairs[:, of_kind, 4:].sum(axis=1) for of_kind in self._kinds], axis=1)
+        powers = np.stack([pairs[:, of_kind, FRICTION_COLUMN:].sum(axis=1) for of_kind in self._kinds], axis=1)
         energies = seen[:, self._read :]
         q = carried_point((0.0, self._design.output.pin_circle_radius), seen[:, self._pose], seen[:, self._motion])
         compiled = [seen[:, : self._first_pin], solver[:, :4], energies, powers.reshape(len(rows), -1), drags, *q]
         tables = {REDUCER: np.concatenate(compiled, axis=1)}
         if self._has_pins:
             tables[PINS] = seen[:, self._first_pin : self._read]
-        return tables | {FORCES: pairs[:, :, :4].reshape(len(rows), -1)}
+        return tables | {FORCES: pairs[:, :, :FRICTION_COLUMN].reshape(len(rows), -1)}
 
     def _checks(self, rows: Array) -> Iterator[tuple[Marks, Callable[[int], str]]]:
         """Yield every check: which samples fail it, and a function that describes the problem of one."""
@@ -490,7 +502,7 @@ class _Recorder:
         if warning := self._warning:
             yield warnings > 0.0, lambda sample: warning()
         pairs = rows[:, self.steps.pairs].reshape(len(rows), -1, OF_PAIR)
-        lost, pressed = pairs[:, :, 4].sum(axis=1), pairs[:, :, 5].sum(axis=1)
+        lost, pressed = pairs[:, :, FRICTION_COLUMN].sum(axis=1), pairs[:, :, NORMAL_COLUMN].sum(axis=1)
         taken = moving_means(lost, self._lost)
         self._lost = np.concatenate([self._lost, lost])[len(lost) :]
         yield taken > self._jamming, partial(self._jam, "friction dissipates", taken)

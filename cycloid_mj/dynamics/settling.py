@@ -6,6 +6,7 @@ the clearance first.
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,26 +16,29 @@ from cycloid_mj.parts import turning_inertia
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics.structure import wind_up
 
-SETTLING = 0.005
-"""Smallest settling time after a start, the end of the ramp or the rise of the load [s]; contacts need 1 to 3 ms."""
 
-SETTLING_PERIODS = 6.0
-"""Number of oscillation periods to wait: each leaves 4 % of the amplitude at half of critical damping, 53 % at a
-tenth."""
+@dataclass(frozen=True)
+class SettlingSettings:
+    """Settling time of a run, and largest plausible depth of its contacts."""
 
-SETTLING_CROSSINGS = 4.0
-"""Number of times to wait that the load needs to carry the output across its backlash: with a restitution of 0.3 the
-output has come to rest on the far flank after two of them, and the transient decays in another two."""
+    min_time: float = 0.005
+    """Smallest settling time after a start, the ramp or the rise of the load [s]; contacts need 1 to 3 ms."""
+    periods: float = 6.0
+    """Number of oscillation periods to wait: each leaves 4 % of the amplitude at half of critical damping, 53 % at a
+    tenth."""
+    crossings: float = 4.0
+    """Number of times to wait that the load needs to carry the output across its backlash: with a restitution of 0.3
+    the output has come to rest on the far flank after two of them, and the transient decays in another two."""
+    min_depth_limit: float = 50e-6
+    """Depth of a contact [m] that no valid run reaches: a hundred times that of the reference design."""
+    depth_over_deflection: float = 10.0
+    """Depth that no valid run reaches, over the deflection under the working forces; the halves of a preloaded ring
+    penetrate by their rotation in addition."""
+    depth_over_eccentricity: float = 0.25
+    """Largest depth of a contact as a share of the eccentricity, beyond which teeth lose their shape."""
 
-MIN_DEPTH_LIMIT = 50e-6
-"""Depth of a contact [m] that no valid run of a drive of this size reaches: a hundred times that of the reference."""
 
-DEPTH_OVER_DEFLECTION = 10.0
-"""Depth that no valid run reaches, over the deflection under the working forces; the halves of a preloaded ring
-penetrate by their rotation in addition."""
-
-DEPTH_OVER_ECCENTRICITY = 0.25
-"""Largest depth of a contact as a share of the eccentricity, beyond which teeth lose their shape."""
+SETTLING = SettlingSettings()
 
 
 def closed_stiffness(reducer: Reducer) -> float:
@@ -76,7 +80,7 @@ def crossing_time(reducer: Reducer) -> float:
     except RunError:  # manufacturing errors leave no backlash
         return 0.0
     turn = 2.0 * math.pi / abs(drive.speed) if drive.speed else math.inf
-    return min(rotation_time(reducer, play, load), turn / SETTLING_CROSSINGS)
+    return min(rotation_time(reducer, play, load), turn / SETTLING.crossings)
 
 
 def rotation_time(reducer: Reducer, angle: float, torque: float) -> float:
@@ -86,9 +90,11 @@ def rotation_time(reducer: Reducer, angle: float, torque: float) -> float:
 
 @once
 def slowness(reducer: Reducer) -> float:
-    """Compute the settling time of a drive over `SETTLING` [1], at least 1."""
+    """Compute the settling time of a drive over `SETTLING.min_time` [1], at least 1."""
     return max(
-        1.0, SETTLING_PERIODS * swing_period(reducer) / SETTLING, SETTLING_CROSSINGS * crossing_time(reducer) / SETTLING
+        1.0,
+        SETTLING.periods * swing_period(reducer) / SETTLING.min_time,
+        SETTLING.crossings * crossing_time(reducer) / SETTLING.min_time,
     )
 
 
@@ -101,6 +107,6 @@ def penetration_limit(reducer: Reducer) -> float:
     pressed = max(contact.force / contact.series[0] for contact in contacts)
     turned = 0.5 * design.ring.preload * design.ring.pin_circle_radius
     return min(
-        max(MIN_DEPTH_LIMIT, DEPTH_OVER_DEFLECTION * pressed) + turned,
-        DEPTH_OVER_ECCENTRICITY * design.gear.eccentricity,
+        max(SETTLING.min_depth_limit, SETTLING.depth_over_deflection * pressed) + turned,
+        SETTLING.depth_over_eccentricity * design.gear.eccentricity,
     )

@@ -1,6 +1,6 @@
 """Automatic choice of the time step of MuJoCo runs.
 
-The step is the longest at which results stay accurate, or the one given by ``settings.timestep``. Four limits apply:
+The step is the longest at which results stay accurate, or ``settings.timestep``. Four limits apply:
 
 - A contact of stiffness K under the mass m oscillates at sqrt(K/m). The added mass of `law.contact_law` makes any step
   stable; results are accurate up to a limit of K dt^2/m.
@@ -27,35 +27,28 @@ class MujocoStepSettings:
     max_stiffness_ratio: float = 6.4
     """Of all contacts but the seats of moving pins. Fixed pins, cam and output pins: at 8.7 the rms of the disc's speed
     is 6 % off; from 12 to 40 on they chatter."""
-
     max_seat_ratio: float = 10.0
     """Of the seats of moving pins under a load, where only the pin's own oscillation between its two contacts depends
     on it. Free pins at 0.98 to 1.02 of the rated load against half the step: rms of the disc's speed -5 to 8 % at 9.9
     and -3 to 12 % at 6.4; peak-to-peak transmission error 0.7 %, mean values 0.02 %. From 15 on the run diverges."""
-
     max_idle_seat_ratio: float = 8.3
     """The same without a load. The rms of the disc's speed has the same range over ten starts at 8.2 as at 6.4, 4.5 to
     7.6 and 4.4 to 11.0 mrad/s; at 9.5 pins start to oscillate unless their contacts settle."""
-
     max_settling_ratio: float = 32.0
     """Of contacts of moving pins that settle within a step (`may_settle`). Free pins at 1640 rpm, mean of eight starts
     and its standard error: rms of the disc's speed 11.8 (0.1) mrad/s at 32 and at 0.7, losses 37.6 (0.3) and 37.6 (0.2)
     mW, cam force 6.63 (0.05) and 6.62 (0.04) N; but 8 pins touch instead of 10, because they bounce less."""
-
     max_rolling_share: float = 0.5
     """Share of the longest step at which a pin that rolls in its clearance stays bounded, 2 sqrt(m/k). At 0.50 the rms
     of the disc's speed is 1 % off, at 0.74 the efficiency 0.2 points. A stiff cam without clearance diverges at 0.55 to
     1.02."""
-
     min_steps_per_tooth: float = 25.0
     """Time steps from tooth to tooth. Fixed pins at 20 N m and 20 000 rpm against 1 us: at 25 steps the cam force is
     0.09 % off and the rms of the disc's speed 0.1 %, at 17 steps 0.17 and 1 %, at 8 steps 0.5 and 8 %."""
-
     max_sagitta: float = 0.2
     """Sagitta of a disc's path in a step, dt^2 c w^2/12, as a share of clearance and deflection of the mesh. Two discs
     at 5000 to 30 000 rpm against the planar solver: efficiency and mean transmission error differ by at most 0.11 % up
     to 0.05, by 0.17 % at 0.19 (0.4 % at 0.15 of friction and 5 % load, see `regime`), and by 0.5 % at 0.75."""
-
     max_step: float = 10e-6
     """[s]: a fifth of the time constant of the servo on the crank."""
 
@@ -178,7 +171,7 @@ def may_settle(reducer: Reducer, kind: str) -> bool:
     """Return whether contacts of a kind of pair may settle within a step that does not follow their oscillation.
 
     This applies to contacts of moving pins that only weight and rotation press. It excludes loaded designs, where the
-    step must follow the rolling of pins anyway; designs with a stiffness for a given load, which are going to be
+    step must follow the rolling of pins anyway; designs with a stiffness for a load, which will be
     loaded; and the law IMPACT, which has its own step.
     """
     design, contact = reducer.design, reducer.design.contact

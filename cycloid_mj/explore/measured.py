@@ -73,15 +73,15 @@ def _measure(name: str, reducer: Reducer, options: MeasureSettings) -> Measured:
 def _simulate(reducer: Reducer, options: MeasureSettings) -> Measured:
     """Run a design over its drive cycle; under a load without the inertia of its pins, unless `real_pins` is set."""
     from cycloid_mj.analysis import analyze
-    from cycloid_mj.dynamics.run import MAX_STEPS, model_for, schedule, simulate
+    from cycloid_mj.dynamics.run import RUN, model_for, schedule, simulate
 
     if reducer.design.drive.speed == 0.0:
         raise DesignError("drive.speed_rpm is 0, so the crank would not turn; set another speed, such as 1640")
     light = not options.real_pins and abs(reducer.design.load.torque) > reducer.contacts.own_load
     ran = massless(reducer) if light else reducer
     compiled = model_for(options.solver, ran)
-    if (steps := schedule(ran, compiled.timestep).steps) > MAX_STEPS:
-        raise RunError(f"the run would take {steps:.3g} time steps; allowed: {MAX_STEPS:.0e}. Shorten drive.hold_s")
+    if (steps := schedule(ran, compiled.timestep).steps) > RUN.max_steps:
+        raise RunError(f"the run would take {steps:.3g} time steps; allowed: {RUN.max_steps:.0e}. Shorten drive.hold_s")
     findings = analyze(simulate(ran.design, compiled))
     pins = ran.design.ring.pins if ran.design.ring.kind == "pin" else "none"
     values = {"solver": options.solver, "pins": pins, **dict(_flat(findings.as_json()))}

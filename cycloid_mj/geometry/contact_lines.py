@@ -55,7 +55,7 @@ def pressure(lines: ContactLines, force: float, length: float, modulus: float) -
     """Hertz's peak pressure [Pa] of each line if it carried `force` [N] over the face width `length` [m].
 
     `modulus` E* [Pa] as in `statics.contact_modulus`. Hertz's strip must be narrow against both bodies: near the
-    junctions of arc and Sigma, where the relative curvature goes to zero, it is not, and the pressure goes to zero.
+    junctions of arc and Sigma, where the relative curvature vanishes, it is not, and the pressure vanishes.
     """
     curvature = np.maximum(lines.relative_curvature, np.finfo(float).tiny)
     return hertz_line_contact(force, length, curvature, modulus).peak_pressure

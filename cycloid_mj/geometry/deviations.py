@@ -12,27 +12,27 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.design import Design
 
 _STREAMS = {"pin_x": 0, "pin_y": 1, "pin_dr": 2, "hole_x": 3, "hole_y": 4, "disc_dr": 5, "cam_x": 6, "cam_y": 7}
-"""Random stream of each list of errors; a number once given stays, or the same seed would give other parts."""
+"""Random stream of each list of errors; numbers must not change, or the same seed would produce other parts."""
 
 
 @dataclass(frozen=True)
 class Deviations:
-    """Departures of one reducer as made.
+    """Manufacturing errors of a reducer.
 
     Attributes
     ----------
     pin_place
-        Of each ring pin's place, and its socket's, from its point on the pin circle [m], ring frame, shape (N, 2).
+        Displacement of each ring pin and its socket from the pin circle [m], ring frame, shape (N, 2).
     pin_radius
-        Of each ring pin's radius, or its sleeve's [m], shape (N,).
+        Error of the radius of each ring pin, or of its sleeve [m], shape (N,).
     hole_place
-        Of each hole's place in its disc [m], disc's frame, shape (D, output pins, 2).
+        Displacement of each hole in its disc [m], disc's frame, shape (D, output pins, 2).
     disc_radius
-        How far the flanks of each disc stand out beyond their drawing [m], shape (D,).
+        Offset of the flanks of each disc from the drawing, outwards [m], shape (D,).
     cam_place
-        Of each cam from its place on a crank of that eccentricity [m], as it is at the crank angle 0, shape (D, 2).
+        Displacement of each cam on a crank of that eccentricity [m], at crank angle 0, shape (D, 2).
     eccentricity
-        Of all cams' eccentricity from that of the teeth [m].
+        Difference of the cams' eccentricity from that of the teeth [m].
     waves
         How far the flanks of all discs stand back: of each order from 1 on the amplitude of its cosine and of its sine
         [m], shape (N, 2); see `profile_error`.
@@ -61,11 +61,11 @@ class Deviations:
 
 
 def deviations(design: Design) -> Deviations:
-    """Compute the departures of a design's parts; the same design gives the same ones."""
+    """Compute the manufacturing errors of a design's parts; equal designs have equal errors."""
     errors, pins, holes = design.errors, design.ring.teeth, design.output.pins
-    place, radius, hole, cam = errors.pin_position, errors.pin_radius, errors.hole_position, errors.cam_position
+    pin, radius, hole, cam = errors.pin_position, errors.pin_radius, errors.hole_position, errors.cam_position
     return Deviations(
-        pin_place=np.stack([_each(design, axis, place, pins) for axis in ("pin_x", "pin_y")], axis=1),
+        pin_place=np.stack([_each(design, axis, pin, pins) for axis in ("pin_x", "pin_y")], axis=1),
         pin_radius=_each(design, "pin_dr", radius, pins),
         hole_place=np.stack([_of_discs(design, axis, hole, holes) for axis in ("hole_x", "hole_y")], axis=2),
         disc_radius=_of_discs(design, "disc_dr", errors.disc_size, 1)[:, 0],
@@ -79,14 +79,14 @@ def profile_error(waves: Array, t: Array) -> Array:
     """Compute how far the flanks stand back [m] at parameters t [rad] of the gear's trochoid, in the shape of t.
 
     It is the sum of a_k cos(k t) + b_k sin(k t) over the orders k = 1, 2, ..., with the `waves` (a_k, b_k) of
-    `Deviations`: cycles in a turn of the gear, as measuring machines give a profile's error by order. The trochoid
+    `Deviations`: cycles in a turn of the gear, as measuring machines report a profile's error by order. The trochoid
     stands back by it along its normals, and the flanks are its parallel: what a grinding wheel of a pin's radius leaves
     that strays by as much. Statics takes it at the foot of the ideal profile, to first order.
     """
     error = np.zeros(np.shape(t))
-    for place in np.flatnonzero(np.any(waves != 0.0, axis=1)):
-        cosine, sine = waves[place]
-        error += cosine * np.cos((place + 1) * t) + sine * np.sin((place + 1) * t)
+    for index in np.flatnonzero(np.any(waves != 0.0, axis=1)):
+        cosine, sine = waves[index]
+        error += cosine * np.cos((index + 1) * t) + sine * np.sin((index + 1) * t)
     return error
 
 

@@ -1,8 +1,8 @@
 """The double-enveloping internal gear: arcs of the pins and second envelope Sigma, closed form (Hsieh 2014, Eqs 8-11).
 
-Ring frame, lobe 1 on +y; symbols, u(b) and phase B as in `profile`, and K = E^2 - c^2 N^2, l the `pitch_distance`.
-On its orbit the gear sweeps, beside each lobe (the pin's own arc), a second flank: at every crank angle the common
-normal meets the pitch circle c N u(crank) of the ring twice, once for each envelope. Sigma(1) is B in [B0, pi], on the
+Ring frame, lobe 1 on +y; symbols, u(b) and phase B as in `profile`, and K = E^2 - c^2 N^2, l the `pitch_distance`. On
+its orbit the gear sweeps, next to each lobe (the pin's own arc), a second flank: at every crank angle the common normal
+intersects the pitch circle c N u(crank) of the ring twice, once for each envelope. Sigma(1) is B in [B0, pi], on the
 counter-clockwise side of its lobe, and Sigma(2), its mirror image, B in [pi, 2 pi - B0], on the clockwise side of the
 next lobe. Arcs and Sigma join at B0 and 2 pi - B0 with a common tangent.
 
@@ -159,7 +159,7 @@ def tightest_radius(gear: CycloidGear) -> float:
 
 
 def junction(gear: CycloidGear) -> Array:
-    """Points (2, 2) [m] where the arc of lobe 1 meets Sigma: counter-clockwise side first, then clockwise."""
+    """Points (2, 2) [m] where the arc of lobe 1 joins Sigma: counter-clockwise side first, then clockwise."""
     alpha = largest_alpha(gear)
     return arc_points(gear, [-alpha, alpha])
 
@@ -198,7 +198,7 @@ def sample_ring(gear: CycloidGear, points: int) -> RingOutline:
     Raises
     ------
     DesignError
-        If the gear is undercut or fewer than 3 points are asked for.
+        If the gear is undercut or `points` is below 3.
     """
     require_envelope(gear)
     if points < 3:
@@ -245,7 +245,7 @@ def sigma_nodes(gear: CycloidGear, chord_error: float) -> Array:
 def arc_contacts(gear: CycloidGear, crank_angle: float | Array) -> RingContacts:
     """Contacts of the gear with the N arcs (or pins) at the counter-clockwise `crank_angle` [rad].
 
-    Crank angles of shape (k, 1) give numbers of shape (k, N) and vectors of shape (k, N, 2).
+    For crank angles of shape (k, 1), numbers have shape (k, N) and vectors (k, N, 2).
     """
     zeta = profile.pin_angles(gear)
     B = zeta + crank_angle

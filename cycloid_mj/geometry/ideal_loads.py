@@ -67,7 +67,7 @@ def share_load(arms: npt.ArrayLike, torque: npt.ArrayLike) -> Array:
 
 
 def ideal_load_sharing(gear: CycloidGear, torque: npt.ArrayLike, crank_angle: npt.ArrayLike) -> LoadSharing:
-    """Share the load between the N pins, in the order of `profile.pin_angles`, and give the eccentric's reaction.
+    """Share the load between the N pins, in the order of `profile.pin_angles`, with the eccentric's reaction.
 
     `torque` [N m] and `crank_angle` [rad], counter-clockwise, broadcast to the shape (...).
     """
@@ -107,14 +107,14 @@ def ideal_output_forces(
     torque, theta = np.broadcast_arrays(torque, crank_angle)
     turned = theta * gear.ring_teeth / gear.lobes + phase
     clockwise = 2 * np.pi * np.arange(pins) / pins + turned[..., np.newaxis]
-    # The pins hand on the load itself, where the ring holds against it: the other sign than in `share_load`.
+    # The pins transmit the load itself, which the ring balances: the sign is opposite to that in `share_load`.
     return share_load(-pin_circle_radius * np.sin(clockwise), -torque)
 
 
 def cam_force(
     ring: LoadSharing, output_forces: npt.ArrayLike, crank_angle: npt.ArrayLike, body_force: npt.ArrayLike = (0.0, 0.0)
 ) -> Array:
-    """Full force of the cam on the gear [N], (..., 2): it holds the ring, the output pins and the gear's own forces.
+    """Full force of the cam on the gear [N], (..., 2): it balances the ring, the output pins and the gear's own forces.
 
     `ring` as shared at `crank_angle` [rad] (...), `output_forces` [N] (..., pins) of `ideal_output_forces`, and
     `body_force` [N] (..., 2) on the gear's centre: its weight and, turned round, its mass times acceleration.
@@ -221,7 +221,7 @@ def conformal_stiffness(force: float, length: float, modulus: float, play: float
 
 
 def _sharing(arms: Array, gear_normals: Array, torque: Array, crank_angle: Array) -> LoadSharing:
-    """Share the torque and balance the gear: the eccentric holds the pushes along minus the gear's normals."""
+    """Share the torque and balance the gear: the eccentric balances the forces along minus the gear's normals."""
     forces = share_load(arms, torque)
     resultant = np.sum(forces[..., np.newaxis] * gear_normals, axis=-2)
     cos, sin = np.cos(crank_angle), np.sin(crank_angle)

@@ -108,9 +108,9 @@ def point_path(
     crank_acceleration: npt.ArrayLike = 0.0,
     turning: bool = True,
 ) -> PointPath:
-    """Motion of the gear point q = (q_x, q_y) [m], given in the gear frame (Eqs 16, 17, 19 corrected).
+    """Motion of the gear point q = (q_x, q_y) [m], in the gear frame (Eqs 16, 17, 19 corrected).
 
-    A gear that is not `turning`, as its carrier is held, has all its points on circles of the radius c. The origin is
+    A gear that is not `turning`, as its carrier is fixed, has all its points on circles of the radius c. The origin is
     that of Eq. 16, the *initial* gear centre: add (0, c) for positions from the reducer's axis.
     `crank_angle` [rad], `crank_speed` [rad/s] and `crank_acceleration` [rad/s^2] broadcast to the shape (...).
     """
@@ -137,7 +137,7 @@ def point_path(
 
 
 def carried_point(q: npt.ArrayLike, pose: Array, motion: Array) -> tuple[Array, Array]:
-    """Compute place [m] and velocity [m/s] of a body's point q = (q_x, q_y) [m], given in its frame, each (n, 2).
+    """Compute place [m] and velocity [m/s] of a body's point q = (q_x, q_y) [m], in its frame, each (n, 2).
 
     r = p + R q and v = dp/dt + w x R q of a body at `pose` (x, y [m], turn [rad]) in `motion` (their rates), each
     (n, 3).

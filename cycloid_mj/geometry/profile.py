@@ -19,9 +19,17 @@ import numpy.typing as npt
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
 
-SOLVER_ROUNDS = 200
-SAGITTA_GRID = 2049
-SMALLEST_CHORD_ERROR = 1e-12
+
+@dataclass(frozen=True)
+class CurveSettings:
+    """Settings of outlines by chord error, and of `solve_monotone`."""
+
+    max_iterations: int = 200
+    sagitta_grid: int = 2049
+    min_chord_error: float = 1e-12
+
+
+CURVE = CurveSettings()
 
 
 @dataclass(frozen=True)
@@ -311,7 +319,7 @@ def sample(gear: CycloidGear, points: int, offset: float | None = None) -> Outli
     Raises
     ------
     DesignError
-        If the outline is undercut or fewer than 3 points are asked for.
+        If the outline is undercut or `points` is below 3.
     """
     require_no_undercut(gear, offset)
     if points < 3:
@@ -376,11 +384,13 @@ def sagitta_nodes(arc: SmoothArc, low: float, high: float, chord_error: float) -
     DesignError
         If `chord_error` is below 1e-12 m (there, rounding takes over).
     """
-    if not chord_error >= SMALLEST_CHORD_ERROR:
-        raise DesignError(f"chord_error = {chord_error} m is too small: it must be at least {SMALLEST_CHORD_ERROR} m")
-    grid = np.linspace(low, high, SAGITTA_GRID)
+    if not chord_error >= CURVE.min_chord_error:
+        raise DesignError(f"chord_error = {chord_error} m is too small: it must be at least {CURVE.min_chord_error} m")
+    grid = np.linspace(low, high, CURVE.sagitta_grid)
     density = np.sqrt(np.abs(arc.turning_rate(grid) * arc.arc_rate(grid)))
-    share = np.concatenate([[0.0], np.cumsum(density[1:] + density[:-1])]) * (high - low) / (2 * (SAGITTA_GRID - 1))
+    share = (
+        np.concatenate([[0.0], np.cumsum(density[1:] + density[:-1])]) * (high - low) / (2 * (CURVE.sagitta_grid - 1))
+    )
     chords = max(1, math.ceil(share[-1] / math.sqrt(8 * chord_error)))
     while True:
         nodes = np.interp(np.linspace(0.0, share[-1], chords + 1), share, grid)
@@ -399,21 +409,21 @@ def solve_monotone(
 ) -> Array:
     """Roots of function(x) = target in [low, high], elementwise, by Newton steps kept inside a shrinking bracket.
 
-    `function` must be monotone between `low` and `high`; a target beyond its range gives the nearer end.
+    `function` must be monotone between `low` and `high`; for a target beyond its range, the nearer end.
     """
     target, low, high = (np.array(a, float) for a in np.broadcast_arrays(target, low, high))
     tolerance = 2 * np.finfo(float).eps * np.maximum(np.abs(low), np.abs(high))
     sign = np.where(function(high) >= function(low), 1.0, -1.0)
     x = (low + high) / 2
-    step = high - low
-    for _ in range(SOLVER_ROUNDS):
+    increment = high - low
+    for _ in range(CURVE.max_iterations):
         residual, slope = sign * (function(x) - target), sign * derivative(x)
         low, high = np.where(residual <= 0, x, low), np.where(residual >= 0, x, high)
         newton = x - np.divide(residual, slope, out=np.full_like(x, np.inf), where=slope > 0)
-        halving = np.abs(newton - x) <= np.abs(step) / 2
+        halving = np.abs(newton - x) <= np.abs(increment) / 2
         following = np.where((low <= newton) & (newton <= high) & halving, newton, (low + high) / 2)
-        x, step = following, following - x
-        if np.all(np.abs(step) <= tolerance):
+        x, increment = following, following - x
+        if np.all(np.abs(increment) <= tolerance):
             break
     return x
 

@@ -18,7 +18,7 @@ from cycloid_mj.base.errors import ContactError, RunError
 from cycloid_mj.base.record import Run
 from cycloid_mj.design import Drive, Friction, Load, Settings
 from cycloid_mj.dynamics.drive_cycle import Signal, locked_crank
-from cycloid_mj.dynamics.law import IMPRATIO
+from cycloid_mj.dynamics.law import FRICTION
 from cycloid_mj.dynamics.mjcf import ReducerModel, build
 from cycloid_mj.dynamics.planar import timestep as planar_steps
 from cycloid_mj.dynamics.planar.model import PlanarModel, planar_model
@@ -114,7 +114,7 @@ def prepare_bench(
     design = reducer.design
     timestep = step(reducer, torque, solver) / finer
     slowest = _rubbing(reducer) / (
-        IMPRATIO * BENCH.friction_step**2 * reducer.contacts[design.tooth_pair].stiffness * timestep
+        FRICTION.impratio * BENCH.friction_step**2 * reducer.contacts[design.tooth_pair].stiffness * timestep
     )
     creep = min(design.contact.creep_speed or math.inf, slowest or reducer.contacts.creep_speed)
     contact = {"damping_ratio": BENCH.damping_ratio, "creep_speed": creep}
@@ -217,7 +217,7 @@ def _reducer(reducer: Reducer, timestep: float) -> ReducerModel:
 @once
 def _planar(reducer: Reducer, timestep: float) -> PlanarModel:
     """Build a planar model once for all crank angles."""
-    return planar_model(reducer, step=timestep)
+    return planar_model(reducer, timestep=timestep)
 
 
 def _rubbing(reducer: Reducer) -> float:

@@ -26,7 +26,7 @@ from cycloid_mj.measure.reaction import of_discs
 from cycloid_mj.measure.steady import SETTLING_TIME, run_steady, steady_design
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.contact import HERTZ_REACH, STRIBECK
+from cycloid_mj.reducer.contact import CONTACT, STRIBECK
 from cycloid_mj.statics.ideal import ideal_peak
 from cycloid_mj.statics.sheet import disc_shares, reaction_quantities
 
@@ -361,8 +361,8 @@ def _assumptions(reducer: Reducer) -> tuple[str, ...]:
         f"a contact first yields below its surface at a peak pressure of {YIELD_PRESSURE} times the yield strength "
         f"(von Mises, plane strain), without visible damage; up to {SHAKEDOWN_PRESSURE:.3g} times residual "
         "stresses keep rolling elastic (shakedown: Johnson 1985, 9.2, without friction); neither includes fatigue",
-        f"there is no pressure where Hertz's strip would be wider than {HERTZ_REACH} of the thinner body's radius to "
-        "each side (conformal, as pins in close sockets)",
+        f"there is no pressure where Hertz's strip would be wider than {CONTACT.hertz_reach} of the thinner body's "
+        "radius to each side (conformal, as pins in close sockets)",
         bearing,
         f"a contact counts as loaded from {CARRYING_SHARE:.0%} of the largest force of its kind; numerical error: "
         f"change with half the time step over the first {LOADS.periods} mesh periods, for means plus half the change "

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from cycloid_mj.base.array import Array
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.reducer.gaps import Gaps, arc_gaps, flank_gaps
-from cycloid_mj.reducer.limits import CAM_SIDES, stops_at
+from cycloid_mj.reducer.limits import FIT, stops_at
 
 COARSE_SIDES = 180
 """Sides of the polygon around the cam's clearance over a full turn, where many angles are solved: 1.6e-4 too large."""
@@ -77,7 +77,7 @@ def effective_clearance(reducer: Reducer, kind: str) -> float:
     return float(getattr(design.clearance, kind) + wider.get(kind, 0.0))
 
 
-def total_backlash(reducer: Reducer, cranks: Array, sides: int = CAM_SIDES) -> Array:
+def total_backlash(reducer: Reducer, cranks: Array, sides: int = FIT.cam_sides) -> Array:
     """Compute the backlash of the output [rad] at crank angles [rad] (n,) with all clearances together."""
     ends = stops_at(reducer, cranks, sides)
     return np.asarray(ends[:, 1] - ends[:, 0])

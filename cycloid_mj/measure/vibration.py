@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cycloid_mj.analysis.spectrum import BAND, tapered_orders
+from cycloid_mj.analysis.spectrum import SPECTRUM, tapered_orders
 from cycloid_mj.base.engine import Progress, each_in_threads, silent
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.result import Curve, Quantity, by_key
@@ -219,8 +219,8 @@ def _assumptions(reducer: Reducer, run: VibrationRun) -> tuple[str, ...]:
         *(planes if reducer.design.gear.discs > 1 else ()),
         f"accelerations and forces are sampled at {1e-3 * run.sampled_rate:.4g} kHz and filtered before they are "
         f"stored at {1e-3 * run.rate:.4g} kHz: their rms includes the part below {5e-4 * run.rate:.3g} kHz (the "
-        f"filter falls from {1e-3 * BAND * run.rate:.3g} to {1e-3 * (1.0 - BAND) * run.rate:.3g} kHz), the spectra "
-        f"end at {1e-3 * BAND * run.rate:.3g} kHz",
+        f"filter falls from {1e-3 * SPECTRUM.band * run.rate:.3g} to {1e-3 * (1.0 - SPECTRUM.band) * run.rate:.3g} "
+        f"kHz), the spectra end at {1e-3 * SPECTRUM.band * run.rate:.3g} kHz",
         f"unloaded: a drag of {DRAG_SHARE:.0%} of the rated torque, which presses the flanks together before the "
         "window; the spectra are at the design's speed",
         "contacts have the secant stiffness of one working force in all runs, that of the loaded ones: "

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cycloid_mj.analysis import SIGNALS, Series, Signal, condition
-from cycloid_mj.analysis.spectrum import BAND
+from cycloid_mj.analysis.spectrum import SPECTRUM
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.result import load_words
 from cycloid_mj.comparison.forces import cam_force, tooth_forces
@@ -115,7 +115,7 @@ def _spectra(grid: Grid) -> Figure:
                 _mark_mesh(axes[1][column], motion, spectra.frequency)
                 axes[0][column].set_title(load_words(motion.design.load.torque))
     for panel in axes[1]:
-        panel.set_xlabel(f"frequency [Hz], up to {BAND:g} of the log rate")
+        panel.set_xlabel(f"frequency [Hz], up to {SPECTRUM.band:g} of the log rate")
     axes[0][0].set_ylabel("disc centre\n[m/s\N{SUPERSCRIPT TWO}/\N{SQUARE ROOT}Hz]")
     axes[1][0].set_ylabel("output\n[rad/s\N{SUPERSCRIPT TWO}/\N{SQUARE ROOT}Hz]")
     entries = [(runs[0].design.name, {"color": _color(row)}) for row, runs in enumerate(grid)]

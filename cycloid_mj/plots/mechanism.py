@@ -17,7 +17,7 @@ from cycloid_mj.geometry import kinematics
 from cycloid_mj.parts import VISUAL_CHORD_ERROR, Prism, output_centres, parts, pin_radius, sleeve_core_radius
 from cycloid_mj.plots.style import BLACK, BLUE, GREEN, PURPLE, VERMILION, NotebookFigure, with_style
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.scene import ContactForces, cams, contact_forces, moved, poses, ring_places
+from cycloid_mj.scene import ContactForces, cams, contact_forces, poses, ring_places, transform
 
 CRANK_ANGLE = math.radians(35.0)
 """Default crank angle [rad]."""
@@ -110,7 +110,7 @@ def _draw_parts(axes: Axes, reducer: Reducer, pose: Mapping[str, Array]) -> None
     draw_disc(axes, axis, disc, "disc")
     for disc, gear in enumerate(gears(design.gear.discs)):
         draw_region(axes, solids[gear].prisms[0], "gear", pose[gear], 1.0 if disc == 0 else FRONT_OPACITY)
-    draw_output_pins(axes, reducer, moved(pose[OUTPUT], output_centres(reducer)))
+    draw_output_pins(axes, reducer, transform(pose[OUTPUT], output_centres(reducer)))
     for disc, cam in enumerate(cams(reducer, pose[SHAFT][np.newaxis])[0]):
         draw_disc(axes, cam, design.gear.bore_radius, "cam", 1.0 if disc == 0 else FRONT_OPACITY)
     draw_disc(axes, axis, design.shaft.radius, "shaft")
@@ -170,7 +170,7 @@ def _draw_forces(axes: Axes, reducer: Reducer, acting: ContactForces) -> None:
 
 def draw_region(axes: Axes, prism: Prism, part: str, pose: Array, opacity: float = 1.0) -> None:
     """Draw a region with holes at a pose: x [m], y [m] and angle [rad]."""
-    rings = [1e3 * moved(pose, ring) for ring in (prism.outline, *(hole[::-1] for hole in prism.holes))]
+    rings = [1e3 * transform(pose, ring) for ring in (prism.outline, *(hole[::-1] for hole in prism.holes))]
     path = Path.make_compound_path(*(Path(np.vstack([ring, ring[:1]]), closed=True) for ring in rings))
     axes.add_patch(PathPatch(path, linewidth=0.7, joinstyle="round", **_look(part, opacity)))
 

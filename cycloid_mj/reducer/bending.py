@@ -18,7 +18,7 @@ AXIAL_GAP = 1e-3
 def pin_flexibility(reducer: "Reducer") -> Array:
     """Compute the flexibility of an output pin at the planes of the discs [m/N], shape (D, D).
 
-    The pin is a round beam with its root, or both of its ends, built in at the faces of the plates that hold it, its
+    The pin is a round beam with its root, or both of its ends, built in at the faces of the plates that support it, its
     load acts in the middle of each disc, and shear adds to bending: Timoshenko's beam with Cowper's coefficient
     6 (1 + nu)/(7 + 6 nu) (Cowper 1966, J. Appl. Mech. 33, 335-340, Table 1). Of a roller the core bends.
     """
@@ -39,8 +39,8 @@ def beam_flexibility(material: Material, radius: float, arms: Array, length: flo
     """
     bending, shearing = round_beam(material, radius)
 
-    def free(one: Array, other: Array) -> Array:
-        near, far = np.minimum.outer(one, other), np.maximum.outer(one, other)
+    def free(first: Array, other: Array) -> Array:
+        near, far = np.minimum.outer(first, other), np.maximum.outer(first, other)
         return np.asarray(near**2 * (3.0 * far - near) / (6.0 * bending) + near / shearing)
 
     flexibility = free(arms, arms)

@@ -40,20 +40,19 @@ class Body:
     Attributes
     ----------
     name
-        Its own.
+        Name.
     part
-        The solid that it is, a key of ``parts.body_solids``.
+        Its solid, a key of ``parts.body_solids``.
     joints
         Its degrees of freedom by name: none, its turn about the reducer's axis, or x, y and turn in the plane.
     place
-        Of its frame at the crank angle 0 [m], shape (2,).
+        Position of its frame at the crank angle 0 [m], shape (2,).
     origin
-        What x and y of its joints read there [m], shape (2,).
+        Values of its joints x and y there [m], shape (2,).
     plane
-        Of its frame along z [m]: a disc's is in its middle, 0 in the middle of all discs.
+        Position of its frame along z [m]: the middle of a disc; 0 is the middle of all discs.
     carrier
-        Name of the body that carries it along, from which its joints read: of the pins of a ring that turns, the
-        housing; empty: none.
+        Name of the body that its joints are relative to: the housing for the pins of a ring that rotates; empty: none.
     """
 
     name: str
@@ -72,22 +71,22 @@ class Surfaces:
     Attributes
     ----------
     names, bodies
-        Of each, and of the body that carries it.
+        Name of each surface, and of its body.
     role
-        Of all.
+        Role of all.
     angle
         Clockwise angle from +y [rad], shape (n,): of its ideal place, or by which the teeth are turned on their disc.
     place
-        In the body's frame, with manufacturing errors [m], shape (n, 2).
+        Position in the body's frame, with manufacturing errors [m], shape (n, 2).
     radius
-        As made, clearance counted in [m], shape (n,); of teeth, how far the ring reaches out: no mate is farther.
+        Radius as manufactured, including clearance [m], shape (n,); of teeth, the largest radius of the ring.
     play
-        How far each gives way before it carries [m], shape (n,): of massless pins; else 0.
+        Clearance of massless pins [m], shape (n,); otherwise 0.
     disc
-        Index of the disc that is as wide as they are; None: they span all discs.
+        Index of the disc whose width they have; None if they span all discs.
     half_angle
-        Of the arc on which sockets hold their pins, about the direction `angle` [rad], massless pins counted as their
-        sockets; pi: all round.
+        Half of the arc on which sockets support their pins, about the direction `angle` [rad]; massless pins have that
+        of their sockets; pi for closed circles.
     """
 
     names: tuple[str, ...]
@@ -108,7 +107,7 @@ class Pair:
     Attributes
     ----------
     name
-        Its own, and the stem of its columns in the log.
+        Name, and the stem of its columns in the log.
     kind
         ``pin_gear``, ``pin_socket``, ``pin_sleeve``, ``tooth``, ``cam`` or ``output``: the key of its clearance,
         friction, stiffness, damping and working force.
@@ -144,8 +143,8 @@ class Mating:
     def pairs(self) -> Iterator[Pair]:
         """The single pairs."""
         lonely = len(self.on.names) == 1
-        for owner, (name, by) in enumerate(zip(self.names, self.by.names, strict=True)):
-            yield Pair(name, self.kind, self.on.names[0 if lonely else owner], by, owner, self.disc)
+        for owner, (name, mate) in enumerate(zip(self.names, self.by.names, strict=True)):
+            yield Pair(name, self.kind, self.on.names[0 if lonely else owner], mate, owner, self.disc)
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,12 +154,12 @@ class Mechanism:
     Attributes
     ----------
     design
-        What it was made from.
+        The design.
     phases
-        Of each disc on the crank [rad], counter-clockwise.
+        Phase of each disc on the crank [rad], counter-clockwise.
     bodies
-        What is held (the housing, or the output where the ring turns), shaft, discs, what the load is on, and pins or
-        sleeves that move.
+        The fixed member (the housing, or the output if the ring rotates), shaft, discs, the loaded member, and moving
+        pins or sleeves.
     matings
         Teeth of every disc, then what carries the pins, then cams, then output pins.
     """
@@ -212,7 +211,7 @@ class Mechanism:
     @property
     def carriers(self) -> dict[str, str]:
         """Map from the name of each surface to that of its body."""
-        return {name: body for of in self.surfaces for name, body in zip(of.names, of.bodies, strict=True)}
+        return {name: body for group in self.surfaces for name, body in zip(group.names, group.bodies, strict=True)}
 
     def against(self, body: str) -> list[str]:
         """Return the pairs in which a body receives the forces of discs, pins or sleeves."""
@@ -261,7 +260,7 @@ def mechanism(design: Design) -> Mechanism:
 
 
 def _bodies(design: Design, errors: Deviations) -> Iterator[Body]:
-    """Yield the bodies: the held member, crank, discs, output and moving pins."""
+    """Yield the bodies: the fixed member, crank, discs, output and moving pins."""
     axis, gear, ring = np.zeros(2), tooth_profile(design), design.ring
     turning, holder = member_of(design).turning_and_held
     # the ring is the housing's: where that turns it takes its pins along
@@ -269,14 +268,14 @@ def _bodies(design: Design, errors: Deviations) -> Iterator[Body]:
     yield Body(holder, holder, (), axis, axis)
     yield Body(names.SHAFT, names.SHAFT, (names.CRANK_JOINT,), axis, axis)
     for disc, phase in enumerate(phases(design)):
-        name, place = _of_disc(design, names.GEAR, disc), gear_centre(gear, phase)
-        yield Body(name, name, names.planar_joints(name), place, place, design.gear.disc_planes[disc])
+        name, centre = _of_disc(design, names.GEAR, disc), gear_centre(gear, phase)
+        yield Body(name, name, names.planar_joints(name), centre, centre, design.gear.disc_planes[disc])
     yield Body(turning, turning, (names.OUTPUT_JOINT,), axis, axis)
     if ring.has_pin_bodies:
         places = ring.pin_circle_radius * profile.unit(_ring_angles(ring)) + _pin_departures(ring, errors)
         planes = np.repeat(ring_planes(ring, design.gear.stack_width), ring.teeth).tolist()
-        for name, place, plane in zip(names.all_numbered(names.PIN, ring.mates), places, planes, strict=True):
-            yield Body(name, names.PIN, names.planar_joints(name), place, axis, plane, carrier=carrier)
+        for name, centre, plane in zip(names.all_numbered(names.PIN, ring.mates), places, planes, strict=True):
+            yield Body(name, names.PIN, names.planar_joints(name), centre, axis, plane, carrier=carrier)
 
 
 def _ring(design: Design, errors: Deviations) -> tuple[Surfaces, list[Mating]]:
@@ -378,8 +377,8 @@ def _surfaces_on_circle(
     count = len(numbered)
     angle = _angles(count) if angles is None else angles
     bodies = (body,) * count if isinstance(body, str) else body
-    place = circle * profile.unit(angle) + departure
-    return Surfaces(numbered, bodies, role, angle, place, np.zeros(count) + radius, np.zeros(count) + play, disc)
+    position = circle * profile.unit(angle) + departure
+    return Surfaces(numbered, bodies, role, angle, position, np.zeros(count) + radius, np.zeros(count) + play, disc)
 
 
 def ring_planes(ring: Ring, width: float) -> Array:
@@ -397,7 +396,9 @@ def _ring_angles(ring: Ring) -> Array:
 
 def _pin_departures(ring: Ring, errors: Deviations) -> Array:
     """Return the position errors of pins or lobes [m], shape (mates, 2), equal in both halves."""
-    turns = (np.array([[np.cos(by), np.sin(by)], [-np.sin(by), np.cos(by)]]) for by in ring.ahead)
+    turns = (
+        np.array([[np.cos(preload), np.sin(preload)], [-np.sin(preload), np.cos(preload)]]) for preload in ring.ahead
+    )
     return np.concatenate([errors.pin_place @ turn for turn in turns])
 
 

@@ -27,26 +27,34 @@ if TYPE_CHECKING:
 STRIBECK = 4.08
 """Load of the most loaded roller of a bearing without clearance, over the mean load per roller F/Z."""
 
-CREEP = 2e-3
-"""Creep speed over the orbital speed of the disc's centre, c w.
 
-Friction below it is too small. Of six drives of 8 to 70 pins with plays up to 0.25 mm, at 3 % of the rated load and 100
-rpm, and at 30 % and 1000 rpm, the efficiency is that of a tenth of it within 0.04 points; at five times it within 0.25.
-"""
+@dataclass(frozen=True)
+class ContactSettings:
+    """Settings of contacts that a design file may leave open."""
 
-SLOW_CREEP = 1e-4
-"""Creep speed if the crank is at rest [m/s]."""
+    creep_share: float = 2e-3
+    """Creep speed over the orbital speed of the disc's centre, c w.
 
-HERTZ_REACH = 0.3
-"""Largest half width of the strip of contact over the radius of the thinner body (assumed).
+    Friction below it is too small. Of six drives of 8 to 70 pins with plays up to 0.25 mm, at 3 % of the rated load and
+    100 rpm, and at 30 % and 1000 rpm, the efficiency is that of a tenth of it within 0.04 points; at five times it
+    within 0.25.
+    """
+    slow_creep: float = 1e-4
+    """Creep speed if the crank is at rest [m/s]."""
+    hertz_reach: float = 0.3
+    """Largest half width of the strip of contact over the radius of the thinner body (assumed).
 
-Hertz takes b << R (Johnson 1985, 4.1); a strip of 0.3 R, 17 deg to each side, is where conformal solutions leave it."""
+    Hertz takes b << R (Johnson 1985, 4.1); a strip of 0.3 R, 17 deg to each side, is where conformal solutions leave
+    it."""
+    cam_force_angles: int = 97
+    """Number of crank angles over which the cam force is averaged: a prime, so that all phases of the mesh occur."""
 
-_ANGLES = 97
-"""Number of crank angles over which the cam force is averaged: a prime, so that all phases of the mesh occur."""
+
+CONTACT = ContactSettings()
+
 
 Source = Literal["given", "working load", "load", "preload", "weight and inertia"]
-"""Source of a working force: given, or derived from a torque; without a load, from weight and inertia of the disc."""
+"""Source of a working force: the design file, or a torque; without a load, weight and inertia of the disc."""
 
 Value = TypeVar("Value")
 
@@ -100,11 +108,11 @@ class Contact:
     def force(self) -> float:
         """Working force [N], at which the stiffness is the secant; of the cam, the total force.
 
-        The pair's own in ``working_force``, or ``contact.working_force`` for all: then a rolling cam's most loaded
-        roller bears that, and a plain cam N/4 times that, which ideal sharing asks of it when the ring's most loaded
-        contact bears its working force. Where neither is given, it follows from `Contacts.working_load` T by ideal
-        sharing: 4 T/(N c (N-1)) on the most loaded tooth, 4 T/(n R) on the most loaded of n output pins on the radius
-        R, and the cam's mean force over a turn, which holds both; of several discs, each has its share of T.
+        It is the pair's own ``working_force``, or ``contact.working_force`` for all pairs: of a rolling cam, that of
+        the most loaded roller; of a plain cam, N/4 times as much, as by ideal sharing with this force on the most
+        loaded tooth. By default it follows from `Contacts.working_load` T by ideal sharing: 4 T/(N c (N-1)) on the most
+        loaded tooth, 4 T/(n R) on the most loaded of n output pins on the radius R, and the cam's mean force over a
+        turn, which balances both; several discs share T equally.
         """
         design = self._reducer.design
         stated: float = getattr(design.working_force, self.kind)
@@ -139,8 +147,8 @@ class Contact:
     @property
     def modulus(self) -> float:
         """Modulus E* [Pa] of the materials of both parts."""
-        one, other = self._reducer.design.partners(self.kind)
-        return ideal_loads.contact_modulus(one.youngs_modulus, one.poisson, other.youngs_modulus, other.poisson)
+        first, second = self._reducer.design.partners(self.kind)
+        return ideal_loads.contact_modulus(first.youngs_modulus, first.poisson, second.youngs_modulus, second.poisson)
 
     @property
     def strength(self) -> float:
@@ -177,7 +185,7 @@ class Contact:
 
     @property
     def stiffness(self) -> float:
-        """Stiffness [N/m]: the given one, or the secant stiffness at the working force; errors as `curvature_law`.
+        """Stiffness [N/m]: that of the design file, or the secant at the working force; errors as `curvature_law`.
 
         Of teeth it is that of a pin on a flat; in sockets, sleeves and holes it follows the relative curvature. In a
         rolling cam the roller in the middle of the loaded half carries 4.08/Z of the load (Stribeck; Harris, Rolling
@@ -197,7 +205,9 @@ class Contact:
         bent = (
             contacts.pin_flexibility.diagonal() if self.kind == "output" else np.zeros(self._reducer.design.gear.discs)
         )
-        return tuple(1.0 / (1.0 / stiffness + one) if one else stiffness for one in bent.tolist())
+        return tuple(
+            1.0 / (1.0 / stiffness + flexibility) if flexibility else stiffness for flexibility in bent.tolist()
+        )
 
     @property
     def curvature(self) -> float:
@@ -221,7 +231,7 @@ class Contact:
         return STRIBECK / rollers if self.kind == "cam" and self._has_rollers else 1.0
 
     def pressure(self, force: npt.ArrayLike, curvature: npt.ArrayLike) -> Array:
-        """Compute the peak Hertz pressure [Pa] of line contacts; conformal ones count as flat on flat.
+        """Compute the peak Hertz pressure [Pa] of line contacts; conformal contacts count as flat on flat.
 
         `force` [N] and relative `curvature` [1/m] broadcast to the shape of the result.
         """
@@ -232,7 +242,7 @@ class Contact:
 
         `force` [N] on the line and relative `curvature` [1/m] broadcast to the shape of the result.
         """
-        return np.asarray(self._hertz(force, curvature).half_width < HERTZ_REACH * self._thinner_radius)
+        return np.asarray(self._hertz(force, curvature).half_width < CONTACT.hertz_reach * self._thinner_radius)
 
     def _hertz(self, force: npt.ArrayLike, curvature: npt.ArrayLike) -> ideal_loads.HertzContact:
         curvature = np.maximum(curvature, np.finfo(float).tiny)
@@ -299,7 +309,7 @@ class Contact:
         return law.stiffness * law.factor(self.curvature)
 
     def _roller_on_cam(self) -> float:
-        """Return the stiffness of a roller (shaft material) on the cam [N/m]; 0 if that of all pairs is given."""
+        """Return the stiffness of a roller (shaft material) on the cam [N/m]; 0 if the design sets it for all pairs."""
         design = self._reducer.design
         if design.contact.stiffness:
             return 0.0
@@ -357,8 +367,8 @@ class Contacts:
     def working_load(self) -> float:
         """Torque on the output [N m] from which the working forces follow.
 
-        ``contact.working_load`` if it is given, else the size of the run's own load, but no less than `own_load`, and
-        in a drive whose ring is preloaded, which presses its contacts without any load, no less than the rated torque.
+        It is ``contact.working_load``, or by default the size of the load, but at least `own_load`; with a preloaded
+        ring, whose contacts are loaded at any torque, at least the rated torque.
         """
         design = self._reducer.design
         pressed = design.rated_torque if design.ring.preload else 0.0
@@ -377,19 +387,23 @@ class Contacts:
         squares = (ring.pin_circle_radius - ring.pin_radius) ** 2 - gear.bore_radius**2
         area = math.pi * (squares - output.pins * output.hole_radius**2)
         weight = math.hypot(design.environment.gravity_x, design.environment.gravity_y)
-        flung = gear.eccentricity * design.drive.speed**2
-        force = design.material_of("gear").density * gear.face_width * area * (weight + flung)
+        centrifugal = gear.eccentricity * design.drive.speed**2
+        force = design.material_of("gear").density * gear.face_width * area * (weight + centrifugal)
         return gear.discs * force * gear.eccentricity * design.reduction
 
     @property
     def creep_speed(self) -> float:
         """Sliding speed of fully developed friction at the working force [m/s].
 
-        The one given, or `CREEP` of the speed c w at which the gear's centre circles; where the crank stands
-        `SLOW_CREEP`.
+        It is that of the design file, or `CONTACT.creep_share` of the orbital speed c w of the disc's centre; at a
+        crank at rest `CONTACT.slow_creep`.
         """
         design = self._reducer.design
-        return design.contact.creep_speed or CREEP * design.gear.eccentricity * abs(design.drive.speed) or SLOW_CREEP
+        return (
+            design.contact.creep_speed
+            or CONTACT.creep_share * design.gear.eccentricity * abs(design.drive.speed)
+            or CONTACT.slow_creep
+        )
 
     @property
     def impact(self) -> ImpactLaw | None:
@@ -442,7 +456,7 @@ class Contacts:
 @lru_cache(maxsize=64)
 def _cam_share(gear: CycloidGear, pins: int, radius: float) -> float:
     """Return the mean magnitude of the cam force under ideal sharing, per load torque [1/m]."""
-    crank = np.linspace(0.0, 2.0 * np.pi, _ANGLES, endpoint=False)
+    crank = np.linspace(0.0, 2.0 * np.pi, CONTACT.cam_force_angles, endpoint=False)
     ring = ideal_loads.ideal_load_sharing(gear, 1.0, crank)
     output = ideal_loads.ideal_output_forces(gear, pins, radius, 1.0, crank)
     return float(np.mean(np.linalg.norm(ideal_loads.cam_force(ring, output, crank), axis=1)))

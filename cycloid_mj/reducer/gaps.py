@@ -2,13 +2,13 @@
 
 The unknowns z [m], shape (3 D + 1,), are departures from the ideal pose: x, y and R phi of each of the D discs, and
 R psi of the output; R is the radius of the circle of output pins, phi and psi are counter-clockwise. A gap is the
-normal distance of two surfaces, positive where they are apart. At the ideal pose it is what clearances, manufacturing
-errors and profile modification leave; its gradient is the direction of the force that the contact puts on the parts.
+normal distance of two surfaces, positive if they are separate. At the ideal pose it follows from clearances,
+manufacturing errors and profile modification; its gradient is the direction of the contact force on the parts.
 
-Along the surface a contact moves too: a balance (`kernel.gap`) counts each curve as its circle of curvature with the
-rate at which that changes, and turns to the second order. What it leaves out is of fourth order in displacements, of
-third in turns. In the valleys of the paper's gear, where the circle has a radius of 18 um, and
-farther along it looks for the foot point.
+A contact also moves along the surface: a static balance (`kernel.gap`) represents each curve by its circle of curvature
+and the rate of change of the curvature, and rotations to second order. Neglected terms are of fourth order in
+displacements, of third in rotations; where this is not enough, as in the valleys of the paper's gear with their radius
+of 18 um, it searches the foot point.
 
 Angles as in ``kinematics``, tooth geometry as in ``envelope``. A disc at the phase beta on the crank meshes as the gear
 of a crank at theta + beta (Hsieh 2014, Eqs 7 and 11, for one disc); its holes turn with the output.
@@ -45,16 +45,16 @@ class Gaps:
     disc
         Index of the disc, shape (n,).
     room
-        What the gap is wider by than the distance, wherever the parts are [m], shape (n,): clearances, errors of radii.
+        Part of the gap that does not depend on the pose [m], shape (n,): clearances, errors of radii.
     play
-        Of the ring's pin in its socket, or of its sleeve [m], shape (n,); 0 where none moves. It is not in `room`: a
-        pin that is pressed gives way by it first.
+        Clearance of the ring's pin in its socket, or of its sleeve [m], shape (n,); 0 for fixed pins. It is not part of
+        `room`: a loaded pin moves by it first.
     distance
         Normal distance of the two curves at z = 0 [m], shape (n,): 0 for ideal parts.
     slope
         Its gradient [1], shape (n, 3 D + 1).
     shift, shift_slope
-        How far the parts are displaced along the surface at z = 0 [m], shape (n,), and the gradient of that.
+        Displacement of the parts along the surface at z = 0 [m], shape (n,), and its gradient.
     bend
         Relative curvature [1/m] of the two curves, shape (n,): of the gear's trochoid, on which ideal pins have their
         centres; of the circle about the middle of a hole on which those of output pins are. Convex positive.
@@ -63,10 +63,10 @@ class Gaps:
     phase
         N - 1 times the parameter of the gear's trochoid at the contact [rad], shape (n,); of round holes 0.
     relative_curvature
-        Of the line contact [1/m]: gear's plus mate's surface, shape (n,).
+        Relative curvature of the line contact [1/m]: disc plus mate, shape (n,).
     slip_slope
-        Gradient of how far the disc's surface slides over its mate [1], shape (n, 3 D + 1), towards the normal force
-        turned counter-clockwise by a right angle; the mate does not turn about itself.
+        Gradient of the sliding of the disc's surface over its mate [1], shape (n, 3 D + 1), in the direction of the
+        normal force rotated counter-clockwise by a right angle; the mate does not rotate about itself.
     """
 
     kind: npt.NDArray[np.str_]
@@ -102,8 +102,8 @@ def unknowns(reducer: "Reducer") -> int:
 def gaps(reducer: "Reducer", crank: float) -> Gaps:
     """Compute the gaps of teeth and output pins of all discs at a crank angle [rad].
 
-    An internal gear has those of its flanks as well, after those of its arcs: 4 or 5 a disc. The cam is not among them:
-    its gap is round, see `cam_places`.
+    Those of an internal gear's flanks, 4 or 5 per disc, follow those of its arcs. The cam is not included, because its
+    gap is round: see `cam_places`.
     """
     discs = range(len(reducer.phases))
     flanks = [flank_gaps(reducer, crank, disc) for disc in discs] if reducer.design.ring.kind == "nonpin" else []
@@ -113,8 +113,8 @@ def gaps(reducer: "Reducer", crank: float) -> Gaps:
 def arc_gaps(reducer: "Reducer", crank: npt.ArrayLike) -> Gaps:
     """Compute the gaps at crank angles [rad] of shape (k,), or at one, without those of an internal gear's flanks.
 
-    The same pairs in the same order at every crank angle: the teeth of all discs, then their output pins; of a ring in
-    two halves each disc has those of one half, then those of the other.
+    Pairs and order are the same at every crank angle: the teeth of all discs, then their output pins; with a ring in
+    two halves, each disc has those of one half, then those of the other.
     """
     angles = np.asarray(crank, dtype=np.float64)
     discs = range(len(reducer.phases))
@@ -142,25 +142,24 @@ def _of_halves(reducer: "Reducer", disc: int, lines: envelope.RingContacts, midd
 def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, middle: Array, half: int) -> Gaps:
     """Compute the gaps between a disc and the ring, or a `half` of it as it is turned, pins in their places.
 
-    A pin displaced by d opens its gap by d . n, n the gear's outward normal. A radius larger by r closes it by r, as
-    flanks do that stand out by r, and a socket leaves the pin so much less play. To a gear whose pin circle is larger
-    by x a pin is x nearer to the middle; flanks turned by a retreat by a times the arm of their normal, as those of a
-    gear that has turned. The gear's curve is its trochoid, its mate a pin's centre; the disc's `middle` [m] is where
-    the ideal one is.
+    A pin displaced by d opens its gap by d . n, with the disc's outward normal n. A radius larger by r closes it by r,
+    like flanks that are larger by r, and reduces the clearance in the socket. For a disc whose pin circle is larger by
+    x, a pin is closer to the centre by x; flanks rotated by a are set back by a times the arm of their normal. The
+    disc's curve is its trochoid, its mate a pin's centre; `middle` [m] is the centre of the ideal disc.
     """
     design = reducer.design
     gear, errors, change = reducer.tooth_profile, reducer.deviations, design.modification
     push, arm = lines.normals, profile.moment_arm(gear, lines.B)
     radial = profile.unit(profile.pin_angles(gear)[lines.lobe])
     along = design.ring.ahead[half] * gear.pin_circle_radius * _quarter_turned(radial)
-    place = errors.pin_place[lines.lobe] + along - change.pin_circle * radial
+    shift = errors.pin_place[lines.lobe] + along - change.pin_circle * radial
     room = reducer.profile_offset - errors.disc_radius[disc] - gear.pin_radius - errors.pin_radius[lines.lobe]
     play = design.pin_play - (errors.pin_radius[lines.lobe] if design.ring.has_sockets else 0.0)
     turned = change.rotation * np.sign(arm)
     side = _quarter_turned(push)
     rubbed = np.sum(side * _quarter_turned(lines.points - middle), axis=-1)
     lever = rubbed - gear.pin_radius
-    behind, bend, ahead = (profile.curvature(gear, lines.t + step, 0.0) for step in (-_STEP, 0.0, _STEP))
+    behind, bend, ahead = (profile.curvature(gear, lines.t + increment, 0.0) for increment in (-_STEP, 0.0, _STEP))
     twist = (ahead - behind) / (2.0 * _STEP * profile.arc_rate(gear, lines.t, 0.0))
     return Gaps(
         kind=np.full(lines.lobe.size, design.tooth_pair),
@@ -168,9 +167,9 @@ def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, mid
         disc=np.full(lines.lobe.size, disc),
         room=np.broadcast_to(room, arm.shape),
         play=np.broadcast_to(play, arm.shape),
-        distance=turned * arm - np.sum(place * push, axis=-1) + profile_error(errors.waves, lines.t),
+        distance=turned * arm - np.sum(shift * push, axis=-1) + profile_error(errors.waves, lines.t),
         slope=_by_unknown(reducer, disc, push, arm, np.zeros(arm.shape)),
-        shift=np.sum(place * side, axis=-1) - turned * lever,
+        shift=np.sum(shift * side, axis=-1) - turned * lever,
         shift_slope=_by_unknown(reducer, disc, -side, -lever, np.zeros(arm.shape)),
         bend=bend,
         twist=np.asarray(twist),
@@ -183,17 +182,17 @@ def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, mid
 def _output_gaps(reducer: "Reducer", crank: Array, disc: int) -> Gaps:
     """Compute the gaps between the holes of a disc and the output pins.
 
-    Every pin lies in its hole on the side towards the reducer's axis, and pushes the disc inwards along the eccentric.
-    A hole displaced by d in the disc opens its gap by d along that push. Holes and pins turn together: the same arm,
-    about the disc's centre and about the output's.
+    Every pin is on the inner side of its hole, and pushes the disc inwards along the eccentric. A hole displaced by d
+    in the disc opens its gap by the component of d in this direction. Holes and pins rotate together, so the arm is the
+    same about the disc's centre and about the output's.
     """
     gear, errors, output = reducer.tooth_profile, reducer.deviations, reducer.design.output
     turned = crank[..., np.newaxis] / gear.lobes
     middle = gear_centre(gear, crank[..., np.newaxis] + reducer.phases[disc])
     push = -middle / gear.eccentricity
-    place = profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins + turned) * output.pin_circle_radius
+    arm_vector = profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins + turned) * output.pin_circle_radius
     side, hole = _quarter_turned(push), _rotate(errors.hole_place[disc], -turned)
-    arm, lever = np.sum(place * -_quarter_turned(push), axis=-1), np.sum(place * push, axis=-1)
+    arm, lever = np.sum(arm_vector * -_quarter_turned(push), axis=-1), np.sum(arm_vector * push, axis=-1)
     room = reducer.design.clearance.output + output.hole_radius - output.pin_radius - gear.eccentricity
     return Gaps(
         kind=np.full(output.pins, "output"),
@@ -229,7 +228,7 @@ def ideal_motion(reducer: "Reducer", crank: npt.ArrayLike) -> Array:
 def cam_places(reducer: "Reducer", crank: npt.ArrayLike) -> Array:
     """Compute the displacement of each cam from its ideal position [m], shape (..., D, 2), at angles (...) [rad].
 
-    The disc's own centre departs from there by the cam's clearance at most; errors of the crank carry it along.
+    The disc's centre is at most the cam's clearance away from there; errors of the crank move both.
     """
     gear, errors = reducer.tooth_profile, reducer.deviations
     turned = np.asarray(crank, dtype=np.float64)[..., np.newaxis]

@@ -18,17 +18,22 @@ from cycloid_mj.reducer.gaps import Gaps, cam_places, gaps, unknowns
 if TYPE_CHECKING:
     from cycloid_mj.reducer import Reducer
 
-_SCALE = 1e-6
-"""Length unit of the linear programs [m]."""
 
-CAM_SIDES = 720
-"""Sides of the polygon that circumscribes the clearance of a cam: larger than the circle by 1e-5 of the clearance."""
+@dataclass(frozen=True)
+class FitSettings:
+    """Settings of the linear programs of best fit and of the stops."""
 
-_FIT_SIDES = 16
-"""Sides of that polygon for a starting point."""
+    scale: float = 1e-6
+    """Length unit of the linear programs [m]."""
+    cam_sides: int = 720
+    """Sides of the polygon around the clearance of a cam: it is larger than the circle by 1e-5 of the clearance."""
+    fit_sides: int = 16
+    """Sides of that polygon for a starting point."""
+    batch: int = 8
+    """Number of crank angles per linear program, most of whose time is its set-up."""
 
-_TOGETHER = 8
-"""Number of crank angles per linear program, most of whose time is its set-up."""
+
+FIT = FitSettings()
 
 
 @dataclass(frozen=True)
@@ -100,15 +105,15 @@ def _most_room(reducer: "Reducer", crank: float) -> tuple[Gaps, Array, float, Ar
 
     crank = float(reducer.member.against_ring(crank))
     mesh_gaps, cams = gaps(reducer, crank), cam_places(reducer, crank)
-    slope, room = _limits(reducer, mesh_gaps, cams, _FIT_SIDES)
+    slope, room = _limits(reducer, mesh_gaps, cams, FIT.fit_sides)
     count = unknowns(reducer)
     matrix = np.concatenate([-slope, np.ones((len(room), 1))], axis=1)
-    best = linprog([0.0] * count + [-1.0], A_ub=matrix, b_ub=room / _SCALE, bounds=[(None, None)] * (count + 1))
+    best = linprog([0.0] * count + [-1.0], A_ub=matrix, b_ub=room / FIT.scale, bounds=[(None, None)] * (count + 1))
     *free, least = np.asarray(best.x, dtype=np.float64)
-    return mesh_gaps, _SCALE * np.array(free), _SCALE * float(least), -np.asarray(best.ineqlin.marginals)
+    return mesh_gaps, FIT.scale * np.array(free), FIT.scale * float(least), -np.asarray(best.ineqlin.marginals)
 
 
-def stops(reducer: "Reducer", crank: float, sides: int = CAM_SIDES) -> tuple[float, float]:
+def stops(reducer: "Reducer", crank: float, sides: int = FIT.cam_sides) -> tuple[float, float]:
     """Compute the output's stops [rad], clockwise and counter-clockwise of the ideal angle, at a crank angle [rad].
 
     As `stops_at`, errors too.
@@ -117,7 +122,7 @@ def stops(reducer: "Reducer", crank: float, sides: int = CAM_SIDES) -> tuple[flo
     return low, high
 
 
-def stops_at(reducer: "Reducer", cranks: Array, sides: int = CAM_SIDES) -> Array:
+def stops_at(reducer: "Reducer", cranks: Array, sides: int = FIT.cam_sides) -> Array:
     """Compute the output's stops [rad], clockwise and counter-clockwise of the ideal angle, at crank angles [rad] (n,).
 
     All clearances, errors and modifications are in it; `sides` are those of the polygon around a cam's play.
@@ -132,7 +137,7 @@ def stops_at(reducer: "Reducer", cranks: Array, sides: int = CAM_SIDES) -> Array
     RunError
         The errors leave no place for the gear: it jams.
     """
-    together = [cranks[first : first + _TOGETHER] for first in range(0, len(cranks), _TOGETHER)]
+    together = [cranks[first : first + FIT.batch] for first in range(0, len(cranks), FIT.batch)]
     return np.concatenate([_stops(reducer, some, sides) for some in together])
 
 
@@ -149,24 +154,25 @@ def _stops(reducer: "Reducer", cranks: Array, sides: int) -> Array:
     goal = np.zeros((len(cranks), 2, count))
     goal[:, :, -1] = 1.0, -1.0
     # to look for limits that say nothing takes longer than to solve with them
-    ends = linprog(goal.ravel(), slope, room / _SCALE, bounds=(None, None), options={"presolve": False})
+    ends = linprog(goal.ravel(), slope, room / FIT.scale, bounds=(None, None), options={"presolve": False})
     if ends.x is None:
         if len(cranks) > 1:
             return np.concatenate([_stops(reducer, crank, sides) for crank in cranks[:, np.newaxis]])
-        at = f"at crank angle {float(cranks[0]):.4f} rad"
+        where = f"at crank angle {float(cranks[0]):.4f} rad"
         if design.ring.preload:
             raise RunError(
-                f"the two halves of the ring clamp the disc {at}: rigid parts have no free rotation there; use the "
+                f"the two halves of the ring clamp the disc {where}: rigid parts have no free rotation there; use the "
                 "static loads, which include deflection, or lower ring.preload_arcmin"
             )
         raise RunError(
-            f"the disc jams {at}: manufacturing errors exceed the clearances; increase clearance.* or reduce errors.*"
+            f"the disc jams {where}: manufacturing errors exceed the clearances; increase clearance.* or reduce "
+            "errors.*"
         )
-    turns = np.asarray(ends.x).reshape(goal.shape)[:, :, -1] * _SCALE / design.output.pin_circle_radius
+    turns = np.asarray(ends.x).reshape(goal.shape)[:, :, -1] * FIT.scale / design.output.pin_circle_radius
     return np.sort(reducer.member.sense * reducer.share * turns, axis=1)
 
 
-def widest_play(reducer: "Reducer", crank: float, sides: int = CAM_SIDES) -> float:
+def widest_play(reducer: "Reducer", crank: float, sides: int = FIT.cam_sides) -> float:
     """Compute the backlash of the output with rigid parts [rad] at a crank angle [rad]; errors as `stops`.
 
     Halves of a ring count as not turned against each other: that leaves the most.
@@ -182,11 +188,11 @@ def _limits(reducer: "Reducer", mesh_gaps: Gaps, cams: Array, sides: int) -> tup
     """
     slopes, rooms = [mesh_gaps.slope], [mesh_gaps.width + mesh_gaps.play]
     around = profile.unit(np.linspace(0.0, 2.0 * np.pi, sides, endpoint=False))
-    for disc, place in enumerate(cams):
+    for disc, cam in enumerate(cams):
         slope = np.zeros((sides, unknowns(reducer)))
         slope[:, 3 * disc : 3 * disc + 2] = -around
         slopes.append(slope)
-        rooms.append(reducer.design.clearance.cam + around @ place)
+        rooms.append(reducer.design.clearance.cam + around @ cam)
     return np.concatenate(slopes), np.concatenate(rooms)
 
 

@@ -1,10 +1,10 @@
 """Output member, and its angles and torques in terms of the drive as seen from its ring.
 
-Either the ring is held and the carrier of the output pins turns, against the crank, by a turn in N - 1; or the carrier
-is held and the ring turns, with the crank, by a turn in N. The mesh knows no difference: seen from the ring, the second
-is the first with its crank slower by (N-1)/N (Willis). Statics is solved there, once for both. With the crank locked, a
-carrier that could turn by psi against the ring lets the ring turn by -psi (N-1)/N; without losses a torque T on the
-ring is held by (N-1)/N of it on the carrier, and by T/N on the crank.
+Either the ring is fixed and the carrier of the output pins rotates, against the crank, by 1/(N-1) of its rotation; or
+the carrier is fixed and the ring rotates, with the crank, by 1/N. The mesh is the same: seen from the ring, the second
+case is the first with a crank slower by (N-1)/N (Willis). Statics is solved there, for both cases. With the crank
+locked, a free rotation psi of the carrier against the ring is one of -psi (N-1)/N of the ring; without losses a torque
+T on the ring is balanced by (N-1)/N T on the carrier and T/N on the crank.
 """
 
 from collections.abc import Mapping
@@ -29,9 +29,9 @@ class Member:
     Attributes
     ----------
     turns_ring
-        Whether the ring gives the turn out, and the carrier is held.
+        Whether the ring is the output, and the carrier is fixed.
     teeth, lobes
-        Of the ring, N, and of the gear, N - 1.
+        Number of teeth of the ring, N, and of lobes of the disc, N - 1.
     """
 
     turns_ring: bool
@@ -39,9 +39,9 @@ class Member:
     lobes: int
 
     def gear_angle(self, crank: npt.ArrayLike) -> Array:
-        """Return the angle of disc and carrier [rad] at crank angles [rad]: -theta/(N-1), or 0 for a held carrier.
+        """Return the angle of disc and carrier [rad] at crank angles [rad]: -theta/(N-1), or 0 for a fixed carrier.
 
-        Of speeds it gives speeds.
+        Speeds map to speeds.
         """
         crank = np.asarray(crank, dtype=np.float64)
         return np.zeros_like(crank) if self.turns_ring else -crank / self.lobes
@@ -62,7 +62,7 @@ class Member:
     def ring_and_carrier(self, output: npt.ArrayLike) -> tuple[Array, Array]:
         """Return the angles of ring and carrier [rad] from that of the output, one of them; the other is 0.
 
-        Of speeds, speeds.
+        Speeds map to speeds.
         """
         output = np.asarray(output, dtype=np.float64)
         still = np.zeros_like(output)
@@ -77,9 +77,9 @@ class Member:
     def share(self) -> float:
         """Torque on the carrier per torque on the output, without losses: 1, or (N-1)/N if the ring rotates.
 
-        And, at a locked crank, the output's turn over that of the carrier seen from the ring. Torques and turns of
-        statics are positive as they brake a crank that turns counter-clockwise: counter-clockwise of the carrier,
-        clockwise of the ring; see `sense`.
+        At a locked crank it is also the rotation of the output over that of the carrier seen from the ring. Torques and
+        rotations in statics are positive if they brake a crank that rotates counter-clockwise: counter-clockwise on the
+        carrier, clockwise on the ring; see `sense`.
         """
         return self.lobes / self.teeth if self.turns_ring else 1.0
 
@@ -97,17 +97,17 @@ def member_of(design: Design) -> Member:
 def seen_from_ring(design: Design) -> Design:
     """Return the drive as seen from its ring: the carrier rotates, with its speed and torques.
 
-    What its environment and its inertia forces are there, is for the caller to tell.
+    Environment and inertia forces in that frame are up to the caller.
     """
     if not design.output.turns_ring:
         return design
-    of = member_of(design).share
+    share = member_of(design).share
     return design.model_copy(
         update={
             "output": design.output.model_copy(update={"member": "carrier"}),
-            "drive": design.drive.model_copy(update={"speed": design.drive.speed * of}),
-            "load": design.load.model_copy(update={"torque": design.load.torque * of}),
-            "contact": design.contact.model_copy(update={"working_load": design.contact.working_load * of}),
+            "drive": design.drive.model_copy(update={"speed": design.drive.speed * share}),
+            "load": design.load.model_copy(update={"torque": design.load.torque * share}),
+            "contact": design.contact.model_copy(update={"working_load": design.contact.working_load * share}),
         }
     )
 
@@ -115,15 +115,15 @@ def seen_from_ring(design: Design) -> Design:
 def columns_from_ring(reducer: "Reducer", columns: Mapping[str, Array]) -> dict[str, Array]:
     """Return the columns of a run as seen from the ring (`seen_from_ring`).
 
-    Angles, places, speeds and forces are turned back with the ring; pins are logged from there as it is. The torque of
-    the load becomes what holds the carrier, at rest: what crank and ring leave.
+    Angles, positions, speeds and forces are rotated back with the ring; pins are logged in its frame already. The
+    torque of the load becomes that on the fixed carrier, which balances crank and ring.
 
     Parameters
     ----------
     reducer
-        What ran.
+        The reducer of the run.
     columns
-        Name -> values, shape (n,), in SI units; any of a run's.
+        Any columns of a run by name, shape (n,), in SI units.
     """
     seen = dict(columns)
     if not reducer.member.turns_ring:

@@ -1,8 +1,7 @@
 """Reducer of a design: derived values, computed on first use and cached.
 
-A ``Design`` is what a person writes; a ``Reducer`` is what it is. It is made where a design comes in, and is what every
-room above hands on. What computes a property is imported with its first use: a command line names reducers and loads no
-numpy for its help.
+A ``Design`` is the input; a ``Reducer`` is created from it once, and all packages above work with it. The modules that
+compute a property are imported on its first use, so that the help of a command line loads no numpy.
 """
 
 import math
@@ -23,9 +22,8 @@ if TYPE_CHECKING:
 Given = ParamSpec("Given")
 Value = TypeVar("Value")
 
-KEPT = 24
+CACHED_DESIGNS = 24
 """Number of designs whose derived values are cached."""
-
 
 SLICES_CREEP = 0.02
 """Creep speed of slices [m/s]: stock MuJoCo lifts sliding contacts by mu^2 v/(v0 impratio), more at a low creep speed
@@ -38,8 +36,8 @@ SHAPING_NOTHING = (
 """Design tables that no part depends on: runs at other loads and speeds share the same parts."""
 
 
-@lru_cache(maxsize=KEPT)
-def _drawer(design: Design) -> dict[Hashable, Any]:
+@lru_cache(maxsize=CACHED_DESIGNS)
+def _cache_of(design: Design) -> dict[Hashable, Any]:
     """Return the cache of the derived values of a design."""
     return {}
 
@@ -47,7 +45,7 @@ def _drawer(design: Design) -> dict[Hashable, Any]:
 class Reducer:
     """The reducer of a `design`.
 
-    Reducers of equal designs are equal, and share what was computed of them.
+    Reducers of equal designs are equal, and share their cached values.
     """
 
     def __init__(self, design: Design) -> None:
@@ -56,7 +54,7 @@ class Reducer:
 
             design = expand(design)
         self.design = design
-        self._kept = _drawer(design)
+        self._kept = _cache_of(design)
 
     def but(self, **changes: Any) -> "Reducer":
         """Return the reducer of the design with changed values, in SI units, as ``Design.but``; errors as there."""
@@ -69,7 +67,7 @@ class Reducer:
     def working_at(self, torque: float) -> "Reducer":
         """Return the reducer with contact stiffnesses for a torque on the output [N m], whatever its load.
 
-        One that is given a working load, or one working force for all pairs, keeps it.
+        A design with a working load, or with a working force for all pairs, keeps it.
         """
         contact = self.design.contact
         if contact.working_load or contact.working_force:
@@ -80,7 +78,7 @@ class Reducer:
     def at_rated_load(self) -> "Reducer":
         """Reducer `working_at` its own load, or at the rated torque if it has none.
 
-        For what is made for no load in particular: a folder with a model, springs for any torque, a figure.
+        It is for uses without a particular load: a folder with a model, springs for any torque, a figure.
         """
         load, rated = abs(self.design.load.torque), self.design.rated_torque
         return self.working_at(max(load, rated) if self.design.ring.preload else load or rated)
@@ -89,8 +87,8 @@ class Reducer:
     def for_slices(self) -> "Reducer":
         """Reducer `working_at` the larger of its rated torque and its own load.
 
-        A bed of slices softens by itself where it is pressed less deep: the stiffness at a small load is not set again.
-        Its creep speed, unless given, is `SLICES_CREEP`.
+        A bed of slices is softer at a small depth by itself, so its stiffness does not follow a small load. Its creep
+        speed is that of the design, or `SLICES_CREEP`.
         """
         stiffened = self.working_at(max(abs(self.design.load.torque), self.design.rated_torque))
         return stiffened.but(contact={"creep_speed": self.design.contact.creep_speed or SLICES_CREEP})
@@ -118,13 +116,13 @@ class Reducer:
     def shape(self) -> "Reducer":
         """Reducer of the same parts, shared by all loads, speeds and contact laws."""
 
-        def changed() -> Reducer | None:
-            of = Design.model_fields
-            design = self.design.model_copy(update={name: of[name].default for name in SHAPING_NOTHING})
+        def without_operation() -> Reducer | None:
+            fields = Design.model_fields
+            design = self.design.model_copy(update={name: fields[name].default for name in SHAPING_NOTHING})
             return None if design == self.design else Reducer(design)
 
-        # this one is not kept on itself: such a cycle holds all that is kept here till the next garbage collection
-        return self.kept("shape", changed) or self
+        # the reducer is not cached on itself: such a cycle would keep the cache until the next garbage collection
+        return self.kept("shape", without_operation) or self
 
     @property
     def phases(self) -> tuple[float, ...]:
@@ -168,7 +166,7 @@ class Reducer:
 
     @property
     def deviations(self) -> "Deviations":
-        """Manufacturing errors of the parts, given or drawn."""
+        """Manufacturing errors of the parts, from lists or drawn at random."""
         from cycloid_mj.geometry.deviations import deviations
 
         return self.kept("deviations", lambda: deviations(self.design))

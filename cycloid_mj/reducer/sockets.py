@@ -1,7 +1,7 @@
 """Sockets of the ring pins in the pinwheel: one definition for parts, contact, meshes and drawings.
 
-The wall between neighbouring sockets is a circle about the reducer's axis. Where a socket meets it, the socket ends: in
-an edge, beyond which the pin meets nothing but the gear.
+The wall between neighbouring sockets is a circle about the reducer's axis. Sockets end there in an
+edge, beyond which a pin can be in contact with the disc only.
 """
 
 import math
@@ -38,7 +38,7 @@ def arc_half_angle(design: Design, radius: float) -> float:
 
 
 def socket_half_angle(design: Design) -> float:
-    """Return half of the angle [rad] over which the socket holds a free pin: pi for closed sockets."""
+    """Return half of the angle [rad] over which the socket supports a free pin: pi for closed sockets."""
     if design.ring.socket == "closed":
         return math.pi
     return arc_half_angle(design, design.ring.pin_radius + design.clearance.pin_socket)

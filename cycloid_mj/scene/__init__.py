@@ -17,7 +17,7 @@ from cycloid_mj.scene.drawing import (
 )
 from cycloid_mj.scene.force import ContactForces, cams, contact_forces, ideal_forces, reference_force
 from cycloid_mj.scene.messages import RATE, Scene, frame_rate
-from cycloid_mj.scene.pose import moved, pose_columns, poses, ring_places
+from cycloid_mj.scene.pose import pose_columns, poses, ring_places, transform
 
 __all__ = [
     "RATE",
@@ -34,11 +34,11 @@ __all__ = [
     "gaps",
     "ideal_forces",
     "largest_magnification",
-    "moved",
     "pose_columns",
     "poses",
     "reference_force",
     "ring_outline",
     "ring_places",
+    "transform",
     "widest_gap",
 ]

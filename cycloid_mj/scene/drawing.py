@@ -19,16 +19,22 @@ from cycloid_mj.geometry.kinematics import gear_centre, gear_rotation
 from cycloid_mj.geometry.profile import CycloidGear
 from cycloid_mj.parts import output_centres
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.scene.pose import moved, poses, ring_places, turned
+from cycloid_mj.scene.pose import poses, ring_places, rotate, transform
 
-MIN_RADIUS_SHARE = 0.4
-"""Smallest radius that a part may be drawn with, as a share of its radius."""
 
-MAX_GAP_SHARE = 0.25
-"""Largest width of a drawn gap, as a share of the smallest radius next to it."""
+@dataclass(frozen=True)
+class DrawingSettings:
+    """Settings of drawings with magnified gaps."""
 
-NEWTON_STEPS = 8
-"""Newton steps to a foot point; four suffice except in a valley whose curvature is close to the pin's."""
+    min_radius_share: float = 0.4
+    """Smallest radius that a part may be drawn with, as a share of its radius."""
+    max_gap_share: float = 0.25
+    """Largest width of a drawn gap, as a share of the smallest radius next to it."""
+    newton_steps: int = 8
+    """Newton steps to a foot point; four suffice except in a valley whose curvature is close to the pin's."""
+
+
+DRAWING = DrawingSettings()
 
 
 @dataclass(frozen=True)
@@ -109,9 +115,9 @@ class Drawing:
 
 
 def largest_magnification(reducer: Reducer) -> float:
-    """Compute the magnification at which a part is drawn with `MIN_RADIUS_SHARE` of its radius."""
+    """Compute the magnification at which a part is drawn with `DRAWING.min_radius_share` of its radius."""
     design = reducer.design
-    slack = 1.0 - MIN_RADIUS_SHARE
+    slack = 1.0 - DRAWING.min_radius_share
     return 1.0 + slack * min(
         design.ring.pin_radius / tooth_clearance(reducer),
         design.gear.bore_radius / design.clearance.cam,
@@ -131,13 +137,13 @@ def widest_gap(reducer: Reducer, measured: Separations) -> float:
 
 
 def fitting_magnification(reducer: Reducer, widest: float, choices: Sequence[float]) -> float:
-    """Return the largest of `choices` at which the widest gap [m] is at most `MAX_GAP_SHARE` of any radius.
+    """Return the largest of `choices` at which the widest gap [m] is at most `DRAWING.max_gap_share` of any radius.
 
     Beyond that, pins appear outside their holes. If all choices are too large, the smallest is returned.
     """
     design = reducer.design
     least = min(design.ring.pin_radius, design.output.pin_radius, design.gear.bore_radius)
-    most = min(largest_magnification(reducer), MAX_GAP_SHARE * least / widest)
+    most = min(largest_magnification(reducer), DRAWING.max_gap_share * least / widest)
     return max((times for times in choices if times <= most), default=min(choices))
 
 
@@ -175,13 +181,13 @@ def drawn_radii(reducer: Reducer, magnification: float = 1.0) -> Radii:
 def gaps(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Separations:
     """Compute the gaps between a disc and its mates from columns of shape (n,) in SI units."""
     design = reducer.design
-    place, crank, ahead = poses(reducer, columns), columns["crank_angle"], reducer.phases[disc]
-    mesh, gear = reducer.tooth_profile, place[gears(design.gear.discs)[disc]]
+    by_part, crank, ahead = poses(reducer, columns), columns["crank_angle"], reducer.phases[disc]
+    mesh, gear = reducer.tooth_profile, by_part[gears(design.gear.discs)[disc]]
     ideal = np.column_stack([gear_centre(mesh, crank + ahead), gear_rotation(mesh, crank)])
     nominal = ring_places(reducer)
     pins = np.zeros((crank.size, len(nominal), 3))
-    if pin(1) in place:
-        pins = np.stack([place[pin(number)] for number in range(1, len(nominal) + 1)], axis=1)
+    if pin(1) in by_part:
+        pins = np.stack([by_part[pin(number)] for number in range(1, len(nominal) + 1)], axis=1)
         pins[..., :2] -= nominal
     return Separations(
         disc=disc,
@@ -191,7 +197,7 @@ def gaps(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Separ
         opening=_opening(mesh, gear - [0.0, 0.0, ahead / design.lobes], nominal + pins[..., :2]),
         away=pins[..., :2],
         pin_angle=pins[..., 2],
-        output_away=_output_away(reducer, gear, place[OUTPUT]),
+        output_away=_output_away(reducer, gear, by_part[OUTPUT]),
     )
 
 
@@ -209,7 +215,7 @@ def drawing(reducer: Reducer, measured: Separations, magnification: float = 1.0)
     gear = measured.gear
     opening = magnification * measured.opening[..., np.newaxis] * ring_normals(reducer, gear)
     ring = ring_places(reducer) + opening
-    holes = moved(gear[:, np.newaxis], output_centres(reducer))
+    holes = transform(gear[:, np.newaxis], output_centres(reducer))
     outwards = gear[:, np.newaxis, :2] / reducer.design.gear.eccentricity
     in_hole = reducer.design.gear.eccentricity + magnification * measured.output_away[..., np.newaxis]
     return Drawing(
@@ -251,20 +257,20 @@ def _opening(mesh: CycloidGear, gear: Array, centres: Array) -> Array:
     socket is far from the ideal position.
     """
     longest = 0.5 / centres.shape[1]
-    point = turned(centres - gear[:, np.newaxis, :2], -gear[:, 2:])
+    point = rotate(centres - gear[:, np.newaxis, :2], -gear[:, 2:])
     t = np.resize(profile.pin_angles(mesh), centres.shape[1]) + gear[:, 2:]
-    for _ in range(NEWTON_STEPS):
+    for _ in range(DRAWING.newton_steps):
         (tangent, bend), away = profile.trochoid_derivatives(mesh, t), profile.trochoid(mesh, t) - point
         speed = np.einsum("nik,nik->ni", tangent, tangent)
         stiffness = speed + np.einsum("nik,nik->ni", away, bend)
         # beyond a centre of curvature the full Newton step diverges
-        step = np.einsum("nik,nik->ni", away, tangent) / np.maximum(stiffness, 0.2 * speed)
-        t = t - np.clip(step, -longest, longest)
+        increment = np.einsum("nik,nik->ni", away, tangent) / np.maximum(stiffness, 0.2 * speed)
+        t = t - np.clip(increment, -longest, longest)
     return np.einsum("nik,nik->ni", point - profile.trochoid(mesh, t), profile.normals(mesh, t))
 
 
 def _output_away(reducer: Reducer, gear: Array, output: Array) -> Array:
-    pins, holes = (moved(pose[:, np.newaxis], output_centres(reducer)) for pose in (output, gear))
+    pins, holes = (transform(pose[:, np.newaxis], output_centres(reducer)) for pose in (output, gear))
     return np.linalg.norm(pins - holes, axis=2) - reducer.design.gear.eccentricity
 
 

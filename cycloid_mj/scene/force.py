@@ -29,16 +29,26 @@ from cycloid_mj.parts import output_centres
 from cycloid_mj.parts.parts import Colour
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene.drawing import Drawing, Radii, drawn_radii
-from cycloid_mj.scene.pose import moved, poses, ring_places
+from cycloid_mj.scene.pose import poses, ring_places, transform
 
 WRENCH = (FORCE_X, FORCE_Y, MOMENT)
 _ON_PINS = ("pin_socket", "pin_sleeve")
 
-ARROW = 0.3
-"""Length of the arrow of a typical largest force, as a share of the pin-circle radius."""
 
-THICKNESS = 0.012
-"""Diameter of an arrow's shaft, as a share of the pin-circle radius."""
+@dataclass(frozen=True)
+class ArrowStyle:
+    """Size of force arrows, and position of their tips."""
+
+    length: float = 0.3
+    """Length of the arrow of a typical largest force, as a share of the pin-circle radius."""
+    thickness: float = 0.012
+    """Diameter of an arrow's shaft, as a share of the pin-circle radius."""
+    max_shift: float = 1e-3
+    """Largest shift of a contact onto the line of action [m]: a friction coefficient of 0.5 on a 2 mm pin."""
+
+
+ARROWS = ArrowStyle()
+
 
 FORCE_COLOURS: dict[str, Colour] = {
     "pin_gear": (0.84, 0.37, 0.0, 1.0),
@@ -47,9 +57,6 @@ FORCE_COLOURS: dict[str, Colour] = {
     "output": (0.0, 0.45, 0.70, 1.0),
 }
 """Kinds of mating pairs that are shown; the force in a socket or sleeve equals that of the disc on the pin."""
-
-MAX_SHIFT = 1e-3
-"""Largest shift of a contact onto the line of action of its force [m]: a friction coefficient of 0.5 on a 2 mm pin."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,14 +123,14 @@ def contact_forces(
         Kinds of mating pairs.
     """
     acting = {name: kind for name, kind in _pairs(columns).items() if kind in kinds}
-    place, discs = poses(reducer, columns), gears(reducer.design.gear.discs)
-    true = _measured_centres(reducer, place)
+    by_part, discs = poses(reducer, columns), gears(reducer.design.gear.discs)
+    true = _measured_centres(reducer, by_part)
     shown = true if drawn is None else _drawn_centres(reducer, drawn)
     parts = [columns[column(name, part)] for name in acting for part in WRENCH]
     count = columns["crank_angle"].size
     wrench = usable(np.reshape(parts, (len(acting), len(WRENCH), count)).transpose(2, 0, 1))
     felt = [pin(number_of(name)) if kind in _ON_PINS else discs[disc_of(name)] for name, kind in acting.items()]
-    origin = np.reshape([place[part][:, :2] for part in felt], (len(acting), count, 2)).transpose(1, 0, 2)
+    origin = np.reshape([by_part[part][:, :2] for part in felt], (len(acting), count, 2)).transpose(1, 0, 2)
     along = _direction(wrench[..., :2])
     aside = _lateral_shift(wrench, along, true.surface(acting, along) - origin)
     return ContactForces(tuple(acting), tuple(acting.values()), shown.surface(acting, along) + aside, wrench[..., :2])
@@ -140,7 +147,7 @@ def arrow_heights(reducer: Reducer) -> tuple[float, ...]:
     The arrows on the first of several discs are on its other face, which no disc covers.
     """
     design = reducer.design
-    height = 0.5 * design.gear.face_width + THICKNESS * design.ring.pin_circle_radius
+    height = 0.5 * design.gear.face_width + ARROWS.thickness * design.ring.pin_circle_radius
     first, *others = design.gear.disc_planes
     return (first - height if others else first + height, *(plane + height for plane in others))
 
@@ -179,8 +186,8 @@ def _pairs(columns: Mapping[str, Array]) -> dict[str, str]:
     """Return the kinds of the pairs that have all columns of a wrench, by name."""
     end = column("", FORCE_X)
     stems = (name.removesuffix(end) for name in columns if name.endswith(end))
-    whole = (pair for pair in stems if all(column(pair, part) in columns for part in WRENCH))
-    return {pair: kind for pair in whole if (kind := kind_of(pair))}
+    complete = (pair for pair in stems if all(column(pair, part) in columns for part in WRENCH))
+    return {pair: kind for pair in complete if (kind := kind_of(pair))}
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,13 +219,13 @@ class _Inner:
         return surface
 
 
-def _measured_centres(reducer: Reducer, place: Mapping[str, Array]) -> _Inner:
+def _measured_centres(reducer: Reducer, by_part: Mapping[str, Array]) -> _Inner:
     nominal = ring_places(reducer)
-    ring = moved(place[HOUSING][:, np.newaxis], nominal)
-    if pin(1) in place:
-        ring = np.stack([place[pin(number)][:, :2] for number in range(1, len(nominal) + 1)], axis=1)
-    pins = moved(place[OUTPUT][:, np.newaxis], output_centres(reducer))
-    return _Inner(ring, cams(reducer, place[SHAFT]), pins, drawn_radii(reducer))
+    ring = transform(by_part[HOUSING][:, np.newaxis], nominal)
+    if pin(1) in by_part:
+        ring = np.stack([by_part[pin(number)][:, :2] for number in range(1, len(nominal) + 1)], axis=1)
+    pins = transform(by_part[OUTPUT][:, np.newaxis], output_centres(reducer))
+    return _Inner(ring, cams(reducer, by_part[SHAFT]), pins, drawn_radii(reducer))
 
 
 def _drawn_centres(reducer: Reducer, drawn: Drawing) -> _Inner:
@@ -227,7 +234,7 @@ def _drawn_centres(reducer: Reducer, drawn: Drawing) -> _Inner:
 
 def cams(reducer: Reducer, shaft: Array) -> Array:
     """Compute the centres of all cams [m], shape (n, D, 2), of a crank in the poses (n, 3)."""
-    return moved(shaft[:, np.newaxis], gear_centre(reducer.tooth_profile, np.array(reducer.phases)))
+    return transform(shaft[:, np.newaxis], gear_centre(reducer.tooth_profile, np.array(reducer.phases)))
 
 
 def _direction(force: Array) -> Array:
@@ -239,10 +246,11 @@ def _direction(force: Array) -> Array:
 def _lateral_shift(wrench: Array, along: Array, arm: Array) -> Array:
     """Compute the shift (..., 2) [m] of the point at `arm` from a wrench's origin onto its line of action.
 
-    It is limited to `MAX_SHIFT`: the moment of a force near zero, or of two contacts, does not determine a point.
+    It is limited to `ARROWS.max_shift`: the moment of a force near zero, or of two contacts, does not determine a
+    point.
     """
     size = np.linalg.norm(wrench[..., :2], axis=-1)
     lever = np.divide(wrench[..., 2], size, out=np.zeros_like(size), where=size > 0)
     surplus = cross(arm, along) - lever
     across = np.stack([-along[..., 1], along[..., 0]], axis=-1)
-    return np.clip(surplus, -MAX_SHIFT, MAX_SHIFT)[..., np.newaxis] * across
+    return np.clip(surplus, -ARROWS.max_shift, ARROWS.max_shift)[..., np.newaxis] * across

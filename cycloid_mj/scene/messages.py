@@ -17,26 +17,15 @@ from typing import Any
 
 import numpy as np
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
-from foxglove_schemas_protobuf.SceneEntity_pb2 import SceneEntity
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
-from cycloid_mj.base.array import Array, Integers
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.names import pin
-from cycloid_mj.base.protobuf import varint
 from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.scene.encoding import Build, encode_messages
-from cycloid_mj.scene.force import (
-    ARROW,
-    FORCE_COLOURS,
-    THICKNESS,
-    ContactForces,
-    arrow_heights,
-    on_gear,
-    reference_force,
-)
+from cycloid_mj.scene.force import ARROWS, FORCE_COLOURS, ContactForces, arrow_heights, on_gear, reference_force
 from cycloid_mj.scene.glb import MEDIA_TYPE, glb
 from cycloid_mj.scene.pose import poses, ring_places
 from cycloid_mj.scene.shape import shapes
@@ -56,9 +45,6 @@ MAX_FRAMES = 900
 MAX_RATE = 1e5
 """Highest frame rate [1/s]."""
 ROOT = "reducer"
-ENTITIES_TAG = b"\x12"
-"""Key of field 2 of ``foxglove.SceneUpdate``, its entities, before the length of each."""
-
 FRAMES, PARTS, FORCES = "/tf", "/scene/parts", "/scene/forces"
 
 
@@ -114,9 +100,9 @@ class Scene:
         """Yield the message that precedes the first frame, at `time` [s]; for errors see `shapes`."""
         update = SceneUpdate()
         files = {name: glb(pieces) for name, pieces in shapes(self.reducer).items()}
-        one_pin = files.pop("pin", b"")
-        if one_pin:
-            files |= {pin(number): one_pin for number, _ in enumerate(ring_places(self.reducer), start=1)}
+        pin_file = files.pop("pin", b"")
+        if pin_file:
+            files |= {pin(number): pin_file for number, _ in enumerate(ring_places(self.reducer), start=1)}
         for part, data in files.items():
             entity = update.entities.add(frame_id=part, id=part, frame_locked=True)
             entity.timestamp.FromNanoseconds(_nanoseconds(time))
@@ -135,96 +121,65 @@ class Scene:
         columns
             Values by name, shape (k,), in SI units.
         """
-        place = np.stack(list((by_part := poses(self.reducer, columns)).values()), axis=1)
-        rows = np.flatnonzero(np.isfinite(place.sum(axis=(1, 2))))
-        if not len(rows):
-            return
-        stamps = np.rint(1e9 * time).astype(np.int64)[rows]
-        transforms = self._transforms(list(by_part), place[rows], stamps)
-        forces = self._forces(on_gear(self.reducer, columns), rows, stamps)
-        for stamp, frame, update in zip(stamps.tolist(), transforms, forces, strict=True):
-            yield FRAMES, stamp, frame
-            yield FORCES, stamp, update
+        by_part = poses(self.reducer, columns)
+        pose = np.stack(list(by_part.values()), axis=1)
+        rows = np.flatnonzero(np.isfinite(pose.sum(axis=(1, 2)))).tolist()
+        stamps = np.rint(1e9 * time).astype(np.int64).tolist()
+        acting = on_gear(self.reducer, columns)
+        arrows = self._arrows(acting)
+        rows_by_kind = {
+            kind: [row for row, this in enumerate(acting.kinds) if this == kind] for kind in dict.fromkeys(acting.kinds)
+        }
+        for row in rows:
+            yield FRAMES, stamps[row], self._transforms(list(by_part), pose[row], stamps[row])
+            yield FORCES, stamps[row], self._forces(rows_by_kind, arrows[row], stamps[row])
 
-    def _transforms(self, parts: list[str], place: Array, stamps: Integers) -> list[bytes]:
-        """Return the transforms of parts in poses (k, parts, 3) [m, rad]."""
-        turn = 0.5 * place[..., 2]
-        values = np.stack([place[..., 0], place[..., 1], np.sin(turn), np.cos(turn)], axis=-1)
+    def _transforms(self, parts: list[str], poses: Array, stamp: int) -> bytes:
+        """Return the transforms of parts in poses (parts, 3) [m, rad]."""
+        message, turn = FrameTransforms(), 0.5 * poses[:, 2]
+        values = np.column_stack([poses[:, :2], np.sin(turn), np.cos(turn)]).tolist()
+        for part, (x, y, sine, cosine) in zip(parts, values, strict=True):
+            transform = message.transforms.add(parent_frame_id=ROOT, child_frame_id=part)
+            transform.timestamp.FromNanoseconds(stamp)
+            transform.translation.x, transform.translation.y = x, y
+            transform.rotation.z, transform.rotation.w = sine, cosine
+        return bytes(message.SerializeToString(deterministic=True))
 
-        def build(values: Sequence[float], stamp: int) -> bytes:
-            message = FrameTransforms()
-            for number, part in enumerate(parts):
-                transform = message.transforms.add(parent_frame_id=ROOT, child_frame_id=part)
-                transform.timestamp.FromNanoseconds(stamp)
-                moved, turned = transform.translation, transform.rotation
-                moved.x, moved.y, turned.z, turned.w = values[4 * number : 4 * number + 4]
-            return bytes(message.SerializeToString(deterministic=True))
-
-        return encode_messages(build, values.reshape(len(stamps), -1), stamps)
-
-    def _forces(self, acting: ContactForces, rows: Integers, stamps: Integers) -> list[bytes]:
-        """Return the updates of the arrows of some rows: an entity for each kind of pairs, an arrow for each force."""
-        tails, angles, lengths = self._arrows(acting)
-        updates = [b""] * len(rows)
-        for kind in dict.fromkeys(acting.kinds):
-            of_kind = np.array([row for row, this in enumerate(acting.kinds) if this == kind])
-            of_rows = np.ix_(rows, of_kind)
-            loaded = lengths[of_rows] > 0.0
-            arrows = self._arrow_records(
-                kind, tails[of_rows][loaded], angles[of_rows][loaded], lengths[of_rows][loaded]
-            )
-            ends = np.cumsum(loaded.sum(axis=1)).tolist()
-            heads = encode_messages(self._entity(kind), np.zeros((len(rows), 0)), stamps)
-            for number, (start, end, head) in enumerate(zip([0, *ends], ends, heads, strict=False)):
-                entity = head + b"".join(arrows[start:end])
-                updates[number] += ENTITIES_TAG + varint(len(entity)) + entity
-        return updates
-
-    def _arrows(self, acting: ContactForces) -> tuple[Array, Array, Array]:
-        """Compute tails (n, k, 3) [m], angles (n, k) [rad] and lengths (n, k) [m] of the arrows of all pairs."""
-        scale = np.array([self._scales[kind] for kind in acting.kinds])
-        tail = acting.point - acting.force * scale[:, np.newaxis]
-        angle = np.arctan2(acting.force[..., 1], acting.force[..., 0])
-        height = np.broadcast_to([self._heights[disc] for disc in acting.discs], angle.shape)
-        return np.concatenate([tail, height[..., np.newaxis]], axis=-1), angle, acting.size * scale
-
-    def _entity(self, kind: str) -> Build:
-        """Return what encodes the entity of a kind of pairs, without its arrows."""
-
-        def build(_: Sequence[float], stamp: int) -> bytes:
-            entity = SceneEntity(frame_id=ROOT, id=kind)
+    def _forces(self, rows_by_kind: Mapping[str, Sequence[int]], arrows: Array, stamp: int) -> bytes:
+        """Return the update of the arrows: an entity for each kind of pairs, an arrow for each force."""
+        update, thickness = SceneUpdate(), ARROWS.thickness * self.design.ring.pin_circle_radius
+        for kind, rows in rows_by_kind.items():
+            entity = update.entities.add(frame_id=ROOT, id=kind)
             entity.timestamp.FromNanoseconds(stamp)
             entity.metadata.add(key="scale [N/m]", value=f"{1.0 / self._scales[kind]:.6g}")
-            return bytes(entity.SerializeToString(deterministic=True))
+            for x, y, z, sine, cosine, shaft, head in arrows[rows].tolist():
+                if not shaft + head > 0.0:
+                    continue
+                arrow = entity.arrows.add(shaft_length=shaft, head_length=head)
+                position, rotation = arrow.pose.position, arrow.pose.orientation
+                position.x, position.y, position.z, rotation.z, rotation.w = x, y, z, sine, cosine
+                arrow.shaft_diameter, arrow.head_diameter = thickness, 2.0 * thickness
+                arrow.color.r, arrow.color.g, arrow.color.b, arrow.color.a = FORCE_COLOURS[kind]
+        return bytes(update.SerializeToString(deterministic=True))
 
-        return build
+    def _arrows(self, acting: ContactForces) -> Array:
+        """Compute the arrows of all pairs, shape (n, k, 7).
 
-    def _arrow_records(self, kind: str, tails: Array, angles: Array, lengths: Array) -> list[bytes]:
-        """Return n arrows of a kind as fields of their entity, from tails (n, 3) [m], angles [rad] and lengths [m]."""
-        thickness = THICKNESS * self.design.ring.pin_circle_radius
-        heads = np.minimum(3.0 * thickness, 0.5 * lengths)
-        columns = [np.sin(0.5 * angles), np.cos(0.5 * angles), lengths - heads, heads]
-
-        def build(values: Sequence[float], _: int) -> bytes:
-            entity = SceneEntity()
-            arrow = entity.arrows.add()
-            position, turned = arrow.pose.position, arrow.pose.orientation
-            position.x, position.y, position.z, turned.z, turned.w = values[:5]
-            arrow.shaft_length, arrow.head_length = values[5:]
-            arrow.shaft_diameter, arrow.head_diameter = thickness, 2.0 * thickness
-            arrow.color.r, arrow.color.g, arrow.color.b, arrow.color.a = FORCE_COLOURS[kind]
-            return bytes(entity.SerializeToString(deterministic=True))
-
-        return encode_messages(build, np.column_stack([tails, *columns]), np.zeros(len(tails), np.int64))
-
-    @cached_property
-    def _heights(self) -> tuple[float, ...]:
-        return arrow_heights(self.reducer)
+        They are position of the tail [m], sine and cosine of half the angle, and lengths of shaft and head [m].
+        """
+        scale = np.array([self._scales[kind] for kind in acting.kinds])
+        tail = acting.point - acting.force * scale[:, np.newaxis]
+        angle = 0.5 * np.arctan2(acting.force[..., 1], acting.force[..., 0])
+        height = np.broadcast_to([arrow_heights(self.reducer)[disc] for disc in acting.discs], angle.shape)
+        length = acting.size * scale
+        head = np.minimum(3.0 * ARROWS.thickness * self.design.ring.pin_circle_radius, 0.5 * length)
+        values = (tail[..., 0], tail[..., 1], height, np.sin(angle), np.cos(angle), length - head, head)
+        return np.stack(values, axis=-1)
 
     @cached_property
     def _scales(self) -> dict[str, float]:
         """Length of an arrow per newton [m/N], by kind of mating pair."""
-        longest = ARROW * self.design.ring.pin_circle_radius
+        longest = ARROWS.length * self.design.ring.pin_circle_radius
         return {kind: longest / force for kind, force in reference_force(self.reducer).items()}
 
 

@@ -79,8 +79,8 @@ def _pin_poses(reducer: Reducer, columns: Mapping[str, Array], ring: Array) -> A
         force = np.array(
             [[_on_discs(reducer, columns, number, axis) for axis in (FORCE_X, FORCE_Y)] for number in numbers]
         )
-        away[..., :2] = _pressed_displacements(reducer, turned(force.swapaxes(1, 2), -ring))
-    centres = turned(places[:, np.newaxis] + away[..., :2], ring)
+        away[..., :2] = _pressed_displacements(reducer, rotate(force.swapaxes(1, 2), -ring))
+    centres = rotate(places[:, np.newaxis] + away[..., :2], ring)
     return usable(np.concatenate([centres, away[..., 2:] + ring[:, np.newaxis]], axis=-1))
 
 
@@ -97,16 +97,16 @@ def _pressed_displacements(reducer: Reducer, force: Array) -> Array:
     return -reducer.design.pin_play * force / size
 
 
-def turned(points: Array, angle: npt.ArrayLike) -> Array:
+def rotate(points: Array, angle: npt.ArrayLike) -> Array:
     """Rotate points (..., 2) counter-clockwise about the origin by angles (...) [rad]."""
     cos, sin = np.cos(angle), np.sin(angle)
     x, y = points[..., 0], points[..., 1]
     return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
 
 
-def moved(pose: Array, points: Array) -> Array:
+def transform(pose: Array, points: Array) -> Array:
     """Transform points (..., 2) [m] of a body with the poses (..., 3) to the frame of the reducer axis."""
-    return pose[..., :2] + turned(points, pose[..., 2])
+    return pose[..., :2] + rotate(points, pose[..., 2])
 
 
 def _pose(x: Array, y: Array, angle: Array) -> Array:

@@ -1,6 +1,7 @@
 """Images of a logged run by MuJoCo's renderer, without a display."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import mujoco
@@ -10,29 +11,41 @@ import numpy.typing as npt
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.record import Run
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.scene.force import ARROW, FORCE_COLOURS, THICKNESS, arrow_heights, on_gear
+from cycloid_mj.scene.force import ARROWS, FORCE_COLOURS, arrow_heights, on_gear
 from cycloid_mj.scene.opengl import opengl
-from cycloid_mj.scene.replay import AZIMUTH, ELEVATION, aim, replay_model, set_sample
+from cycloid_mj.scene.replay import VIEW, aim, replay_model, set_sample
 
 Image = npt.NDArray[np.uint8]
 
-WIDTH, HEIGHT = 1280, 960
-MIN_PIXELS, MAX_PIXELS = 64, 8192
-MAX_GEOMS = 5000
-PART_DISTANCE = 2.6
-"""Distance of the camera from a single part, in radii of its bounding sphere."""
+
+@dataclass(frozen=True)
+class ImageSettings:
+    """Settings of rendered images."""
+
+    width: int = 1280
+    height: int = 960
+    min_pixels: int = 64
+    max_pixels: int = 8192
+    max_geoms: int = 5000
+    part_distance: float = 2.6
+    """Distance of the camera from a single part, in radii of its bounding sphere."""
+    samples_per_pixel: int = 8
+    """Samples per pixel for smooth edges."""
+
+
+IMAGE = ImageSettings()
+
+
 VISUAL_GROUP = 2
 """Group of the geoms that are only drawn."""
-SAMPLES_PER_PIXEL = 8
-"""Samples per pixel for smooth edges."""
 
 
 def render(
     run: Run,
     reducer: Reducer,
     sample: int,
-    size: tuple[int, int] = (WIDTH, HEIGHT),
-    view: tuple[float, float] = (AZIMUTH, ELEVATION),
+    size: tuple[int, int] = (IMAGE.width, IMAGE.height),
+    view: tuple[float, float] = (VIEW.azimuth, VIEW.elevation),
 ) -> Image:
     """Render a sample as an image, shape (height, width, 3), with the forces on the disc as arrows.
 
@@ -67,8 +80,8 @@ def render(
 def render_part(
     run: Run,
     bodies: Sequence[str],
-    size: tuple[int, int] = (WIDTH, HEIGHT),
-    view: tuple[float, float] = (AZIMUTH, ELEVATION),
+    size: tuple[int, int] = (IMAGE.width, IMAGE.height),
+    view: tuple[float, float] = (VIEW.azimuth, VIEW.elevation),
 ) -> Image:
     """Render only some bodies of a run's model, in their poses at its start; for parameters and errors see `render`."""
     model = replay_model(run)
@@ -83,21 +96,21 @@ def render_part(
     seen = shown & (model.geom_group == VISUAL_GROUP)
     camera.lookat[:] = data.geom_xpos[seen].mean(axis=0)
     away = np.linalg.norm(data.geom_xpos[seen] - camera.lookat, axis=1)
-    camera.distance = PART_DISTANCE * float((away + model.geom_rbound[seen]).max())
+    camera.distance = IMAGE.part_distance * float((away + model.geom_rbound[seen]).max())
     return _render(model, data, camera, size, [])
 
 
 def _render(model: Any, data: Any, camera: Any, size: tuple[int, int], arrows: list[dict[str, Any]]) -> Image:
     """Render the scene of a model with arrows as an image, shape (height, width, 3)."""
     width, height = size
-    if not (MIN_PIXELS <= width <= MAX_PIXELS and MIN_PIXELS <= height <= MAX_PIXELS):
+    if not (IMAGE.min_pixels <= width <= IMAGE.max_pixels and IMAGE.min_pixels <= height <= IMAGE.max_pixels):
         raise UsageError(
-            f"image size {width} x {height} is out of range; width and height must be {MIN_PIXELS} to {MAX_PIXELS} "
-            "pixels"
+            f"image size {width} x {height} is out of range; width and height must be {IMAGE.min_pixels} to "
+            f"{IMAGE.max_pixels} pixels"
         )
     model.vis.global_.offwidth, model.vis.global_.offheight = width, height
-    model.vis.quality.offsamples = SAMPLES_PER_PIXEL
-    scene = mujoco.MjvScene(model, MAX_GEOMS)
+    model.vis.quality.offsamples = IMAGE.samples_per_pixel
+    scene = mujoco.MjvScene(model, IMAGE.max_geoms)
     mujoco.mjv_updateScene(model, data, mujoco.MjvOption(), None, camera, mujoco.mjtCatBit.mjCAT_ALL, scene)
     for arrow in arrows:
         _add_arrow(scene, **arrow)
@@ -116,11 +129,13 @@ def _arrows(run: Run, reducer: Reducer, sample: int) -> list[dict[str, Any]]:
     arrows = []
     for kind in dict.fromkeys(acting.kinds):
         these = acting.of(kind)
-        scale = ARROW * reach / max(float(these.size.max()), 1e-9)
+        scale = ARROWS.length * reach / max(float(these.size.max()), 1e-9)
         for point, force, disc in zip(these.point[0], these.force[0], these.discs, strict=True):
             if force.any():
                 tip, tail = np.array([*point, faces[disc]]), np.array([*(point - scale * force), faces[disc]])
-                arrows.append({"tail": tail, "tip": tip, "width": THICKNESS * reach, "colour": FORCE_COLOURS[kind]})
+                arrows.append(
+                    {"tail": tail, "tip": tip, "width": ARROWS.thickness * reach, "colour": FORCE_COLOURS[kind]}
+                )
     return arrows
 
 

@@ -1,6 +1,7 @@
 """Replay of a logged run in MuJoCo: its model in the poses of its samples, without time steps or contacts."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import mujoco
@@ -12,12 +13,21 @@ MODEL_FILE = "model.xml"
 COLUMNS = {"crank": "crank_angle", "output": "output_angle"}
 """Columns of joints with other names."""
 
-DISC_OPACITY = 0.35
-"""Opacity of the output, which is in front of the mechanism."""
 
-AZIMUTH, ELEVATION = 90.0, -62.0
-DISTANCE = 1.35
-"""Distance of the camera, as a share of the model's extent."""
+@dataclass(frozen=True)
+class CameraView:
+    """Default view of the mechanism in MuJoCo."""
+
+    output_opacity: float = 0.35
+    """Opacity of the output, which is in front of the mechanism."""
+    azimuth: float = 90.0
+    elevation: float = -62.0
+    distance: float = 1.35
+    """Distance of the camera, as a share of the model's extent."""
+
+
+VIEW = CameraView()
+
 
 _SKY = {"rgb1": [1.0, 1.0, 1.0], "rgb2": [0.86, 0.9, 0.94], "width": 64, "height": 64}
 
@@ -48,10 +58,10 @@ def replay_model(run: Run) -> Any:
     return model
 
 
-def aim(camera: Any, model: Any, azimuth: float = AZIMUTH, elevation: float = ELEVATION) -> None:
+def aim(camera: Any, model: Any, azimuth: float = VIEW.azimuth, elevation: float = VIEW.elevation) -> None:
     """Point a free camera at the reducer, by default from the output side, where x points right; angles in [deg]."""
     camera.azimuth, camera.elevation = azimuth, elevation
-    camera.distance, camera.lookat[:] = DISTANCE * model.stat.extent, model.stat.center
+    camera.distance, camera.lookat[:] = VIEW.distance * model.stat.extent, model.stat.center
 
 
 def set_sample(model: Any, data: Any, run: Run, sample: int) -> None:
@@ -82,4 +92,4 @@ def _see_through(model: Any) -> None:
     output = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, "output")
     for geom in range(model.ngeom):
         if model.geom_bodyid[geom] == output:
-            model.geom_rgba[geom, 3] = DISC_OPACITY
+            model.geom_rgba[geom, 3] = VIEW.output_opacity

@@ -14,7 +14,7 @@ from cycloid_mj.base.names import gears, planar_speeds
 from cycloid_mj.base.record import Run
 from cycloid_mj.parts.parts import Colour
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.scene.force import ARROW, FORCE_COLOURS, THICKNESS, ContactForces, arrow_heights, on_gear
+from cycloid_mj.scene.force import ARROWS, FORCE_COLOURS, ContactForces, arrow_heights, on_gear
 from cycloid_mj.scene.pose import poses
 from cycloid_mj.scene.shading import shade
 from cycloid_mj.scene.shape import Piece, shapes
@@ -38,13 +38,13 @@ def write_rerun(run: Run, reducer: Reducer, path: str | os.PathLike[str]) -> Non
         File to write; replaced if it exists.
     """
     rr = extra("rerun", "a recording", "rerun")
-    place, acting = poses(reducer, run.columns), on_gear(reducer, run.columns)
+    by_part, acting = poses(reducer, run.columns), on_gear(reducer, run.columns)
     name = "cycloid_mj_" + "_".join(reducer.design.name.split())
     with atomic_file(path) as beside:
         recording = rr.RecordingStream(name)
         recording.save(str(beside), default_blueprint=_layout(reducer, run.topics))
         time = rr.TimeColumn(TIMELINE, duration=run.time)
-        _log_parts(rr, recording, reducer, time, place)
+        _log_parts(rr, recording, reducer, time, by_part)
         _log_forces(rr, recording, reducer, time, acting)
         for topic, names in run.topics.items():
             for column in names:
@@ -54,10 +54,10 @@ def write_rerun(run: Run, reducer: Reducer, path: str | os.PathLike[str]) -> Non
         recording.disconnect()
 
 
-def _log_parts(rr: Any, recording: Any, reducer: Reducer, time: Any, place: Mapping[str, Array]) -> None:
+def _log_parts(rr: Any, recording: Any, reducer: Reducer, time: Any, by_part: Mapping[str, Array]) -> None:
     """Log the meshes of the parts and their poses."""
     looks = shapes(reducer)
-    for part, pose in place.items():
+    for part, pose in by_part.items():
         entity = f"{MECHANISM}/{part}"
         for piece in looks["pin" if part.startswith("pin_") else part]:
             recording.log(f"{entity}/{piece.name}", _mesh(rr, piece), static=True)
@@ -91,14 +91,14 @@ def _log_forces(rr: Any, recording: Any, reducer: Reducer, time: Any, acting: Co
     reach, faces = reducer.design.ring.pin_circle_radius, np.array(arrow_heights(reducer))
     for kind in dict.fromkeys(acting.kinds):
         these = acting.of(kind)
-        scale = ARROW * reach / these.size.max(initial=1e-9)
+        scale = ARROWS.length * reach / these.size.max(initial=1e-9)
         vectors = np.concatenate([scale * these.force, np.zeros((*these.size.shape, 1))], axis=2)
         heights = np.broadcast_to(faces[list(these.discs)][:, np.newaxis], (*these.size.shape, 1))
         origins = np.concatenate([these.point, heights], axis=2) - vectors
         count, pairs = these.size.shape
         arrows = rr.Arrows3D.columns(vectors=vectors.reshape(-1, 3), origins=origins.reshape(-1, 3))
         entity = f"{MECHANISM}/forces/{kind}"
-        look = rr.Arrows3D.from_fields(colors=[_bytes(FORCE_COLOURS[kind])], radii=0.4 * THICKNESS * reach)
+        look = rr.Arrows3D.from_fields(colors=[_bytes(FORCE_COLOURS[kind])], radii=0.4 * ARROWS.thickness * reach)
         recording.log(entity, look, static=True)
         recording.send_columns(entity, indexes=[time], columns=arrows.partition([pairs] * count))
 
@@ -106,12 +106,12 @@ def _log_forces(rr: Any, recording: Any, reducer: Reducer, time: Any, acting: Co
 def _layout(reducer: Reducer, topics: Mapping[str, tuple[str, ...]]) -> Any:
     """Return the initial views."""
     rrb = importlib.import_module("rerun.blueprint")
-    at = {name: f"/{SIGNALS}{topic}/{name}" for topic, names in topics.items() for name in names}
+    entities = {name: f"/{SIGNALS}{topic}/{name}" for topic, names in topics.items() for name in names}
     speeds = tuple(planar_speeds(gear)[2] for gear in gears(reducer.design.gear.discs))
     plots = [
-        rrb.TimeSeriesView(name=", ".join(names), contents=[at[name] for name in names])
+        rrb.TimeSeriesView(name=", ".join(names), contents=[entities[name] for name in names])
         for names in (speeds, *PLOTTED)
-        if all(name in at for name in names)
+        if all(name in entities for name in names)
     ]
     reach = reducer.design.housing.outer_radius
     eye = rrb.EyeControls3D(position=[0.8 * reach, 0.6 * reach, 3.2 * reach], look_target=[0, 0, 0], eye_up=[0, 1, 0])

@@ -70,8 +70,8 @@ def _corner_angles(corners: Array) -> Array:
     """Return the angle at each corner of triangles, shape (m, 3), from their corners (m, 3, 3)."""
     angles = np.empty(corners.shape[:2])
     for corner in range(3):
-        one = corners[:, (corner + 1) % 3] - corners[:, corner]
-        other = corners[:, (corner + 2) % 3] - corners[:, corner]
-        crossed = np.linalg.norm(np.cross(one, other), axis=1)
-        angles[:, corner] = np.arctan2(crossed, np.einsum("ij,ij->i", one, other))
+        first = corners[:, (corner + 1) % 3] - corners[:, corner]
+        second = corners[:, (corner + 2) % 3] - corners[:, corner]
+        crossed = np.linalg.norm(np.cross(first, second), axis=1)
+        angles[:, corner] = np.arctan2(crossed, np.einsum("ij,ij->i", first, second))
     return angles

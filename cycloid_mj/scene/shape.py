@@ -38,33 +38,33 @@ def shapes(reducer: Reducer) -> dict[str, tuple[Piece, ...]]:
     up. A built-up crank is the shaft with its cams and spacers, the output has its rollers; several discs are in their
     planes.
     """
-    solids, copies = parts(reducer, CHORD_ERROR), {by: attached_parts(reducer, by) for by in (SHAFT, OUTPUT)}
+    solids, copies = parts(reducer, CHORD_ERROR), {body: attached_parts(reducer, body) for body in (SHAFT, OUTPUT)}
     planes = {
         name: np.array([0.0, 0.0, plane])
         for name, plane in zip(gears(reducer.design.gear.discs), reducer.design.gear.disc_planes, strict=True)
     }
     seen = {name: _pieces(name, solid, planes.get(name, np.zeros(3)), reducer) for name, solid in solids.items()}
-    for by, borne in copies.items():
-        seen[by] += tuple(_piece(name, solids[part], place) for name, (part, place) in borne.items())
-    apart = {part for borne in copies.values() for part, _ in borne.values()}
+    for body, attached in copies.items():
+        seen[body] += tuple(_piece(name, solids[part], position) for name, (part, position) in attached.items())
+    apart = {part for attached in copies.values() for part, _ in attached.values()}
     return {name: pieces for name, pieces in seen.items() if name not in apart}
 
 
-def _pieces(name: str, solid: Solid, place: Array, reducer: Reducer) -> tuple[Piece, ...]:
+def _pieces(name: str, solid: Solid, position: Array, reducer: Reducer) -> tuple[Piece, ...]:
     """Return the pieces of a solid at a position [m]; the output's discs and pins are separate pieces."""
     if name != OUTPUT:
-        return (_piece(name, solid, place),)
+        return (_piece(name, solid, position),)
     disc, *others = solid.prisms
     pins, second = others[: reducer.design.output.pins], others[reducer.design.output.pins :]
     discs = [
         Piece("disc", mesh(disc), COLOURS["disc"]),
-        *(Piece("second_disc", mesh(one), COLOURS["disc"]) for one in second),
+        *(Piece("second_disc", mesh(ring), COLOURS["disc"]) for ring in second),
     ]
     return Piece("pins", mesh(Solid("output", tuple(pins), solid.density)), COLOURS[OUTPUT]), *discs
 
 
-def _piece(name: str, solid: Solid, place: Array) -> Piece:
+def _piece(name: str, solid: Solid, position: Array) -> Piece:
     """Return a solid as a piece at a position, shape (3,) [m]."""
     shape = mesh(solid)
-    placed = Mesh(shape.vertices + place, shape.faces) if place.any() else shape
+    placed = Mesh(shape.vertices + position, shape.faces) if position.any() else shape
     return Piece(name, placed, tint(COLOURS[family(name)], name))

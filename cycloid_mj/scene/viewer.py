@@ -9,7 +9,7 @@ import mujoco
 
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.record import Run
-from cycloid_mj.dynamics.contact.collider import installed
+from cycloid_mj.dynamics.contact.collider import install
 from cycloid_mj.scene.replay import aim, replay_model, set_sample
 
 FRAME_TIME = 1.0 / 60.0
@@ -33,7 +33,7 @@ def show_model(model: Any) -> None:
         The window cannot be opened.
     """
     viewer = _viewer()
-    with installed():
+    with install():
         _open(viewer.launch, model)
 
 

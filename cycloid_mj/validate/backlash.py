@@ -7,7 +7,7 @@ that of the sockets is added. The cam has almost no clearance, the output so muc
 import mujoco
 
 from cycloid_mj.base.validation import ValidationRow, relative
-from cycloid_mj.dynamics.contact.collider import installed
+from cycloid_mj.dynamics.contact.collider import install
 from cycloid_mj.dynamics.mjcf import ReducerModel, build
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate.rig import FREE, KINDS, NONPIN, reducer_of, without_friction, without_gravity
@@ -57,7 +57,7 @@ def turn_to_stop(compiled: ReducerModel, torque: float, joint: str = "gear_angle
     """Turn disc or output to its stop by a torque [N m]; return its angle [rad]. Halts make it settle."""
     data = mujoco.MjData(compiled.model)
     data.joint(joint).qfrc_applied[0] = torque
-    with installed():
+    with install():
         mujoco.mj_step(compiled.model, data, 2000)
         for _ in range(8):
             data.qvel[:] = 0.0

@@ -12,7 +12,7 @@ import mujoco
 
 from cycloid_mj.base.validation import ValidationRow, relative
 from cycloid_mj.design import PRESETS
-from cycloid_mj.dynamics.law import IMPRATIO, ContactParameters, contact_law, solver_parameters
+from cycloid_mj.dynamics.law import FRICTION, ContactParameters, contact_law, solver_parameters
 from cycloid_mj.reducer import Reducer
 
 
@@ -120,7 +120,7 @@ def _compile_model(pair: str, angle: float, turns: bool) -> Any:
         timestep=INCLINE.timestep,
         along=INCLINE.gravity * math.sin(angle),
         down=-INCLINE.gravity * math.cos(angle),
-        impratio=IMPRATIO,
+        impratio=FRICTION.impratio,
         radius=INCLINE.radius,
         mass=INCLINE.mass,
         inertia=0.5 * INCLINE.mass * INCLINE.radius**2,

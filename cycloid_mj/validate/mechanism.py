@@ -14,7 +14,7 @@ from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.validation import ValidationRow, deviation
 from cycloid_mj.design import Design
-from cycloid_mj.dynamics.contact.collider import installed
+from cycloid_mj.dynamics.contact.collider import install
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.geometry import kinematics
 from cycloid_mj.geometry.deviations import deviations
@@ -108,7 +108,7 @@ def model_rows(pins: str) -> list[ValidationRow]:
         data.joint(joint).qpos[0] = value
     for pin in mechanism(design).pins:
         data.joint(pin.joints[0]).qpos[0], data.joint(pin.joints[1]).qpos[0] = PIN_SHIFT
-    with installed():
+    with install():
         mujoco.mj_forward(compiled.model, data)
     pair_of = {frozenset(compiled.model.geom(geom).id for geom in (pair.on, pair.by)): pair for pair in compiled.pairs}
     mating = [pair_of[frozenset(geoms)].name for geoms in data.contact.geom.tolist()]

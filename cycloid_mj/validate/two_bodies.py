@@ -13,7 +13,7 @@ import numpy as np
 
 from cycloid_mj.base.validation import ValidationRow, relative
 from cycloid_mj.design import PRESETS
-from cycloid_mj.dynamics.contact.collider import installed
+from cycloid_mj.dynamics.contact.collider import install
 from cycloid_mj.dynamics.law import ContactParameters, contact_law, solver_parameters
 from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.geometry import ideal_loads
@@ -97,7 +97,7 @@ def static_deflection(law: ContactParameters, timestep: float) -> tuple[float, f
     """Simulate until the disc is at rest under `TWO.force`; return its depth [m] and the contact force [N]."""
     model = two_bodies(law, timestep, TWO.force / TWO.mass)
     data = mujoco.MjData(model)
-    with installed():
+    with install():
         mujoco.mj_step(model, data, math.ceil(4e-3 / timestep))
     return float(data.qpos[0]), float(data.efc_force[0])
 
@@ -109,7 +109,7 @@ def frequency(law: ContactParameters, timestep: float) -> float:
     data.qpos[0] = 0.5 * TWO.force / law.stiffness
     period = 2.0 * math.pi * math.sqrt((TWO.mass + law.added_mass) / law.stiffness)
     speeds = np.empty(math.ceil(20 * period / timestep))
-    with installed():
+    with install():
         for step in range(speeds.size):
             mujoco.mj_step(model, data)
             speeds[step] = data.qvel[0]
@@ -124,7 +124,7 @@ def restitution(law: ContactParameters, timestep: float) -> float:
     data = mujoco.MjData(model)
     start = -1e-9
     data.qpos[0], data.qvel[0] = start, TWO.speed
-    with installed():
+    with install():
         while data.qpos[0] >= start:
             mujoco.mj_step(model, data)
     return float(-data.qvel[0] / TWO.speed)

@@ -81,7 +81,7 @@ def rows_of(which: str, reducer: Reducer) -> list[ValidationRow]:
 
 def planar_figures(reducer: Reducer, timestep: float = STEP) -> tuple[float, ...]:
     """Compute the figures of `BOUNDS` by the planar solver."""
-    return figures(reducer, simulate(reducer.design, planar_model(reducer, step=timestep)))
+    return figures(reducer, simulate(reducer.design, planar_model(reducer, timestep=timestep)))
 
 
 def figures(reducer: Reducer, run: Run) -> tuple[float, ...]:

@@ -21,7 +21,7 @@ from cycloid_mj.dynamics.contact.gap import (
     Trochoid,
     circle_at_edge,
     circle_in_circle,
-    places_in_arc,
+    nearest_on_arc,
     trochoid_curvature,
     trochoid_distance,
 )
@@ -202,7 +202,7 @@ def _integrate(
             spring, damper = _spring_at(-gap, k, e), _damper_at(-gap, damping, whole)
             if free:
                 arc = PartialCircle(rho + socket, math.sin(home), math.cos(home), math.cos(half), math.sin(half))
-                side, on_arc, other = places_in_arc(pins[i, 0], pins[i, 1], arc)
+                side, on_arc, other = nearest_on_arc(pins[i, 0], pins[i, 1], arc)
                 if on_arc:
                     out, sx, sy = circle_in_circle(pins[i, 0], pins[i, 1], rho, rho + socket)
                 else:

@@ -12,7 +12,7 @@ from stepped import stepped
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics import run
-from cycloid_mj.dynamics.contact.collider import installed
+from cycloid_mj.dynamics.contact.collider import install
 from cycloid_mj.dynamics.drive_cycle import initial_state
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.reducer import Reducer
@@ -33,7 +33,7 @@ def test_powers_are_what_the_forces_on_the_gear_take_from_its_motion(kind: str, 
     data.joint("gear_x").qvel[0], data.joint("gear_y").qvel[0] = 0.02, -0.01
     compiled.model.opt.timestep *= 1e-6  # so short that no contact turns round in it
     before = motion(data)
-    with installed():
+    with install():
         found = stepped(compiled.model, data, compiled.pairs)
     middle = 0.5 * (before + motion(data))
     touched = 0

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from cycloid_mj.analysis.spectrum import (
-    BAND,
-    LOWEST,
+    SPECTRUM,
     between_samples,
     decimate,
     density,
@@ -38,7 +37,7 @@ def test_a_unit_cosine_is_read_as_one_at_any_order_up_to_the_band(turns, ripple,
     whole = round(share * PER_TURN)
     limit = 0.01
     for order in (whole, whole + 0.229, whole + 0.5):
-        if order * (1.0 + ripple) < BAND * PER_TURN:
+        if order * (1.0 + ripple) < SPECTRUM.band * PER_TURN:
             assert read(crank, order) == pytest.approx(1.0, abs=limit), order
 
 
@@ -46,7 +45,7 @@ def test_a_unit_cosine_is_read_as_one_at_any_order_up_to_the_band(turns, ripple,
 @pytest.mark.parametrize("turns", [1.0, 4.2])
 def test_a_unit_cosine_is_read_as_one_down_to_the_lowest_order(turns, phase):
     crank = swept(turns)
-    least = LOWEST / int(turns + 0.01)
+    least = SPECTRUM.min_cycles / int(turns + 0.01)
     assert tapered_orders(crank, np.cos(crank)).band[0] == pytest.approx(least)
     for order in (least, 1.13 * least, 2.5 * least):
         assert read(crank, order, phase) == pytest.approx(1.0, abs=0.01)
@@ -69,7 +68,7 @@ def test_straight_lines_between_samples_would_not_do():
 def test_the_band_is_stated_and_nothing_is_told_beyond_it():
     crank = swept(3.4)
     found = tapered_orders(crank, np.cos(36.0 * crank))
-    assert found.band == pytest.approx((1.0, BAND * PER_TURN), rel=1e-3)
+    assert found.band == pytest.approx((1.0, SPECTRUM.band * PER_TURN), rel=1e-3)
     assert found.order[-1] <= found.band[1]
     assert tapered_orders(crank, np.cos(36.0 * crank), most=80.0).band[1] == 80.0
 
@@ -163,4 +162,4 @@ def test_a_density_adds_up_to_the_mean_square_within_the_band():
     times = np.arange(20000) / 1e4
     frequency, power = density(np.sqrt(2.0) * np.cos(2.0 * np.pi * 3000.0 * times), 1e4, 1000)
     assert np.sqrt(np.trapezoid(power, frequency)) == pytest.approx(1.0, rel=0.01)
-    assert frequency[-1] <= BAND * 1e4
+    assert frequency[-1] <= SPECTRUM.band * 1e4

@@ -12,7 +12,7 @@ from designs import UNLIKE, unlike
 
 from cycloid_mj.analysis import analyze
 from cycloid_mj.analysis.series import design_of
-from cycloid_mj.analysis.warnings import BALANCE_RTOL, balance_warnings, convergence_warnings
+from cycloid_mj.analysis.warnings import LIMITS, balance_warnings, convergence_warnings
 from cycloid_mj.base.errors import CycloidWarning, warn
 from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.base.record import Run
@@ -21,7 +21,7 @@ from cycloid_mj.cli.terminal import say_json, tell, warnings_kept
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.planar.model import planar_model
-from cycloid_mj.dynamics.planar.timestep import MAX_ITERATIONS
+from cycloid_mj.dynamics.planar.settings import NEWTON
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.log import read
 from cycloid_mj.reducer import Reducer
@@ -205,9 +205,9 @@ def test_an_open_balance_and_an_impossible_efficiency_are_told_of() -> None:
         columns = dict(judged.columns) | {name: judged[name] * factor}
         return balance_warnings(replace(judged, columns=columns), Reducer(design))
 
-    assert len(spoiled("crank_torque", 1.0 + 2.0 * BALANCE_RTOL)) == 1
-    assert len(spoiled("crank_torque", 1.0 - 2.0 * BALANCE_RTOL)) == 1
-    assert spoiled("crank_torque", 1.0 + 0.5 * BALANCE_RTOL) == ()
+    assert len(spoiled("crank_torque", 1.0 + 2.0 * LIMITS.balance_rtol)) == 1
+    assert len(spoiled("crank_torque", 1.0 - 2.0 * LIMITS.balance_rtol)) == 1
+    assert spoiled("crank_torque", 1.0 + 0.5 * LIMITS.balance_rtol) == ()
     impossible = spoiled("crank_torque", 0.5)
     assert len(impossible) == 2
     assert "efficiency 181" in impossible[1]
@@ -262,9 +262,9 @@ def test_a_run_without_friction_may_have_an_efficiency_of_one_to_rounding() -> N
             Reducer(design),
         )
 
-    assert with_efficiency(1.0 + 0.2 * BALANCE_RTOL, lost=0.0) == ()
-    assert "is impossible" in with_efficiency(1.0 + 2.0 * BALANCE_RTOL, lost=0.0)[-1]
-    assert "is impossible" in with_efficiency(1.0 + 0.2 * BALANCE_RTOL, lost=1.0)[-1]
+    assert with_efficiency(1.0 + 0.2 * LIMITS.balance_rtol, lost=0.0) == ()
+    assert "is impossible" in with_efficiency(1.0 + 2.0 * LIMITS.balance_rtol, lost=0.0)[-1]
+    assert "is impossible" in with_efficiency(1.0 + 0.2 * LIMITS.balance_rtol, lost=1.0)[-1]
 
 
 def test_less_than_a_turn_has_no_balance_but_an_efficiency() -> None:
@@ -283,7 +283,7 @@ def test_a_planar_step_that_did_not_settle_is_counted() -> None:
     run = simulate(design, planar_model(Reducer(design)))
     assert list(convergence_warnings(run)) == []
     rounds = run["solver_iterations"].copy()
-    rounds[[3, 7]] = MAX_ITERATIONS + 1
+    rounds[[3, 7]] = NEWTON.max_iterations + 1
     wild = replace(run, columns={**run.columns, "solver_iterations": rounds})
     (text,) = convergence_warnings(wild)
     assert text.startswith(

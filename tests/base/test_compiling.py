@@ -15,7 +15,7 @@ from cycloid_mj.base.compiling import announce_compilation, cfunc
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, override
-from cycloid_mj.dynamics.contact.collider import CYLINDER, TYPES, collision_table, installed
+from cycloid_mj.dynamics.contact.collider import CYLINDER, TYPES, collision_table, install
 from cycloid_mj.dynamics.run import simulate
 
 
@@ -84,14 +84,14 @@ def test_installation_that_cannot_be_written_runs_and_says_so_once(argv, tmp_pat
 def test_pins_do_without_the_collider_of_lobes():
     entry = CYLINDER * TYPES + CYLINDER
     own = collision_table()[entry]
-    with installed(lobes=False):
+    with install(lobes=False):
         pins = collision_table()[entry]
-        with installed(lobes=True):
+        with install(lobes=True):
             both = collision_table()[entry]
         assert collision_table()[entry] == both
     assert collision_table()[entry] == own
     assert len({own, pins, both}) == 3
-    with installed(lobes=False):
+    with install(lobes=False):
         assert collision_table()[entry] == pins
 
 
@@ -99,7 +99,7 @@ def test_pins_do_without_the_collider_of_lobes():
 def test_pins_meet_alike_in_either_collider(ring):
     design = override(PRESETS["pin"], ["drive.ramp_s=0", "drive.hold_s=0.002", "load.torque_nm=36", *ring])
     alone = simulate(design)
-    with installed(lobes=True):
+    with install(lobes=True):
         beside = simulate(design)
     for name, values in alone.columns.items():
         assert values.tobytes() == beside[name].tobytes(), name

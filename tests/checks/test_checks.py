@@ -10,7 +10,8 @@ import pytest
 
 from cycloid_mj import parts
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.checks import MIN_WALL_SHARE, WALLS, Check, check, jumps, require_sound, soundness
+from cycloid_mj.checks import WALLS, Check, check, jumps, require_sound, soundness
+from cycloid_mj.checks.teeth import TEETH as LIMITS
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.explore.problem import rejections
 from cycloid_mj.geometry import envelope, profile
@@ -145,7 +146,7 @@ def simple_changes(teeth: int, kind: str, bend: float, fill: float, rng: np.rand
     E = 10 ** rng.uniform(1.0, 3.0)
     c = bend * E / teeth
     mesh = CycloidGear(teeth, min(bend, 0.99) * E / teeth, E, E)
-    room = min(profile.undercut_radius(mesh), E * (math.sin(math.pi / teeth) - MIN_WALL_SHARE / 2))
+    room = min(profile.undercut_radius(mesh), E * (math.sin(math.pi / teeth) - LIMITS.min_wall_share / 2))
     values = {
         "ring.pin_circle_radius_mm": E,
         "ring.pin_radius_mm": fill * room,
@@ -379,7 +380,7 @@ def test_walls_are_as_thick_as_measured_on_points() -> None:
         changes += [f"gear.bore_radius_mm={rng.uniform(0.1, 0.9) * E}", f"output.hole_radius_mm={hole}"]
         changes += [f"output.pin_circle_radius_mm={rng.uniform(0.3, 0.9) * E}", f"output.pins={pins}"]
         design = override(design, changes)
-        E, wall = design.ring.pin_circle_radius, MIN_WALL_SHARE * design.ring.pin_circle_radius
+        E, wall = design.ring.pin_circle_radius, LIMITS.min_wall_share * design.ring.pin_circle_radius
         root = np.min(np.hypot(*profile.outline(mesh_of(design), np.linspace(0, 2 * np.pi, 4001), offset_of(design)).T))
         bore = (design.gear.bore_radius + design.clearance.cam) * circle
         first = (design.output.hole_radius + design.clearance.output) * circle

@@ -234,8 +234,8 @@ def test_animate_writes_a_film(path, tmp_path):
 
 def test_defaults_in_the_help_are_those_of_the_library():
     assert (animate.FRAMES, animate.WIDTH, animate.RATE) == (animation.FRAMES, animation.WIDTH, movie.RATE)
-    assert (render.WIDTH, render.HEIGHT) == (rendering.WIDTH, rendering.HEIGHT)
-    assert (render.AZIMUTH, render.ELEVATION) == (replay.AZIMUTH, replay.ELEVATION)
+    assert (rendering.IMAGE.width, rendering.IMAGE.height) == (render.WIDTH, render.HEIGHT)
+    assert (replay.VIEW.azimuth, replay.VIEW.elevation) == (render.AZIMUTH, render.ELEVATION)
 
 
 def test_render_writes_a_picture(path, tmp_path):

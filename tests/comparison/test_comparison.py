@@ -327,10 +327,10 @@ def test_sensitivity_states_the_change_with_each_assumption():
         ("damping ratio", "0.1"),
     ]
     assert speed.changes == pytest.approx((0.45, 1.5))
-    assert not speed.determined  # 0.005 is more than twice 0.002
+    assert not speed.is_determined  # 0.005 is more than twice 0.002
     (other,) = (each for each in found if (each.design, each.quantity) == ("nonpin", "gear speed error, rms"))
     assert other.changes == pytest.approx((0.2, 0.0))
-    assert other.determined
+    assert other.is_determined
     table = compare(base, sensitivity=found).tables[-1]
     assert table.header == ("quantity", "pin", "nonpin")
     told = {row[0]: row[1:] for row in table.cells}
@@ -345,12 +345,12 @@ def test_sensitivity_states_the_change_with_each_assumption():
 )
 def test_a_figure_is_determined_within_a_factor_of_two_and_by_its_sign(figure, changed, determined):
     responses = (SensitivityPoint("creep speed", "1 mm/s", changed),)
-    assert Sensitivity("spin", "rad/s", "pin", 36.0, figure, responses).determined == determined
+    assert Sensitivity("spin", "rad/s", "pin", 36.0, figure, responses).is_determined == determined
 
 
 def test_a_figure_that_the_repeated_runs_lack_has_no_changes():
     alone = Sensitivity("efficiency", "%", "pin", 36.0, 90.0, ())
-    assert (alone.changes, alone.determined) == ((), True)
+    assert (alone.changes, alone.is_determined) == ((), True)
 
 
 def test_assumptions_change_what_they_name_only():

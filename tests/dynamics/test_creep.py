@@ -13,7 +13,7 @@ from cycloid_mj.dynamics.planar.model import planar_model
 from cycloid_mj.dynamics.regime import pace
 from cycloid_mj.dynamics.run import Model, simulate
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.contact import CREEP, SLOW_CREEP
+from cycloid_mj.reducer.contact import CONTACT
 from cycloid_mj.statics.sheet import sheet_part
 
 SETTLED = 0.05
@@ -64,9 +64,11 @@ def test_with_wide_play_and_hardly_a_load_a_slow_run_loses_what_statics_does(mod
 def test_it_follows_the_crank_unless_it_is_given() -> None:
     design = slow("nonpin-n69-d1-carrier-2um", 1.0, 100.0)
     circling = design.gear.eccentricity * design.drive.speed
-    assert Reducer(design).contacts.creep_speed == pytest.approx(CREEP * circling)
-    assert Reducer(override(design, ["drive.speed_rpm=-100"])).contacts.creep_speed == pytest.approx(CREEP * circling)
-    assert Reducer(override(design, ["drive.speed_rpm=0"])).contacts.creep_speed == SLOW_CREEP
+    assert Reducer(design).contacts.creep_speed == pytest.approx(CONTACT.creep_share * circling)
+    assert Reducer(override(design, ["drive.speed_rpm=-100"])).contacts.creep_speed == pytest.approx(
+        CONTACT.creep_share * circling
+    )
+    assert Reducer(override(design, ["drive.speed_rpm=0"])).contacts.creep_speed == CONTACT.slow_creep
     assert Reducer(override(design, [TOO_SOFT])).contacts.creep_speed == pytest.approx(0.02)
 
 

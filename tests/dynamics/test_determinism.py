@@ -83,7 +83,7 @@ def test_a_last_bit_of_a_mass_does_not_reach_the_model(monkeypatch: pytest.Monke
     from cycloid_mj.parts import inertia
     from cycloid_mj.reducer import reducer
 
-    monkeypatch.setattr(reducer, "_drawer", lambda design: {})  # nothing is kept of the reducer as it is
+    monkeypatch.setattr(reducer, "_cache_of", lambda design: {})  # nothing is kept of the reducer as it is
     moments = inertia.area_moments
     monkeypatch.setattr(
         inertia, "area_moments", lambda polygon: type(moments(polygon))(*(2e-16 * m + m for m in moments(polygon)))

@@ -1,7 +1,7 @@
 """Between samples the largest normal force of each pair is noted, and every step has its own command."""
 
 from collections.abc import Callable
-from dataclasses import astuple, replace
+from dataclasses import replace
 from typing import Any
 
 import mujoco
@@ -14,8 +14,9 @@ from cycloid_mj.base.errors import ContactError, RunError
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.contact import collider, each_step
 from cycloid_mj.dynamics.contact.each_step import EachStep
-from cycloid_mj.dynamics.contact.forces import OF_PAIR, pair_index, surface_name
+from cycloid_mj.dynamics.contact.forces import pair_index, surface_name
 from cycloid_mj.dynamics.contact.layout import discover_steps
+from cycloid_mj.dynamics.contact.samples import OF_PAIR
 from cycloid_mj.dynamics.drive_cycle import initial_state, ramp_and_hold
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.run import Contact, blocks, reducer_model, schedule, simulate
@@ -71,12 +72,12 @@ def test_peaks_are_the_largest_of_mujocos_own_forces_at_every_step(
     commands = course.commands(plan.timestep * np.arange(min(plan.steps, STEPS)))
     for command in commands:
         data.ctrl[:] = command
-        with collider.installed():
+        with collider.install():
             mujoco.mj_step(compiled.model, data)
         largest = {name: max(largest[name], force) for name, force in normal_forces(data, compiled).items()}
     run = EachStep(compiled.model, initial_state(compiled, Reducer(design), course), index, every=len(commands) - 1)
     run.command(commands)
-    with collider.installed(), each_step.installed():
+    with collider.install(), each_step.install():
         first, last = (np.array(row[run.pairs]).reshape(-1, OF_PAIR)[:, 3] for row in run.advance(2))
     assert np.maximum(first, last) == pytest.approx(list(largest.values()), rel=1e-12)
     assert any(force > 0.0 for force in largest.values())
@@ -108,7 +109,7 @@ def test_as_many_steps_are_taken_as_were_asked_for(steps: int) -> None:
     data, course = initial_state(compiled, Reducer(design)), ramp_and_hold(compiled, Reducer(design))
     run = EachStep(compiled.model, data, pair_index(compiled.model, compiled.pairs), steps, [data.qpos.ctypes.data])
     run.command(course.commands(1e-6 * np.arange(STEPS)))
-    with collider.installed(), each_step.installed():
+    with collider.install(), each_step.install():
         for taken, samples in ((0, 1), (2, 2), (5, 3)):
             rows = run.advance(samples)
             assert data.time == pytest.approx((taken * steps + 1) * 1e-6, rel=1e-9)
@@ -125,13 +126,13 @@ def test_speeds_of_a_sample_are_of_the_middle_between_two_steps(contact: Contact
     design = short("pin", "load.torque_nm=20", "ring.pins=fixed")
     compiled = reducer_model(Reducer(design), contact)
     data, course = initial_state(compiled, Reducer(design)), ramp_and_hold(compiled, Reducer(design))
-    with collider.installed():
+    with collider.install():
         mujoco.mj_step(compiled.model, data, 30)
     speeds = data.qvel.ctypes.data + 8 * np.arange(compiled.model.nv)
     run = EachStep(compiled.model, data, pair_index(compiled.model, compiled.pairs), 1, speeds.tolist())
     run.command(course.commands(1e-6 * np.arange(STEPS)))
     before = data.qvel.copy()
-    with collider.installed(), each_step.installed():
+    with collider.install(), each_step.install():
         row = run.advance(1)[0]
     middle = 0.5 * (before + data.qvel)
     np.testing.assert_allclose(row[: compiled.model.nv], middle, rtol=1e-12, atol=1e-15)
@@ -152,7 +153,7 @@ def test_a_fatal_error_of_mujocos_between_samples_is_an_error_of_python(monkeypa
     data.qpos[:], data.qvel[:] = start.qpos, start.qvel
     run = EachStep(model, data, pair_index(model, compiled.pairs), STEPS)
     run.command(ramp_and_hold(compiled, Reducer(design)).commands(1e-6 * np.arange(STEPS)))
-    with collider.installed(), each_step.installed(), pytest.raises(mujoco.FatalError, match="out of memory"):
+    with collider.install(), each_step.install(), pytest.raises(mujoco.FatalError, match="out of memory"):
         run.advance(2)
     assert 1 < round(1e6 * data.time) < STEPS - 2
 
@@ -170,7 +171,7 @@ def test_the_places_in_mujocos_structures_are_found() -> None:
     assert len({found.contact, found.efc_force, found.efc_vel, found.userdata, found.ncon}) == 5
     within = [0, found.pos, found.frame, found.dim, found.geom, found.efc_address, found.stride]
     assert within == sorted(set(within))
-    assert all(place % 4 == 0 for place in astuple(found))
+    assert all(place % 4 == 0 for place in found)
 
 
 def test_a_log_without_peaks_is_read_and_judged_as_before(tmp_path) -> None:
@@ -194,7 +195,7 @@ def test_a_model_of_ours_goes_its_way_without_a_run() -> None:
     compiled = build(short("nonpin"))
     data = mujoco.MjData(compiled.model)
     data.ctrl[:] = 1e-3
-    with collider.installed(), each_step.installed():
+    with collider.install(), each_step.install():
         mujoco.mj_step(compiled.model, data, 3)
     assert data.ctrl.tolist() == [1e-3, 1e-3]
     assert data.sensor(each_step.SENSOR).data == [0.0]
@@ -202,7 +203,7 @@ def test_a_model_of_ours_goes_its_way_without_a_run() -> None:
 
 def test_a_foreign_model_keeps_its_user_sensors_and_user_data() -> None:
     text = '<mujoco><size nuserdata="{}"/><worldbody/><sensor><user dim="1" needstage="acc"/></sensor></mujoco>'
-    with each_step.installed():
+    with each_step.install():
         for count in (0, 1, 2):
             model = mujoco.MjModel.from_xml_string(text.format(count))
             data = mujoco.MjData(model)
@@ -237,7 +238,7 @@ def test_the_model_of_a_run_is_written_when_it_is_asked_for(monkeypatch: pytest.
 def test_timers_stand_still_in_a_run_and_go_on_after_it() -> None:
     compiled = build(short("nonpin"))
     data = mujoco.MjData(compiled.model)
-    with each_step.installed():
+    with each_step.install():
         mujoco.mj_step(compiled.model, data)
     assert not data.timer.duration.any()
     mujoco.mj_step(compiled.model, data)

@@ -9,10 +9,9 @@ import pytest
 from cycloid_mj.base.errors import ContactError
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics import timestep as steps
-from cycloid_mj.dynamics.contact.collider import installed
+from cycloid_mj.dynamics.contact.collider import install
 from cycloid_mj.dynamics.law import (
-    IMPRATIO,
-    MAX_COUPLING,
+    FRICTION,
     ContactParameters,
     contact_law,
     leads,
@@ -53,7 +52,7 @@ def test_static_penetration_is_force_over_stiffness(added: float) -> None:
     force = 400.0
     model = two_bodies(law, 1e-6, gravity=force / MASS)
     data = mujoco.MjData(model)
-    with installed():
+    with install():
         mujoco.mj_step(model, data, 4000)
     assert data.qpos[0] == pytest.approx(force / STIFFNESS, rel=1e-9)
     assert data.efc_force[0] == pytest.approx(force, rel=1e-9)
@@ -66,7 +65,7 @@ def frequency(law: ContactParameters, timestep: float) -> float:
     data = mujoco.MjData(model)
     data.qpos[0] = 0.5 * force / STIFFNESS
     speeds = []
-    with installed():
+    with install():
         for _ in range(round(40 * 2.0 * math.pi / math.sqrt(STIFFNESS / MASS) / timestep)):
             mujoco.mj_step(model, data)
             speeds.append(data.qvel[0])
@@ -98,7 +97,7 @@ def test_restitution_follows_from_the_damping_ratio(ratio: float) -> None:
     model = two_bodies(law, 2e-7)
     data = mujoco.MjData(model)
     data.qpos[0], data.qvel[0] = -1e-9, 0.01
-    with installed():
+    with install():
         while data.qpos[0] >= -1e-9:
             mujoco.mj_step(model, data)
     damped = math.sqrt(1.0 - ratio**2)
@@ -171,7 +170,7 @@ def test_friction_is_centred_in_the_step_or_more_and_leads_its_sliding_by_little
     laws, ratio, step = contact_laws(Reducer(design)), build(design).model.opt.impratio, steps.timestep(Reducer(design))
     rubbing = [law for law in laws.values() if law.friction]
     assert all(ratio * law.added_mass >= 0.4999 * law.creep * step for law in rubbing)
-    assert all(law.friction**2 / ratio <= 1.0001 * MAX_COUPLING for law in rubbing)
+    assert all(law.friction**2 / ratio <= 1.0001 * FRICTION.max_coupling for law in rubbing)
     assert 0.0 < max(leads(Reducer(design), laws, ratio).values()) < 0.02
 
 
@@ -183,16 +182,16 @@ def test_stock_friction_leads_its_sliding_no_more_than_allowed(name: str, first:
     found = leads(Reducer(light), laws, stock_impratio(Reducer(light), [laws]))
     assert found[first] == pytest.approx(most, rel=1e-9)
     assert max(found.values()) < 0.151
-    assert stock_impratio(Reducer(rated), [contact_laws(Reducer(rated))]) == IMPRATIO
+    assert stock_impratio(Reducer(rated), [contact_laws(Reducer(rated))]) == FRICTION.impratio
 
 
 def test_a_crank_that_stands_has_friction_as_firm_as_can_be() -> None:
-    assert build(PRESETS["pin"].but(drive={"speed": 0.0})).model.opt.impratio == IMPRATIO
+    assert build(PRESETS["pin"].but(drive={"speed": 0.0})).model.opt.impratio == FRICTION.impratio
 
 
 def test_friction_takes_its_creep_at_every_impratio() -> None:
     law = ContactParameters(STIFFNESS, 100.0, 0.1, 0.05, creep=8.0)
-    for ratio in (0.2, IMPRATIO):
+    for ratio in (0.2, FRICTION.impratio):
         parameters = solver_parameters(law, 1.0 / MASS, ratio)
         impedance = parameters.solimp[0]
         regularisation = (1.0 - impedance) / (impedance * MASS) / ratio

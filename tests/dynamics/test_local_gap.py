@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cycloid_mj.dynamics.contact.gap import NO_WAVES, Flank, Trochoid, trochoid_curvature, trochoid_distance
-from cycloid_mj.dynamics.contact.local_gap import Start, distance_near, pin_distance, turned_times
+from cycloid_mj.dynamics.contact.local_gap import Start, distance_near, multiple_angle, pin_distance
 
 GEARS = {
     "paper": Trochoid(0.04075, 0.001, 36.0),
@@ -33,7 +33,7 @@ def near(gear: Trochoid, point: np.ndarray, t: float, most: float = FAR_OUT):
 def test_turned_times_is_the_multiple_of_the_angle(times: int) -> None:
     for angle in np.linspace(-3.0, 3.0, 31):
         expected = (math.sin(times * angle), math.cos(times * angle))
-        assert turned_times(math.sin(angle), math.cos(angle), times) == pytest.approx(expected, abs=1e-13)
+        assert multiple_angle(math.sin(angle), math.cos(angle), times) == pytest.approx(expected, abs=1e-13)
 
 
 @pytest.mark.parametrize("name", GEARS)

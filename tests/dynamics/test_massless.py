@@ -12,7 +12,7 @@ from cycloid_mj.base.errors import CycloidWarning, DesignError
 from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design
-from cycloid_mj.dynamics.contact.collider import installed
+from cycloid_mj.dynamics.contact.collider import install
 from cycloid_mj.dynamics.contact.gap import flank_distance, trochoid_curvature
 from cycloid_mj.dynamics.contact.teeth import teeth_of
 from cycloid_mj.dynamics.massless import assumptions, massless, require_pin_bodies
@@ -70,7 +70,7 @@ def test_contact_stiffness_follows_curvature_as_two_springs():
     compiled = build(design.design)
     data = mujoco.MjData(compiled.model)
     data.joint("gear_angle").qpos[0] = 2e-4
-    with installed():
+    with install():
         mujoco.mj_forward(compiled.model, data)
     law, seat, rho = (
         design.contacts.teeth.curvature_law,

@@ -22,7 +22,7 @@ from cycloid_mj.cli import main
 from cycloid_mj.cli import simulate as simulate_command
 from cycloid_mj.design import PRESETS, Design, load, override
 from cycloid_mj.dynamics.drive_cycle import initial_state, load_torque, servo_target
-from cycloid_mj.dynamics.law import IMPRATIO
+from cycloid_mj.dynamics.law import FRICTION
 from cycloid_mj.dynamics.mjcf import build, sensors
 from cycloid_mj.dynamics.mjcf.folder import design_hash, model_files
 from cycloid_mj.dynamics.mjcf.foundation import flank_patch, hole_patch
@@ -418,7 +418,7 @@ def test_rubbing_holes_meet_their_mates_by_pairs() -> None:
         weight = model.body_invweight0[model.geom_bodyid[geoms], 0].sum()
         share = (1.0 - model.pair_solimp[number, 0]) * weight
         stiffness = -model.pair_solref[number, 0] / share
-        creep = -model.pair_solreffriction[number, 1] * IMPRATIO / share
+        creep = -model.pair_solreffriction[number, 1] * FRICTION.impratio / share
         law = rubbing.laws[kind]
         assert creep / stiffness == pytest.approx(law.creep / law.stiffness, rel=1e-9)
 
@@ -475,7 +475,7 @@ def test_a_mesh_run_installs_no_collider(monkeypatch: pytest.MonkeyPatch) -> Non
     def refuse(*_: object) -> None:
         raise AssertionError("a collider was installed")
 
-    monkeypatch.setattr("cycloid_mj.dynamics.run.collider.installed", refuse)
+    monkeypatch.setattr("cycloid_mj.dynamics.run.collider.install", refuse)
     run = mesh_run("nonpin")
     assert run["contacts"].max() > 0
     with pytest.raises(AssertionError, match="a collider was installed"):

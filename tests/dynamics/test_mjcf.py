@@ -6,7 +6,7 @@ import pytest
 
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.contact import each_step
-from cycloid_mj.dynamics.contact.collider import installed
+from cycloid_mj.dynamics.contact.collider import install
 from cycloid_mj.dynamics.contact.library import exact_xml
 from cycloid_mj.dynamics.drive_cycle import initial_state
 from cycloid_mj.dynamics.mjcf import build, sensors, xml
@@ -92,7 +92,7 @@ def test_the_xml_is_the_model(compiled, design) -> None:
     states = []
     for model in (compiled.model, again):
         data = initial_state(compiled, Reducer(design)) if model is compiled.model else mujoco.MjData(again)
-        with installed():
+        with install():
             mujoco.mj_step(model, data, 50)
         states.append(data.qpos.copy())
     np.testing.assert_array_equal(*states)
@@ -122,7 +122,7 @@ def test_contact_geoms_reach_each_other_at_every_crank_angle(compiled, design) -
         data.joint("gear_y").qpos[0] = c * np.cos(crank)
         data.joint("gear_angle").qpos[0] = -crank / design.lobes
         data.joint("output").qpos[0] = -crank / design.lobes
-        with installed():
+        with install():
             mujoco.mj_forward(model, data)
         assert data.ncon == len(compiled.pairs), crank
 

@@ -9,7 +9,7 @@ from stepped import stepped
 
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.design import PRESETS, Design, override
-from cycloid_mj.dynamics.contact.collider import installed
+from cycloid_mj.dynamics.contact.collider import install
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.geometry import envelope
@@ -89,7 +89,7 @@ def test_penetration_is_how_deep_the_outlines_are_in_each_other(name: str) -> No
         pose = {"crank": crank, "gear_x": x, "gear_y": y, "gear_angle": turn, "output": lead}
         for joint, value in pose.items():
             data.joint(joint).qpos[0] = value
-        with installed():
+        with install():
             found = stepped(compiled.model, data, compiled.pairs).penetration
         expected = outlines.deepest(x, y, turn)
         assert expected > 2e-6

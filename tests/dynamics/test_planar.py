@@ -17,7 +17,8 @@ from cycloid_mj.dynamics import timestep as steps
 from cycloid_mj.dynamics.drive_cycle import braked_output, locked_crank, rising
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.planar.model import planar_model
-from cycloid_mj.dynamics.planar.timestep import MAX_ITERATIONS, for_accelerations
+from cycloid_mj.dynamics.planar.settings import NEWTON
+from cycloid_mj.dynamics.planar.timestep import for_accelerations
 from cycloid_mj.dynamics.run import Model, model_for, simulate
 from cycloid_mj.geometry.kinematics import CrankLaw
 from cycloid_mj.log import read
@@ -189,7 +190,7 @@ def test_accelerations_of_moving_pins_are_mujocos_where_the_step_follows_them_an
         return rms(np.diff(error) * design.settings.log_rate)
 
     reducer, theirs = Reducer(design), level(build(design))
-    assert level(planar_model(reducer, step=for_accelerations(reducer))) == pytest.approx(theirs, rel=0.1)
+    assert level(planar_model(reducer, timestep=for_accelerations(reducer))) == pytest.approx(theirs, rel=0.1)
     assert level(planar_model(reducer)) < 0.8 * theirs
 
 
@@ -232,7 +233,7 @@ def test_energy_is_conserved(layout: str) -> None:
 def test_errors_fall_with_the_square_of_the_step() -> None:
     def end(step: float) -> np.ndarray:
         design = override(design_of("nonpin"), ["drive.hold_s=0.0041"])
-        run = simulate(design, planar_model(Reducer(design), step=step))
+        run = simulate(design, planar_model(Reducer(design), timestep=step))
         error = run["output_angle"] + run["crank_angle"] / design.lobes
         return np.array([run["gear_x"][-1], run["gear_y"][-1], error[-1]])
 
@@ -313,7 +314,7 @@ def test_many_light_pins_that_rattle_settle() -> None:
     """Both contacts of a pin of 28 mg change at once: a step of one sample in thirteen did not settle."""
     design = reducer_of(FREE, *MANY_LIGHT_PINS)
     rounds = simulate(design, planar_model(Reducer(design)))["solver_iterations"]
-    assert np.mean(rounds > MAX_ITERATIONS) < 0.02
+    assert np.mean(rounds > NEWTON.max_iterations) < 0.02
     assert rounds.mean() < 12.0
 
 

@@ -11,7 +11,7 @@ from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.contact import collider, each_step
 from cycloid_mj.dynamics.contact.forces import pair_index
 from cycloid_mj.dynamics.contact.teeth import USER_DATA
-from cycloid_mj.dynamics.law import MAX_COUPLING, contact_law, solver_parameters
+from cycloid_mj.dynamics.law import FRICTION, contact_law, solver_parameters
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.planar.model import planar_model
 from cycloid_mj.dynamics.run import simulate
@@ -67,10 +67,10 @@ def forces(model: Any, data: Any) -> tuple[float, float]:
 @pytest.mark.parametrize("island", ["enable", "disable"])
 @pytest.mark.parametrize("speed", [SPEED, -SPEED])
 def test_a_sliding_block_presses_by_its_weight(friction: float, island: str, speed: float) -> None:
-    ratio = friction**2 / MAX_COUPLING
+    ratio = friction**2 / FRICTION.max_coupling
     stock = forces(*block(friction, ratio, island=island, speed=speed))
     assert stock[0] > 2.0 * WEIGHT, "stock MuJoCo lifts it"
-    with collider.installed():
+    with collider.install():
         model, data = block(friction, ratio, island=island, speed=speed)
         mujoco.mj_forward(model, data)
         first = data.efc_force[0]
@@ -86,7 +86,7 @@ def test_a_sliding_block_presses_by_its_weight(friction: float, island: str, spe
 def test_what_does_not_slide_or_does_not_press_is_left_alone() -> None:
     creeping = 0.5 * CREEP_SPEED
     stock = forces(*block(0.3, 2.0, speed=creeping))
-    with collider.installed():
+    with collider.install():
         assert forces(*block(0.3, 2.0, speed=creeping)) == stock
         model, data = block(0.3, 2.0)
         data.qvel[1] = 1.0  # flies off: damping alone would pull
@@ -95,7 +95,7 @@ def test_what_does_not_slide_or_does_not_press_is_left_alone() -> None:
 
 def test_a_foreign_model_is_left_as_it_is() -> None:
     stock = forces(*block(0.3, 2.0, ours=False))
-    with collider.installed():
+    with collider.install():
         assert forces(*block(0.3, 2.0, ours=False)) == stock
     assert forces(*block(0.3, 2.0)) == stock
 
@@ -124,7 +124,7 @@ def test_a_body_that_circles_in_a_bore_presses_by_its_centripetal_force() -> Non
     circle += mass * angular**2 * circle / (stiffness - mass * angular**2)
     data.qpos[1], data.qvel[0] = circle, -angular * circle
     steps = each_step.EachStep(model, data, pair_index(model, [Mating("core", "bore")]), orbits=[0])
-    with collider.installed(), each_step.installed():
+    with collider.install(), each_step.install():
         row = steps.advance(200)[-1]
     assert row[steps.solver][1] == pytest.approx(mass * angular**2 * circle / stiffness, rel=1e-3)
 
@@ -171,7 +171,7 @@ def test_means_at_high_speed_agree_with_the_planar_solver(share: float) -> None:
         cam = np.linalg.norm(late.forces("cam"), axis=-1)
         return np.array([error.mean(), -delivered.mean() / supplied.mean(), cam.mean()])
 
-    planar = means(simulate(design, planar_model(Reducer(design), step=1e-6)))
+    planar = means(simulate(design, planar_model(Reducer(design), timestep=1e-6)))
     ours = {dt: means(simulate(override(design, [f"settings.timestep_us={dt}"]))) for dt in (20, 10)}
     np.testing.assert_allclose(ours[10], planar, rtol=1e-3)
     np.testing.assert_allclose(ours[20], planar, rtol=3e-3)

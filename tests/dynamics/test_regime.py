@@ -14,7 +14,7 @@ from cycloid_mj.analysis import analyze
 from cycloid_mj.cli.app import main
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.mjcf import ReducerModel, build
-from cycloid_mj.dynamics.regime import MIN_SAMPLES_PER_TOOTH, at_rest, pace, warnings
+from cycloid_mj.dynamics.regime import LIMITS, at_rest, pace, warnings
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.dynamics.timestep import SETTINGS, choose_step, describe_accuracy, step_limits, timestep
 from cycloid_mj.log import read
@@ -222,7 +222,7 @@ def test_steps_and_samples_are_counted_from_tooth_to_tooth(design: Design) -> No
     assert pace(Reducer(design)) == ()
     passing = design.ring.teeth * abs(design.drive.speed) / (2.0 * np.pi)
     for inside, count in ((False, 0.99), (True, 1.01)):
-        rate = override(design, [f"settings.log_rate_hz={count * MIN_SAMPLES_PER_TOOTH * passing!r}"])
+        rate = override(design, [f"settings.log_rate_hz={count * LIMITS.min_samples_per_tooth * passing!r}"])
         fast = override(design, ["settings.log_rate_hz=1e6", "settings.timestep_us=1", "contact.creep_speed_mm_s=1e-3"])
         speed = design.drive.speed * 1e6 / passing / (count * SETTINGS.min_steps_per_tooth)
         fast = fast.model_copy(update={"drive": design.drive.model_copy(update={"speed": speed})})

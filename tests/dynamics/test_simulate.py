@@ -10,7 +10,7 @@ from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.names import gears
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics import drive_cycle
-from cycloid_mj.dynamics.contact.collider import installed
+from cycloid_mj.dynamics.contact.collider import install
 from cycloid_mj.dynamics.drive_cycle import initial_state, load_torque
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.run import blocks, schedule, simulate
@@ -99,7 +99,7 @@ def test_backlash_at_locked_crank(pins: str) -> None:
     for torque in (0.02, -0.02):
         data = mujoco.MjData(compiled.model)
         data.joint("gear_angle").qfrc_applied[0] = torque
-        with installed():
+        with install():
             for part in range(20):
                 # Settled by stopping it now and then, as a hand would.
                 data.qvel[:] *= 0.1 if part > 4 else 1.0

@@ -14,7 +14,7 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.record import Run
 from cycloid_mj.checks import check, require_sound
 from cycloid_mj.design import PRESETS, Design, dump, loads, override
-from cycloid_mj.dynamics.contact.collider import installed
+from cycloid_mj.dynamics.contact.collider import install
 from cycloid_mj.dynamics.mjcf import build, sensors
 from cycloid_mj.dynamics.mjcf.mesh import build_mesh
 from cycloid_mj.dynamics.run import simulate
@@ -77,7 +77,7 @@ def pressed(design: Design, approach: float) -> tuple[float, float]:
     place = [model.joint(name).qposadr[0] for name in HELD]
     start = data.qpos[place].copy()
     start[HELD.index("gear_y")] += approach
-    with installed():
+    with install():
         for _ in range(3000):
             data.qpos[place], data.qvel[held] = start, 0.0
             mujoco.mj_step(model, data)

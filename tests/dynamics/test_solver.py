@@ -9,7 +9,7 @@ import pytest
 from designs import unlike
 
 from cycloid_mj.design import PRESETS, Design, override
-from cycloid_mj.dynamics.contact.collider import installed
+from cycloid_mj.dynamics.contact.collider import install
 from cycloid_mj.dynamics.contact.each_step import EachStep
 from cycloid_mj.dynamics.contact.forces import pair_index
 from cycloid_mj.dynamics.drive_cycle import initial_state, ramp_and_hold
@@ -69,7 +69,7 @@ def test_both_solvers_find_the_same_forces_with_islands_and_without(name: str) -
     course = ramp_and_hold(compiled, Reducer(design))
     data = initial_state(compiled, Reducer(design), course)
     model, worst, loaded, islands = compiled.model, 0.0, 0, 0
-    with installed():
+    with install():
         for step, command in enumerate(course.commands(compiled.model.opt.timestep * np.arange(2000))):
             data.ctrl[:] = command
             mujoco.mj_step(model, data)
@@ -124,7 +124,7 @@ def test_what_is_left_out_changes_nothing(name: str) -> None:
     # what corrects the references of circling discs needs to know which freedoms these have
     index = pair_index(compiled.model, compiled.pairs)
     kept = EachStep(compiled.model, data, index, orbits=disc_freedoms(compiled.model, Reducer(design)))
-    with installed():
+    with install():
         for command in course.commands(plan.timestep * np.arange(last + 1)):
             data.ctrl[:] = command
             mujoco.mj_step(compiled.model, data)

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.checks import check
 from cycloid_mj.design import PRESETS, Design, dump, loads, override
-from cycloid_mj.dynamics.contact.collider import installed
+from cycloid_mj.dynamics.contact.collider import install
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.geometry import profile
@@ -236,7 +236,7 @@ def gaps_of_pins(compiled, pose: GearPose, crank: float) -> np.ndarray:
     for joint, value in (("gear_x", pose.centre[0]), ("gear_y", pose.centre[1]), ("gear_angle", pose.angle)):
         data.joint(joint).qpos[0] = value
     data.joint("crank").qpos[0] = crank
-    with installed():
+    with install():
         mujoco.mj_fwdPosition(model, data)
     number = {model.geom(pair.by).id: k for k, pair in enumerate(compiled.pairs) if pair.kind == "pin_gear"}
     found = np.full(36, np.nan)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from designs import cases
 
-from cycloid_mj.analysis.spectrum import BAND, HANN_BANDWIDTH, PADDING
+from cycloid_mj.analysis.spectrum import SPECTRUM
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.geometry import profile
@@ -105,13 +105,13 @@ def test_the_measure_over_speed(found: Measurement) -> None:
 def test_a_spectrum_holds_the_power_of_its_signal(found: Measurement, load: str, within: float) -> None:
     curve = next(one for one in found.curves if one.panel.startswith("spectrum of the force") and one.name == load)
     low, high = (float(word) for word in curve.x_label.split("from ")[1].removesuffix(" Hz").split(" to "))
-    whole = math.sqrt(0.5 * float(np.sum(curve.y**2)) / (PADDING * HANN_BANDWIDTH))
+    whole = math.sqrt(0.5 * float(np.sum(curve.y**2)) / (SPECTRUM.padding * SPECTRUM.hann_bandwidth))
     # The spectrum ends at 0.4 of the log rate, the rms at half of it, and under load much lies there; the taper weighs
     # the middle of the turn more.
     assert whole == pytest.approx(found[f"housing_rms_{load}"], rel=within)
-    assert high == pytest.approx(BAND * LOG_RATE, rel=0.05)
+    assert high == pytest.approx(SPECTRUM.band * LOG_RATE, rel=0.05)
     assert low < 100.0
-    assert curve.x[-1] <= 1.01 * BAND * LOG_RATE
+    assert curve.x[-1] <= 1.01 * SPECTRUM.band * LOG_RATE
 
 
 @pytest.mark.parametrize(("load", "within"), [("unloaded", 0.01), ("loaded", 0.1)])

@@ -31,7 +31,7 @@ def test_contact_forces_follow_the_contact_law(preset):
     data.joint("gear_x").qvel[0] += 0.05
     step = EachStep(reduced.model, data, index, impacts=[law] * len(reduced.pairs))
     step.command(np.array([data.ctrl]))
-    with collider.installed(), each_step.installed():
+    with collider.install(), each_step.install():
         step.advance(1)
     row = [contact.efc_address for contact in data.contact if contact.efc_address >= 0]
     depth, closing = -data.efc_pos[row], -data.efc_vel[row]

@@ -11,7 +11,7 @@ from designs import UNLIKE, unlike
 
 from cycloid_mj.base import names
 from cycloid_mj.design import PRESETS, Design, override
-from cycloid_mj.dynamics.contact.collider import installed
+from cycloid_mj.dynamics.contact.collider import install
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.mjcf.keyframe import joint_state
 from cycloid_mj.geometry.deviations import deviations
@@ -38,7 +38,7 @@ def contacts(design: Design, crank: float) -> tuple[mujoco.MjModel, int]:
     data = mujoco.MjData(model)
     for joint, value in joint_state(Reducer(design), crank, 0.0)[0].items():
         data.joint(joint).qpos[0] = value
-    with installed(design.ring.kind == "nonpin"):
+    with install(design.ring.kind == "nonpin"):
         mujoco.mj_forward(model, data)
     return model, data.ncon
 
@@ -106,7 +106,7 @@ def test_a_disc_on_the_wrong_phase_is_in_the_ring(monkeypatch: pytest.MonkeyPatc
         return bodies.Mating(mating.kind, mating.names, teeth, mating.by, mating.disc)
 
     monkeypatch.setattr(bodies, "_mesh", spoiled)
-    monkeypatch.setattr(reducer, "_drawer", lambda design: {})  # nothing is kept of the reducer as it is
+    monkeypatch.setattr(reducer, "_cache_of", lambda design: {})  # nothing is kept of the reducer as it is
     _, touching = contacts(design, 0.7)
     assert touching > 0
 
@@ -182,7 +182,7 @@ def test_what_is_kept_goes_as_soon_as_other_designs_are_at_work() -> None:
         kept = [weakref.ref(found.mechanism) for found in (one, one.shape)]
         del one
         assert all(found() is not None for found in kept)
-        for number in range(2 * reducer.KEPT):
+        for number in range(2 * reducer.CACHED_DESIGNS):
             assert Reducer(VARIANTS["nonpin"].but(name=f"other-{number}")).shape.share
         assert [found() for found in kept] == [None] * 2
     finally:

@@ -10,7 +10,7 @@ from cycloid_mj.base.errors import DesignError, RunError
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.design.units import MICROMETRE
 from cycloid_mj.dynamics.contact import collider
-from cycloid_mj.dynamics.contact.gap import PartialCircle, circle_at_edge, circle_in_circle, places_in_arc
+from cycloid_mj.dynamics.contact.gap import PartialCircle, circle_at_edge, circle_in_circle, nearest_on_arc
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.mjcf.mesh import build_mesh
 from cycloid_mj.dynamics.run import simulate
@@ -31,7 +31,7 @@ def arc_of(half: float, radius: float) -> PartialCircle:
 
 def nearest(place: np.ndarray, inner: float, arc: PartialCircle) -> tuple[float, float, float]:
     """Compute the nearest of the contacts that the collider would find."""
-    side, on_arc, other = places_in_arc(*place, arc)
+    side, on_arc, other = nearest_on_arc(*place, arc)
     first = circle_in_circle(*place, inner, arc.radius) if on_arc else circle_at_edge(*place, inner, arc, side)
     return min(first, circle_at_edge(*place, inner, arc, -side)) if other else first
 
@@ -119,7 +119,7 @@ def test_pin_leaves_its_socket_at_the_energy_limit():
             solref="{-stiffness * scale} {-2.0 * math.sqrt(stiffness * mass) * scale}"/></contact></mujoco>""")
     data = mujoco.MjData(model)
     data.qpos[:] = start
-    with collider.installed(lobes=False):
+    with collider.install(lobes=False):
         mujoco.mj_step(model, data, 5000)
     leg = edge - data.qpos
     angle = math.atan2(leg @ aside, leg @ down)
@@ -172,7 +172,7 @@ def test_what_presses_a_massless_pin_into_the_opening_meets_nothing():
             compiled.model.geom(f"pin_{number}").user[4] = 1.0 + math.cos(wall)
         data = mujoco.MjData(compiled.model)
         data.joint("gear_angle").qpos[0] = 2e-4
-        with collider.installed():
+        with collider.install():
             mujoco.mj_forward(compiled.model, data)
         touched.append(data.ncon)
     assert touched[0] > touched[1] > 0

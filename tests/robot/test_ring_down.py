@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import curve_fit
 
 from cycloid_mj.design import PRESETS, override
-from cycloid_mj.dynamics.contact.collider import installed
+from cycloid_mj.dynamics.contact.collider import install
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.robot import reduce
@@ -32,7 +32,7 @@ def ring_down(reducer: Reducer, stiffness: float) -> tuple[float, float]:
     sense = (1.0 if reducer.design.output.turns_ring else -1.0) * -np.sign(reducer.design.drive.speed)
     period = round(1.0 / FREQUENCY / model.opt.timestep)
     turns = np.empty(12 * period)
-    with installed():
+    with install():
         model.dof_damping[output.dofadr[0]] = 2.0 * math.sqrt(stiffness * inertia)
         for i in range(8 * period):
             data.qfrc_applied[output.dofadr[0]] = sense * 1.07 * rated * min(1.0, i / (2 * period))

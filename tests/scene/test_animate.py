@@ -45,14 +45,14 @@ CLEARANCE = 1e-6
 MAGNIFICATIONS = (1.0, 40.0, 500.0)
 
 
-def turned(points, angle):
+def rotate(points, angle):
     cos, sin = np.cos(angle), np.sin(angle)
     return points @ np.array([[cos, sin], [-sin, cos]])
 
 
 def tooth_gap(gear_pose, centre, radius) -> float:
     """Gap of a circle to the flank of a gear in a pose; the flank is rho + clearance inside the path of the pins."""
-    x, y = turned(np.asarray(centre) - gear_pose[:2], -gear_pose[2])
+    x, y = rotate(np.asarray(centre) - gear_pose[:2], -gear_pose[2])
     _, distance, _, _ = trochoid_distance(x, y, Trochoid(40.75e-3, 1e-3, 36.0))
     return distance + 2.25e-3 + CLEARANCE - radius
 
@@ -114,14 +114,14 @@ def test_every_gap_is_drawn_to_one_scale(made, times):
             assert shown == pytest.approx(times * (measured.opening[row, i] + CLEARANCE), abs=1e-14)
             sideways = (drawn.ring[row, i] - flank) @ (normals[row, i, ::-1] * [-1, 1])
             assert sideways == pytest.approx(0.0, abs=1e-14)
-        holes = drawn.gear[row, :2] + turned(centres, drawn.gear[row, 2])
-        true_holes = place["gear"][row, :2] + turned(centres, place["gear"][row, 2])
-        true_pins = turned(centres, place["output"][row, 2])
+        holes = drawn.gear[row, :2] + rotate(centres, drawn.gear[row, 2])
+        true_holes = place["gear"][row, :2] + rotate(centres, place["gear"][row, 2])
+        true_pins = rotate(centres, place["output"][row, 2])
         true = 5e-3 + CLEARANCE - 4e-3 - np.linalg.norm(true_pins - true_holes, axis=1)
         apart = np.linalg.norm(drawn.output_pins[row] - holes, axis=1)
         np.testing.assert_allclose(5e-3 + CLEARANCE - drawn.radii.output_pin - apart, times * true, atol=1e-12)
-        cam = drawn.shaft[row, :2] + turned(np.array([0.0, 1e-3]), drawn.shaft[row, 2])
-        true_cam = turned(np.array([0.0, 1e-3]), run["crank_angle"][row])
+        cam = drawn.shaft[row, :2] + rotate(np.array([0.0, 1e-3]), drawn.shaft[row, 2])
+        true_cam = rotate(np.array([0.0, 1e-3]), run["crank_angle"][row])
         true = CLEARANCE - np.linalg.norm(true_cam - place["gear"][row, :2])
         shown = 15e-3 + CLEARANCE - drawn.radii.cam - np.linalg.norm(cam - drawn.gear[row, :2])
         assert shown == pytest.approx(times * true, abs=1e-12)

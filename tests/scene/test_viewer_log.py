@@ -31,7 +31,6 @@ from cycloid_mj.parts import attached_parts, mass_properties, parts
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene import RATE, Scene, contact_forces, frame_rate, poses, ring_places
-from cycloid_mj.scene.encoding import encode_messages
 from cycloid_mj.scene.glb import glb
 from cycloid_mj.scene.layout import layout
 from cycloid_mj.scene.messages import FORCES, FRAMES, PARTS, ROOT
@@ -507,30 +506,6 @@ def test_rerun_loads_the_log_and_what_is_written_for_it(logged, tmp_path):
     told = subprocess.run([*tool, "rrd", "stats", target], capture_output=True, text=True, check=True, timeout=120)
     for entity in ("/mechanism/gear", "/mechanism/output/disc", "/mechanism/forces/cam", "/signals/reducer/gear_speed"):
         assert f"{entity}:" in told.stdout + told.stderr
-
-
-def test_messages_encoded_at_once_are_those_of_the_library():
-    """Any doubles, zeros of both signs among them, and stamps on both sides of every length of a varint."""
-
-    def build(values, stamp):
-        message = foxglove_schemas_protobuf.FrameTransforms_pb2.FrameTransforms()
-        for number in range(2):
-            transform = message.transforms.add(parent_frame_id="a", child_frame_id=f"b{number}")
-            transform.timestamp.FromNanoseconds(stamp)
-            moved, turned = transform.translation, transform.rotation
-            moved.x, moved.y, turned.z, turned.w = values[4 * number : 4 * number + 4]
-        return message.SerializeToString(deterministic=True)
-
-    rng = np.random.default_rng(2)
-    edges = [0, 1, 127, 128, 2**14 - 1, 2**14, 2**21 - 1, 2**21, 2**28 - 1, 2**28, 10**9 - 1]
-    stamps = np.array([second * 10**9 + edge for second in (0, 1, 200) for edge in edges] * 20)
-    values = rng.normal(size=(len(stamps), 8)) * 10.0 ** rng.integers(-300, 300, (len(stamps), 8))
-    values[rng.random(values.shape) < 0.1] = 0.0
-    values[rng.random(values.shape) < 0.05] = -0.0
-    values[0], values[1, 0] = 0.0, np.nan
-    expected = [build(row.tolist(), int(stamp)) for row, stamp in zip(values, stamps, strict=True)]
-    assert encode_messages(build, values, stamps) == expected
-    assert encode_messages(build, values[:0], stamps[:0]) == []
 
 
 def test_strict_readers_take_a_log_of_a_run(tmp_path):

@@ -272,7 +272,7 @@ def test_a_run_that_fails_is_judged_by_its_step():
 
 def test_friction_that_leads_by_too_much_is_told_under_a_light_load(monkeypatch):
     assert failed(steps.light_rows(FIXED)) == []
-    monkeypatch.setattr("cycloid_mj.dynamics.mjcf.model.impratio", lambda *_: 60.0 * law.IMPRATIO)
+    monkeypatch.setattr("cycloid_mj.dynamics.mjcf.model.impratio", lambda *_: 60.0 * law.FRICTION.impratio)
     assert len(failed(steps.light_rows(FIXED))) == 2
 
 

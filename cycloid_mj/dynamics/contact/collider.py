@@ -17,11 +17,11 @@ from numba import types
 from cycloid_mj.base.compiling import cacheable, cfunc
 from cycloid_mj.base.errors import ContactError
 from cycloid_mj.dynamics.contact import selftest
-from cycloid_mj.dynamics.contact.layout import Layout, discover
+from cycloid_mj.dynamics.contact.layout import Layout, discover, discover_steps
 from cycloid_mj.dynamics.contact.library import CYLINDER, TYPES, answer, callback, collision_table
-from cycloid_mj.dynamics.contact.mating import PRIORITY, inner_in_outer, lobe_on_teeth, pin_on_teeth
+from cycloid_mj.dynamics.contact.mating import inner_in_outer, lobe_on_teeth, pin_on_teeth
 from cycloid_mj.dynamics.contact.memory import read_address, read_int
-from cycloid_mj.dynamics.contact.reference_correction import between_speeds_and_forces, layout_offsets
+from cycloid_mj.dynamics.contact.reference_correction import between_speeds_and_forces
 from cycloid_mj.dynamics.contact.shared import Shared
 from cycloid_mj.reducer.bodies import Role
 
@@ -36,28 +36,21 @@ _pins = types.ExternalFunction(_PINS, _SIGNATURE)
 _PIN, _TEETH, _INNER, _OUTER, _LOBE = (int(role) for role in Role)
 
 
-def _places(layout: Layout) -> tuple[int, ...]:
-    """Return the layout offsets for a collider."""
-    arrays = (layout.geom_size, layout.geom_priority, layout.geom_user, layout.geom_xpos, layout.geom_xmat)
-    return (*arrays, layout.nuser_geom)
-
-
 def _compile_pins(layout: Layout) -> Any:
     """Compile or load the collider of pins, sockets, cam and holes; other pairs go to the original collider."""
-    at = _places(layout)
 
     @cfunc(_SIGNATURE, cache=cacheable())
     def collide(model: int, data: int, out: int, geom1: int, geom2: int, margin: float) -> int:
-        priority = read_address(model + at[PRIORITY])
+        priority = read_address(model + layout.geom_priority)
         role1, role2 = read_int(priority + 4 * geom1), read_int(priority + 4 * geom2)
         if role1 == _TEETH and role2 == _PIN:
-            return pin_on_teeth(at, model, data, out, geom1, geom2, 1.0, margin)
+            return pin_on_teeth(layout, model, data, out, geom1, geom2, 1.0, margin)
         if role1 == _PIN and role2 == _TEETH:
-            return pin_on_teeth(at, model, data, out, geom2, geom1, -1.0, margin)
+            return pin_on_teeth(layout, model, data, out, geom2, geom1, -1.0, margin)
         if role2 == _OUTER and role1 in (_INNER, _PIN):
-            return inner_in_outer(at, model, data, out, geom1, geom2, 1.0, margin)
+            return inner_in_outer(layout, model, data, out, geom1, geom2, 1.0, margin)
         if role1 == _OUTER and role2 in (_INNER, _PIN):
-            return inner_in_outer(at, model, data, out, geom2, geom1, -1.0, margin)
+            return inner_in_outer(layout, model, data, out, geom2, geom1, -1.0, margin)
         return _original(model, data, out, geom1, geom2, margin)
 
     return collide
@@ -68,16 +61,15 @@ def _compile_lobes(layout: Layout) -> Any:
 
     It takes as long to compile as all others together, and pinwheels do not need it.
     """
-    at = _places(layout)
 
     @cfunc(_SIGNATURE, cache=cacheable())
     def collide(model: int, data: int, out: int, geom1: int, geom2: int, margin: float) -> int:
-        priority = read_address(model + at[PRIORITY])
+        priority = read_address(model + layout.geom_priority)
         role1, role2 = read_int(priority + 4 * geom1), read_int(priority + 4 * geom2)
         if role1 == _TEETH and role2 == _LOBE:
-            return lobe_on_teeth(at, model, data, out, geom1, geom2, 1.0, margin)
+            return lobe_on_teeth(layout, model, data, out, geom1, geom2, 1.0, margin)
         if role1 == _LOBE and role2 == _TEETH:
-            return lobe_on_teeth(at, model, data, out, geom2, geom1, -1.0, margin)
+            return lobe_on_teeth(layout, model, data, out, geom2, geom1, -1.0, margin)
         return _pins(model, data, out, geom1, geom2, margin)
 
     return collide
@@ -99,7 +91,7 @@ def _pin_collider() -> Any:
 
 @cache
 def _lift() -> Any:
-    lift = between_speeds_and_forces(layout_offsets())
+    lift = between_speeds_and_forces(discover_steps())
     selftest.require_passed("lift", lambda: selftest.try_lift(lift.address))
     return lift
 
@@ -127,7 +119,7 @@ _installation = Shared(_install, _uninstall)
 
 
 @contextmanager
-def installed(lobes: bool = True) -> Iterator[None]:
+def install(lobes: bool = True) -> Iterator[None]:
     """Use exact conjugate contact inside this ``with`` block; nested and parallel blocks are allowed.
 
     Parameters

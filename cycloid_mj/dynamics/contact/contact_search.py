@@ -1,13 +1,14 @@
 """Contact search between two surfaces in the plane: gap, stiffness factor, position and normal of every contact line.
 
-The collider writes the results for MuJoCo (`mating`), the planar solver uses them directly. Contacts are written one
-after the other, ``STRIDE`` bytes apart, in the format of `read_touch`. The unit normal points from the first surface to
+The collider writes the results for MuJoCo (`mating`), the planar solver uses them directly. Contacts are written in
+sequence, ``STRIDE`` bytes apart, in the format of `read_touch`. The unit normal points from the first surface to
 the second: outwards from the teeth, from the inner circle to the outer one.
 """
 
 import math
 from typing import NamedTuple
 
+import numpy as np
 from numba import njit
 
 from cycloid_mj.base import compiling
@@ -18,45 +19,57 @@ from cycloid_mj.dynamics.contact.gap import (
     circle_in_circle,
     flank_distance,
     inwards,
+    nearest_on_arc,
     outwards,
-    placed,
-    places_in_arc,
+    to_frame,
     trochoid_curvature,
 )
-from cycloid_mj.dynamics.contact.local_gap import Start, pin_distance, turned_times
+from cycloid_mj.dynamics.contact.local_gap import Start, multiple_angle, pin_distance
 from cycloid_mj.dynamics.contact.memory import read_float, write_float
-from cycloid_mj.dynamics.contact.ring import is_monotone, offset_root, root_minimum, root_slope, root_start
+from cycloid_mj.dynamics.contact.ring import Minimum, is_monotone, offset_root, root_minimum, root_slope, root_start
 from cycloid_mj.dynamics.contact.teeth import Teeth
 
-STRIDE = 80
-"""Bytes from one touch to the next: those of an ``mjPreContact``, of which a touch takes the first six numbers."""
+PRE_CONTACT = np.dtype([("dist", float), ("pos", float, 3), ("normal", float, 3), ("tangent", float, 3)])
+"""An ``mjPreContact``, of which a `Touch` takes the first six numbers."""
 
-_SCAN = 64
-"""Pieces of a root that are searched apart, where the gap may have several minima in it."""
+STRIDE = PRE_CONTACT.itemsize
+"""Bytes from one touch to the next."""
 
-_MODIFIED_SCAN = 20
-"""The same for a gear that is not conjugate to the ring: the minima crowd beside junction and middle, as the pieces."""
 
-_BEYOND = 0.05
-"""Angle [rad] that a root may lie from the eccentric direction beyond its ideal range and still be touched."""
+class RootSearchSettings(NamedTuple):
+    """Settings of the search for the contacts of a disc with a root of the internal gear (`lobe_touches`)."""
 
-_SECOND_ORDER = 0.02
-"""Bound on what a displacement adds to a gap beyond its normal part, as a share of it."""
+    pieces: int = 64
+    """Pieces of a half root that are searched separately, where the gap may have several minima in it."""
+    modified_pieces: int = 20
+    """The same for a disc that is not conjugate to the ring; its minima, like the pieces, crowd near the ends."""
+    angle_margin: float = 0.05
+    """Angle [rad] beyond the ideal range of the eccentric direction in which a root may still be touched."""
+    second_order_share: float = 0.02
+    """Bound on the second-order part of a gap by a displacement, as a share of the displacement."""
+
+    @property
+    def max_touches(self) -> int:
+        """Largest number of contacts of a lobe: one for each piece of both half roots, and those of the arc."""
+        return 2 * self.pieces + 2
+
+
+SETTINGS = RootSearchSettings()
 
 
 class Touch(NamedTuple):
-    """A touch of two surfaces.
+    """Contact of two surfaces.
 
     Attributes
     ----------
     gap
         Their distance [m], negative where they overlap.
     x, y
-        Its place [m].
+        Position half-way between the surfaces [m].
     factor
-        On the stiffness of the pair [1].
+        Stiffness relative to that of the pair [1].
     nx, ny
-        Its normal.
+        Unit normal.
     """
 
     gap: float
@@ -68,17 +81,17 @@ class Touch(NamedTuple):
 
 
 class RingPin(NamedTuple):
-    """A pin as an opponent of teeth.
+    """A ring pin that mates with teeth.
 
     Attributes
     ----------
     radius
-        Of the pin [m].
+        Radius of the pin [m].
     sine, cosine
-        Of its home angle, clockwise from +y; both 0 of one that a ring carries round the origin.
-    play, yielding, held
-        Of a massless one, else 0: by how much it gives way [m]; the stiffness of a pin on a flat over that of its seat;
-        and one more than the least cosine of the angle to its home at which its seat holds it.
+        Direction of its home position, clockwise from +y; both 0 for a pin on a ring that rotates about the origin.
+    play, yielding, min_cosine
+        Of a massless pin, otherwise 0: its clearance [m]; the stiffness of a pin on a flat over that of its seat; and
+        one more than the smallest cosine of the angle to its home direction at which the seat supports it.
     """
 
     radius: float
@@ -86,7 +99,7 @@ class RingPin(NamedTuple):
     cosine: float
     play: float
     yielding: float
-    held: float
+    min_cosine: float
 
 
 class PinTouch(NamedTuple):
@@ -97,13 +110,39 @@ class PinTouch(NamedTuple):
     curvature: float
 
 
-class Line(NamedTuple):
-    """A line of contact: its gap [m], the factor on its stiffness, and the outward normal of the gear."""
+class ArcTouch(NamedTuple):
+    """Contact of teeth and the arc of a lobe, if it `exists`: gap [m], stiffness factor, normal in the lobe's frame."""
 
+    exists: bool
     gap: float
     factor: float
     nx: float
     ny: float
+
+
+class HalfRoot(NamedTuple):
+    """Half of a root of the internal gear next to a lobe.
+
+    Attributes
+    ----------
+    own
+        Whether it is on the counter-clockwise side of the lobe; the other half belongs to the next lobe.
+    low
+        Phase at which the root begins, B0 [rad].
+    start
+        Phase to start the search from [rad].
+    frame
+        Frame of the lobe that the root belongs to, in the frame of this lobe.
+    modified, monotone
+        Whether the disc is not conjugate to the ring, and ``ring.is_monotone``.
+    """
+
+    own: bool
+    low: float
+    start: float
+    frame: Pose
+    modified: bool
+    monotone: bool
 
 
 @njit(inline="always")
@@ -143,23 +182,23 @@ def _stiffness_factor(teeth: Teeth, curvature: float) -> float:
 def pin_touch(profile: Teeth, pin: RingPin, gear: Pose, px: float, py: float, margin: float) -> PinTouch:
     """Compute the contact of the teeth and a pin at (px, py) [m], including clearance and seat of a massless pin.
 
-    A massless pin is a two-force body: it gives way by its play, then both of its contacts carry the same force, and
+    A massless pin is a two-force body: it moves by its clearance, then both of its contacts carry the same force, and
     their compliances add up. With the stiffness K f of a pin on the gear, f = 1 on a flat, and K/x of the seat, the
-    pair's stiffness K/(1 + x) acts f (1 + x)/(1 + x f) times as much. A pin that has no home is where a ring has
-    turned it to, about the world's origin. A massless pin that is pressed towards the opening of its socket carries
-    nothing.
+    pair's stiffness K/(1 + x) acts f (1 + x)/(1 + x f) times as much. A pin without a home direction is where a ring
+    that rotates about the origin has moved it. A massless pin that is pressed towards the opening of its socket has no
+    contact.
     """
     offset = profile.flank.offset
     reach, yielding = pin.radius - pin.play, pin.yielding
     x, y = inwards(gear, px - gear.x, py - gear.y)
     hs, hc = pin.sine, pin.cosine
-    carried = hs == 0.0 and hc == 0.0
-    if carried:
+    rotates = hs == 0.0 and hc == 0.0
+    if rotates:
         away = 1.0 / math.sqrt(px * px + py * py)
         hs, hc = px * away, py * away
     st, ct = hs * gear.cosine + hc * gear.sine, hc * gear.cosine - hs * gear.sine
     times = int(profile.ring.teeth)
-    sn, cn = turned_times(st, ct, times) if carried else turned_times(gear.sine, gear.cosine, times)
+    sn, cn = multiple_angle(st, ct, times) if rotates else multiple_angle(gear.sine, gear.cosine, times)
     start = Start(st, ct, sn, cn)
     distance, nx, ny, bend = pin_distance(x, y, profile.flank, start, margin + reach - offset)
     gap = distance + offset - reach
@@ -167,7 +206,7 @@ def pin_touch(profile: Teeth, pin: RingPin, gear: Pose, px: float, py: float, ma
     if not gap < margin:
         return none
     wx, wy = outwards(gear, nx, ny)
-    if 1.0 + wx * hs + wy * hc < pin.held:
+    if 1.0 + wx * hs + wy * hc < pin.min_cosine:
         return none  # pressed out of its seat's opening
     factor = _stiffness_factor(profile, bend / (1.0 - offset * bend) + 1.0 / pin.radius)
     factor *= (1.0 + yielding) / (1.0 + yielding * factor)
@@ -176,10 +215,10 @@ def pin_touch(profile: Teeth, pin: RingPin, gear: Pose, px: float, py: float, ma
 
 
 @njit(inline="always")
-def _edge(bottom: float, top: float, share: float, own: bool, crowded: bool) -> float:
-    """Compute the phase at a share of a half root, of the lobe itself or of the next one.
+def _piece_edge(bottom: float, top: float, share: float, own: bool, crowded: bool) -> float:
+    """Compute the phase at a share of a half root, which is that of the lobe itself (`own`) or of the next lobe.
 
-    Where crowded, the edges are dense at the middle of the root and denser at its junction.
+    If `crowded`, the edges of the pieces are dense at the middle of the root and denser at its junction.
     """
     if not crowded:
         return bottom + (top - bottom) * share
@@ -189,13 +228,13 @@ def _edge(bottom: float, top: float, share: float, own: bool, crowded: bool) -> 
 
 
 @njit(inline="always")
-def _opens(dx: float, dy: float, x1: float, y1: float, x2: float, y2: float, clear: float) -> bool:
-    """Return whether a displacement leaves a gap where the normal lies between two directions, less than pi apart.
+def _is_open(dx: float, dy: float, x1: float, y1: float, x2: float, y2: float, clear: float) -> bool:
+    """Return whether a displacement leaves a gap where the normal lies between two directions, by less than pi.
 
-    They are (x1, y1) and, clockwise from it, (x2, y2); ``clear`` is the least gap [m] of the undisplaced gear there.
+    They are (x1, y1) and, clockwise from it, (x2, y2); `clear` is the smallest gap [m] of the undisplaced gear there.
     """
     size = math.sqrt(dx * dx + dy * dy)
-    clear -= _SECOND_ORDER * size
+    clear -= SETTINGS.second_order_share * size
     if size < clear:
         return True
     within = x1 * dy - y1 * dx <= 0.0 and x2 * dy - y2 * dx >= 0.0
@@ -203,14 +242,51 @@ def _opens(dx: float, dy: float, x1: float, y1: float, x2: float, y2: float, cle
 
 
 @njit(inline="always")
-def _write_arc(out: int, has_arc: bool, arc: Line, lobe: Pose, reach: float) -> int:
+def _arc_touch(profile: Teeth, arc_radius: float, gear: Pose, sn: float, cn: float, margin: float) -> ArcTouch:
+    """Compute the contact of teeth and the arc of a lobe; `sn`, `cn` are sine and cosine of N times the gear's angle.
+
+    Beyond the range of the arc's normals there is none: the gap decreases further along the flank of the root.
+    """
+    ring, offset = profile.ring, profile.flank.offset
+    x, y = inwards(gear, -gear.x, ring.radius - gear.y)
+    start = Start(gear.sine, gear.cosine, sn, cn)
+    distance, nx, ny, bend = pin_distance(x, y, profile.flank, start, margin + arc_radius - offset)
+    gap, (wx, wy) = distance + offset - arc_radius, outwards(gear, nx, ny)
+    exists = gap < margin and abs(wx) <= ring.eccentricity * ring.teeth / ring.radius
+    factor = _stiffness_factor(profile, bend / (1.0 - offset * bend) + 1.0 / arc_radius) if exists else 1.0
+    return ArcTouch(exists, gap, factor, wx, wy)
+
+
+@njit(inline="always")
+def _write_arc(out: int, arc: ArcTouch, lobe: Pose, reach: float) -> int:
     """Write the contact on the arc of a lobe, if there is one, at the pose of the lobe."""
-    if not has_arc:
+    if not arc.exists:
         return 0
     depth = reach + 0.5 * arc.gap
     nx, ny = outwards(lobe, arc.nx, arc.ny)
     write_touch(out, arc.gap, lobe.x - depth * nx, lobe.y - depth * ny, arc.factor, nx, ny)
     return 1
+
+
+@njit(inline="always")
+def _root_factor(profile: Teeth, arc_radius: float, least: Minimum) -> float:
+    """Compute the stiffness factor of a contact in a root."""
+    offset, ring, bend = profile.flank.offset, profile.ring, trochoid_curvature(least.t, profile.flank.curve)
+    curvature = offset_root(least.B, ring)[4]
+    return _stiffness_factor(profile, bend / (1.0 - offset * bend) - curvature / (1.0 - arc_radius * curvature))
+
+
+@njit(inline="always")
+def _separation(profile: Teeth, arc_radius: float, gear: Pose, phase: float, highest: float) -> float:
+    """Compute how separate the contacts on arc and root are, from 0 to 1.
+
+    Contacts with less than a deflection of gap between them, at a `phase` half-way, are one patch. `highest` is the
+    larger of their gaps [m].
+    """
+    x, y, _, _, _ = offset_root(phase, profile.ring)
+    ex, ey = inwards(gear, x - gear.x, y - gear.y)
+    rise = flank_distance(ex, ey, profile.flank)[1] + profile.flank.offset - arc_radius - highest
+    return min(1.0, max(0.0, rise / profile.deflection))
 
 
 @compiling.njit(inner=True)
@@ -221,108 +297,112 @@ def lobe_touches(out: int, profile: Teeth, arc_radius: float, lobe: Pose, gear: 
     gx, gy = inwards(lobe, gear.x - lobe.x, gear.y - lobe.y)
     cosine, sine = inwards(lobe, gear.cosine, gear.sine)
     gear = Pose(gx, gy + ring.radius, cosine, sine)
+    sn, cn = multiple_angle(sine, cosine, int(ring.teeth))
+    arc = _arc_touch(profile, arc_radius, gear, sn, cn, margin)
 
-    x, y = inwards(gear, -gear.x, ring.radius - gear.y)
-    sn, cn = turned_times(sine, cosine, int(ring.teeth))
-    distance, nx, ny, bend = pin_distance(x, y, flank, Start(sine, cosine, sn, cn), margin + arc_radius - offset)
-    arc_x, arc_y = outwards(gear, nx, ny)
-    arc = Line(distance + offset - arc_radius, 1.0, arc_x, arc_y)
     share = ring.eccentricity * ring.teeth / ring.radius
-    # Beyond the fan of its normals the arc ends: the gap goes on falling along the flank of the root.
-    has_arc = arc.gap < margin and abs(arc.nx) <= share
-    arc_factor = 1.0
-    if has_arc:
-        arc_factor = _stiffness_factor(profile, bend / (1.0 - offset * bend) + 1.0 / arc_radius)
-
-    count = 0
     modified = flank.curve.radius != ring.radius or flank.rotation != 0.0 or len(flank.waves) > 0
     monotone = is_monotone(ring)
     aside = math.sqrt(1.0 - share * share)
-    # Of a conjugate gear, only roots near the eccentric direction are in touch: |crank| < acos(share) and a bit.
-    far = gear.y < (share - _BEYOND * aside) * math.sqrt(gear.x * gear.x + gear.y * gear.y)
+    # Of a conjugate gear, only roots near the eccentric direction are in contact: |crank| < acos(share), plus a margin.
+    far = gear.y < (share - SETTINGS.angle_margin * aside) * math.sqrt(gear.x * gear.x + gear.y * gear.y)
     if far and monotone and not modified:
-        return _write_arc(out, has_arc, Line(arc.gap, arc_factor, arc.nx, arc.ny), lobe, arc_radius)
-    crowded = modified and monotone
-    pieces = 1 if monotone and not modified else (_MODIFIED_SCAN if monotone else _SCAN)
-    # The crank is N - 1 times as far round as the gear. Most roots are open, and need not know its angle.
+        return _write_arc(out, arc, lobe, arc_radius)
+    # The crank is N - 1 times as far round as the gear. Most roots are open, and do not need its angle.
     crank_x, crank_y = sn * cosine - cn * sine, cn * cosine + sn * sine
     shift_x, shift_y = gear.x - ring.eccentricity * crank_x, gear.y - ring.eccentricity * crank_y
     half_pitch = math.pi / ring.teeth
     half_x, half_y = math.sin(half_pitch), math.cos(half_pitch)
+    count = 0
     for side in range(2):
         # The root on the clockwise side is that of the next lobe: one pitch further clockwise.
         own = side == 0
         pitch = 0.0 if own else 2.0 * half_pitch
         x1, y1, x2, y2 = (-half_x, half_y, share, aside) if own else (-share, aside, half_x, half_y)
-        if not modified and _opens(shift_x, shift_y, x1, y1, x2, y2, offset - arc_radius - margin):
+        if not modified and _is_open(shift_x, shift_y, x1, y1, x2, y2, offset - arc_radius - margin):
             continue
         turn = (ring.teeth - 1.0) * math.atan2(sine, cosine)
         crank = turn - 2.0 * math.pi * math.floor(turn / (2.0 * math.pi) + 0.5)
         low = math.acos(share)
-        high = 2.0 * math.pi - low
         start = root_start(crank - pitch, low, ring, modified) if monotone else math.pi
         if start == 0.0:
             continue
-        next_lobe = Pose(0.0, 0.0, math.cos(pitch), -math.sin(pitch))
-        rx, ry = inwards(next_lobe, gear.x, gear.y)
-        rc, rs = inwards(next_lobe, cosine, sine)
-        posed = Pose(rx, ry, rc, rs)
-        bottom, top = (low, math.pi) if own else (math.pi, high)
-        slope = -1.0
+        root = HalfRoot(own, low, start, Pose(0.0, 0.0, math.cos(pitch), -math.sin(pitch)), modified, monotone)
+        count, arc = _write_root(out, count, profile, arc_radius, root, arc, lobe, gear, margin)
+    return count + _write_arc(out + STRIDE * count, arc, lobe, arc_radius)
+
+
+@compiling.njit(inner=True)
+def _write_root(
+    out: int,
+    count: int,
+    profile: Teeth,
+    arc_radius: float,
+    root: HalfRoot,
+    arc: ArcTouch,
+    lobe: Pose,
+    gear: Pose,
+    margin: float,
+) -> tuple[int, ArcTouch]:
+    """Write the contacts in half a root after `count` others; return their new number and the contact on the arc.
+
+    Contacts on arc and root with less than a deflection of gap between them are one patch, which both share equally.
+    """
+    flank, ring, frame, low = profile.flank, profile.ring, root.frame, root.low
+    rx, ry = inwards(frame, gear.x, gear.y)
+    rc, rs = inwards(frame, gear.cosine, gear.sine)
+    posed = Pose(rx, ry, rc, rs)
+    bottom, top = (low, math.pi) if root.own else (math.pi, 2.0 * math.pi - low)
+    pieces = SETTINGS.modified_pieces if root.monotone else SETTINGS.pieces
+    if root.monotone and not root.modified:
+        pieces = 1
+    slope = root_slope(bottom, ring, flank, posed) if pieces > 1 else -1.0
+    for piece in range(pieces):
+        left = _piece_edge(bottom, top, piece / pieces, root.own, root.modified and root.monotone)
+        right = _piece_edge(bottom, top, (piece + 1) / pieces, root.own, root.modified and root.monotone)
         if pieces > 1:
-            slope = root_slope(bottom, ring, flank, posed)
-        for piece in range(pieces):
-            left = _edge(bottom, top, piece / pieces, own, crowded)
-            right = _edge(bottom, top, (piece + 1) / pieces, own, crowded)
-            if pieces > 1:
-                falling = slope < 0.0
-                slope = root_slope(right, ring, flank, posed)
-                if not falling or slope < 0.0:
-                    continue
-            least = root_minimum(left, right, start if pieces == 1 else 0.5 * (left + right), ring, flank, posed)
-            gap = least.distance + offset - arc_radius
-            if not (least.exists and gap < margin):
+            falling = slope < 0.0
+            slope = root_slope(right, ring, flank, posed)
+            if not falling or slope < 0.0:
                 continue
-            x, y, _, _, curvature = offset_root(least.B, ring)
-            bend = trochoid_curvature(least.t, flank.curve)
-            relative = bend / (1.0 - offset * bend) - curvature / (1.0 - arc_radius * curvature)
-            factor = _stiffness_factor(profile, relative)
-            if has_arc and profile.deflection > 0.0:
-                # Lines with less than a deflection of gap between them are one patch, shared half and half.
-                mx, my, _, _, _ = offset_root(0.5 * (least.B + (low if own else high)), ring)
-                ex, ey = inwards(posed, mx - posed.x, my - posed.y)
-                rise = flank_distance(ex, ey, flank)[1] + offset - arc_radius - max(gap, arc.gap)
-                apart = min(1.0, max(0.0, rise / profile.deflection))
-                factor = (0.5 + 0.5 * apart) * (arc_factor + apart * (factor - arc_factor))
-                arc_factor *= 0.5 + 0.5 * apart
-            depth = arc_radius + 0.5 * gap
-            # Back from the root's frame to the lobe's, and to the world.
-            fx, fy = outwards(next_lobe, x - depth * least.nx, y - depth * least.ny)
-            vx, vy = outwards(next_lobe, least.nx, least.ny)
-            px, py = placed(lobe, fx, fy - ring.radius)
-            qx, qy = outwards(lobe, vx, vy)
-            write_touch(out + STRIDE * count, gap, px, py, factor, qx, qy)
-            count += 1
-    place = out + STRIDE * count
-    return count + _write_arc(place, has_arc, Line(arc.gap, arc_factor, arc.nx, arc.ny), lobe, arc_radius)
+        least = root_minimum(left, right, root.start if pieces == 1 else 0.5 * (left + right), ring, flank, posed)
+        gap = least.distance + flank.offset - arc_radius
+        if not (least.exists and gap < margin):
+            continue
+        factor, arc_factor = _root_factor(profile, arc_radius, least), arc.factor
+        if arc.exists and profile.deflection > 0.0:
+            middle = 0.5 * (least.B + (low if root.own else 2.0 * math.pi - low))
+            apart = _separation(profile, arc_radius, posed, middle, max(gap, arc.gap))
+            factor = (0.5 + 0.5 * apart) * (arc_factor + apart * (factor - arc_factor))
+            arc = ArcTouch(arc.exists, arc.gap, arc_factor * (0.5 + 0.5 * apart), arc.nx, arc.ny)
+        depth = arc_radius + 0.5 * gap
+        x, y, _, _, _ = offset_root(least.B, ring)
+        # Back from the root's frame to the lobe's, and to the world.
+        fx, fy = outwards(frame, x - depth * least.nx, y - depth * least.ny)
+        vx, vy = outwards(frame, least.nx, least.ny)
+        px, py = to_frame(lobe, fx, fy - ring.radius)
+        qx, qy = outwards(lobe, vx, vy)
+        write_touch(out + STRIDE * count, gap, px, py, factor, qx, qy)
+        count += 1
+    return count, arc
 
 
 @compiling.njit(inner=True)
 def inner_touches(
     out: int, dx: float, dy: float, x: float, y: float, inner: float, outer: PartialCircle, margin: float
 ) -> int:
-    """Write the touches of a circle of radius `inner` at (x, y), (dx, dy) from the middle of the circle around it [m].
+    """Write the contacts of a circle of radius `inner` at (x, y), (dx, dy) from the centre of the circle around it [m].
 
-    That may be open, an arc: there the inner circle meets its edges. Of a whole one the sine is 0.
+    The outer circle may be open, an arc, whose edges are then in contact; the sine of a closed one is 0.
     """
-    # Most circles are apart: their gap need not be known for that.
+    # Most circles are open, which needs no exact gap.
     play = outer.radius - inner - margin
     if play > 0.0 and dx * dx + dy * dy <= play * play:
         return 0
     if outer.sine == 0.0:
         gap, nx, ny = circle_in_circle(dx, dy, inner, outer.radius)
         return _write_inner(out, gap, x, y, nx, ny, inner, margin)
-    side, on_arc, other = places_in_arc(dx, dy, outer)
+    side, on_arc, other = nearest_on_arc(dx, dy, outer)
     if on_arc:
         gap, nx, ny = circle_in_circle(dx, dy, inner, outer.radius)
     else:

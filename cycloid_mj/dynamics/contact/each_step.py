@@ -26,29 +26,31 @@ from cycloid_mj.base import compiling
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import cacheable, cfunc
 from cycloid_mj.dynamics.contact import selftest
-from cycloid_mj.dynamics.contact.forces import OF_PAIR, PairIndex, gather, pair_of
+from cycloid_mj.dynamics.contact.forces import PairIndex, gather, pair_of
 from cycloid_mj.dynamics.contact.layout import discover_steps
 from cycloid_mj.dynamics.contact.library import answer, callback, function_address
 from cycloid_mj.dynamics.contact.memory import read_address, read_float, read_int, write_float
 from cycloid_mj.dynamics.contact.reference_correction import (
     bind_multiplication,
     correct_references,
-    layout_offsets,
     multiply_jacobian,
 )
+from cycloid_mj.dynamics.contact.samples import (
+    ACCELERATION_SUM,
+    ITERATIONS,
+    OF_PAIR,
+    OF_SOLVER,
+    PEAK_FORCE,
+    WARNINGS,
+    sample_slices,
+)
 from cycloid_mj.dynamics.contact.shared import Shared
-from cycloid_mj.dynamics.contact.step_state import STEP_STATE, StepState, step_state_at
+from cycloid_mj.dynamics.contact.step_state import ARRAYS, FIELDS, INDEX, POINTERS, STEP_STATE, StepState, step_state_at
 from cycloid_mj.reducer import impact
 from cycloid_mj.reducer.impact import ImpactLaw
 
 SENSOR, IMPACT_SENSOR = "each_step", "impact"
 """Names of the user sensors: they read 0."""
-
-OF_SOLVER = 6
-"""Columns of a sample on all contacts and the solver: contacts that carry a force, deepest geometric penetration [m],
-largest force of one contact [N], largest number of solver iterations in an island; the sum of all accelerations, which
-is finite if each of them is; and the number of warnings that MuJoCo has issued, or, of the planar solver, of the steps
-since the last sample whose contact geometry did not converge."""
 
 _FIRST_STAGE, _LAST_STAGE = int(mujoco.mjtStage.mjSTAGE_POS), int(mujoco.mjtStage.mjSTAGE_ACC)
 _spring, _damper = njit(impact.spring), njit(impact.damper)
@@ -90,11 +92,11 @@ def add_sensor(spec: Any, impact: bool = False) -> None:
 
 
 class EachStep:
-    """Stepper of a MuJoCo run on one ``MjData``; it must be used within `installed`.
+    """Stepper of a MuJoCo run on one ``MjData``; it must be used within `install`.
 
     The first step is sampled, at its start. A sample is a row of the values at `sources`, potential and kinetic energy
-    [J] (`copied`), `OF_SOLVER` (`solver`), ``forces.OF_PAIR`` of each pair (`pairs`), and the power of each drag [W]
-    (`drags`). The normal force of a pair is the sum over its contacts.
+    [J] (`copied`), ``samples.SOLVER_COLUMNS`` (`solver`), ``samples.PAIR_COLUMNS`` of each pair (`pairs`), and the
+    power of each drag [W] (`drags`). The normal force of a pair is the sum over its contacts.
 
     Parameters
     ----------
@@ -132,15 +134,15 @@ class EachStep:
         self._drags = np.array(drags, dtype=np.int32)
         self._impacts = np.array([astuple(impact) for impact in impacts], dtype=np.float64)
         self._orbits, self._circling = np.array(orbits, dtype=np.int32), np.zeros(model.nv)
-        self._step = np.array([model.opt.timestep])
+        self._timestep = np.array([model.opt.timestep])
         self._peak = np.zeros(len(index.origin))
         self._sum = np.zeros_like(self._peak)
         self._commands = np.zeros((0, len(data.ctrl)))
-        self._half, self._speeds = np.array([0.5 * model.opt.timestep]), np.zeros(model.nv)
-        sizes = [self._sources.size, OF_SOLVER, OF_PAIR * self._peak.size, self._drags.size]
-        ends = np.cumsum([0, *sizes]).tolist()
-        self.copied, self.solver, self.pairs, self.drags = map(slice, ends[:-1], ends[1:])
-        self._every, self._width = every, ends[-1]
+        self._half_timestep, self._saved_qvel = np.array([0.5 * model.opt.timestep]), np.zeros(model.nv)
+        self.copied, self.solver, self.pairs, self.drags, self._width = sample_slices(
+            self._sources.size, self._peak.size, self._drags.size
+        )
+        self._every = every
         self._state = self._state_record()
         data.userdata[0] = self._state.ctypes.data
 
@@ -162,72 +164,47 @@ class EachStep:
 
     def _state_record(self) -> Any:
         """Return the record of addresses and sizes for the compiled code, see `STEP_STATE`."""
-        at, model, data, index = discover_steps(), self._model, self._data, self._index
-        start = data._address
-        places = {
-            "contacts": start + at.contact,
-            "count": start + at.ncon,
-            "forces": start + at.efc_force,
-            "speeds": start + at.efc_vel,
-            "places": start + at.efc_pos,
-            "weights": start + at.efc_R,
-            "inverse": start + at.efc_D,
-            "constants": start + at.efc_KBIP,
-            "stride": at.stride,
-            "pos": at.pos,
-            "frame": at.frame,
-            "dim": at.dim,
-            "geom": at.geom,
-            "row": at.efc_address,
-            "freedoms": model.nv,
-            "numbers": model.nuser_geom,
+        model, data, index = self._model, self._data, self._index
+        layout = discover_steps()._asdict()
+        values = {name: data._address + layout[name] for name in POINTERS} | {name: layout[name] for name in FIELDS}
+        values |= {
+            "nv": model.nv,
+            "nu": len(data.ctrl),
+            "nuser_geom": model.nuser_geom,
             "surfaces": len(index.pair),
-            "mating": len(index.origin),
-            "actuators": len(data.ctrl),
-            "copied": self._sources.size,
-            "braked": self._drags.size,
+            "pairs": len(index.origin),
+            "source_count": self._sources.size,
+            "drag_count": self._drags.size,
             "discs": self._orbits.size,
             "islands": data.solver_niter.size,
-            "kinds": data.warning.number.size,
-            "apart": data.warning.number.strides[0],
+            "warning_kinds": data.warning.number.size,
+            "warning_stride": data.warning.number.strides[0],
+            "impact": self._impacts.ctypes.data if self._impacts.size else 0,
             "due": 1,
             "every": self._every,
             "width": 8 * self._width,
         }
-        arrays = {
-            "xpos": data.xpos,
-            "geom_xpos": data.geom_xpos,
-            "geom_xmat": data.geom_xmat,
-            "accelerations": data.qacc,
-            "moving": data.qvel,
-            "positions": data.qpos,
+        arrays = {name: getattr(data, name) for name in ARRAYS} | {name: getattr(index, name) for name in INDEX}
+        arrays |= {
+            "warning_number": data.warning.number,
+            "timestep": self._timestep,
+            "half_timestep": self._half_timestep,
+            "saved_qvel": self._saved_qvel,
             "orbits": self._orbits,
             "circling": self._circling,
-            "half": self._half,
-            "before": self._speeds,
-            "step": self._step,
-            "ctrl": data.ctrl,
-            "iterations": data.solver_niter,
-            "warnings": data.warning.number,
-            "surface": index.surface,
-            "pair": index.pair,
-            "origin": index.origin,
-            "reach": index.reach,
-            "teeth": index.teeth,
             "sources": self._sources,
             "drags": self._drags,
             "sum": self._sum,
             "peak": self._peak,
         }
         record = np.zeros((), STEP_STATE)
-        record["impact"] = self._impacts.ctypes.data if self._impacts.size else 0
-        for name, place in (places | {name: array.ctypes.data for name, array in arrays.items()}).items():
-            record[name] = place
+        for name, value in (values | {name: array.ctypes.data for name, array in arrays.items()}).items():
+            record[name] = value
         return record
 
 
 @contextmanager
-def installed() -> Iterator[None]:
+def install() -> Iterator[None]:
     """Install the callback of `EachStep` inside this ``with`` block; nested and parallel blocks are allowed.
 
     MuJoCo's timers are disabled: reading the clock some twenty times takes 4 % of a step.
@@ -266,17 +243,15 @@ _installation = Shared(_install, _uninstall)
 def _compile_callback() -> Any:
     """Compile or load the sensor callback that takes the steps of a run."""
     layout = discover_steps()
-    at = layout.nuserdata, layout.userdata
-    offsets = layout_offsets()
     bind_multiplication()
     for stage in _STAGES:
         llvmlite.binding.add_symbol(stage.symbol, function_address(stage.symbol.removeprefix(_PREFIX)))
 
     @cfunc(types.void(types.intp, types.intp, types.int32), cache=cacheable())
     def during_step(model: int, data: int, stage: int) -> None:
-        if (stage != _LAST_STAGE and stage != _FIRST_STAGE) or read_int(model + at[0]) != 1:
+        if (stage != _LAST_STAGE and stage != _FIRST_STAGE) or read_int(model + layout.nuserdata) != 1:
             return
-        address = int(read_float(read_address(data + at[1])))
+        address = int(read_float(read_address(data + layout.userdata)))
         if not address:
             return
         run = step_state_at(address)
@@ -290,7 +265,7 @@ def _compile_callback() -> Any:
             _position(model, data)
             _apply_impact(run)
             _velocity(model, data)
-            correct_references(offsets, model, data)
+            correct_references(layout, model, data)
             _actuation(model, data)
             _acceleration(model, data)
             _constraint(model, data)
@@ -307,12 +282,12 @@ def _end_step(model: int, data: int, run: StepState) -> None:
     if run.due == 0:
         run.due = run.every
         _advance_speeds(run)
-        multiply_jacobian(model, data, read_address(run.speeds), run.moving)
+        multiply_jacobian(model, data, read_address(run.efc_vel), run.qvel)
         _place_energy(model, data)
         _motion_energy(model, data)
         _sample(run)
-        for k in range(run.freedoms):
-            write_float(run.moving + 8 * k, read_float(run.before + 8 * k))
+        for k in range(run.nv):
+            write_float(run.qvel + 8 * k, read_float(run.saved_qvel + 8 * k))
     _command(run)
 
 
@@ -325,12 +300,12 @@ def _apply_impact(run: StepState) -> None:
     """
     if not run.impact:
         return
-    first, places = read_address(run.contacts), read_address(run.places)
-    weights, inverse = read_address(run.weights), read_address(run.inverse)
-    constants, step = read_address(run.constants), read_float(run.step)
-    for k in range(read_int(run.count)):
+    first, places = read_address(run.contact), read_address(run.efc_pos)
+    weights, inverse = read_address(run.efc_R), read_address(run.efc_D)
+    constants, timestep = read_address(run.efc_KBIP), read_float(run.timestep)
+    for k in range(read_int(run.ncon)):
         contact = first + run.stride * k
-        pair, row = abs(pair_of(run, contact)) - 1, read_int(contact + run.row)
+        pair, row = abs(pair_of(run, contact)) - 1, read_int(contact + run.efc_address)
         if pair < 0 or row < 0:
             continue
         law = run.impact + 32 * pair
@@ -338,7 +313,7 @@ def _apply_impact(run: StepState) -> None:
         depth = max(-read_float(places + 8 * row), impact.MIN_DEPTH)
         force = _spring(depth, read_float(law), exponent)
         damping = _damper(depth, read_float(law + 16), read_float(law + 24))
-        added = max(0.25 * exponent * force / depth * step * step + 0.5 * damping * step, _MIN_ADDED_MASS)
+        added = max(0.25 * exponent * force / depth * timestep * timestep + 0.5 * damping * timestep, _MIN_ADDED_MASS)
         scale = 1.0 / (added * read_float(weights + 8 * row))
         for axis in range(read_int(contact + run.dim)):
             weight, of_row = weights + 8 * (row + axis), constants + 32 * (row + axis)
@@ -354,38 +329,38 @@ def _apply_impact(run: StepState) -> None:
 @compiling.njit(inner=True)
 def _advance_speeds(run: StepState) -> None:
     """Save the speeds of the joints, and advance them by half a step."""
-    half = read_float(run.half)
-    for k in range(run.freedoms):
-        speed = read_float(run.moving + 8 * k)
-        write_float(run.before + 8 * k, speed)
-        write_float(run.moving + 8 * k, speed + half * read_float(run.accelerations + 8 * k))
+    half = read_float(run.half_timestep)
+    for k in range(run.nv):
+        speed = read_float(run.qvel + 8 * k)
+        write_float(run.saved_qvel + 8 * k, speed)
+        write_float(run.qvel + 8 * k, speed + half * read_float(run.qacc + 8 * k))
 
 
 @compiling.njit(inner=True)
 def _command(run: StepState) -> None:
     """Set the commands of the next step."""
     if run.command < run.last:
-        for k in range(run.actuators):
+        for k in range(run.nu):
             write_float(run.ctrl + 8 * k, read_float(run.command + 8 * k))
-        run.command += 8 * run.actuators
+        run.command += 8 * run.nu
 
 
 @compiling.njit(inner=True)
 def _update_peaks(run: StepState) -> None:
     """Update the largest force of each pair with that of this step."""
-    first, force = read_address(run.contacts), read_address(run.forces)
-    count = read_int(run.count)
+    first, force = read_address(run.contact), read_address(run.efc_force)
+    count = read_int(run.ncon)
     for k in range(count):
         contact = first + run.stride * k
-        pair, row = abs(pair_of(run, contact)) - 1, read_int(contact + run.row)
+        pair, row = abs(pair_of(run, contact)) - 1, read_int(contact + run.efc_address)
         if pair >= 0 and row >= 0:
-            place = run.sum + 8 * pair
-            write_float(place, read_float(place) + read_float(force + 8 * row))
+            address = run.sum + 8 * pair
+            write_float(address, read_float(address) + read_float(force + 8 * row))
     for k in range(count):
         pair = abs(pair_of(run, first + run.stride * k)) - 1
         if pair >= 0:
-            place = run.peak + 8 * pair
-            write_float(place, max(read_float(place), read_float(run.sum + 8 * pair)))
+            address = run.peak + 8 * pair
+            write_float(address, max(read_float(address), read_float(run.sum + 8 * pair)))
             write_float(run.sum + 8 * pair, 0.0)
 
 
@@ -394,26 +369,26 @@ def _sample(run: StepState) -> None:
     """Write the row of a sample."""
     row = run.rows
     run.rows += run.width
-    for k in range(run.copied):
+    for k in range(run.source_count):
         write_float(row, read_float(read_address(run.sources + 8 * k)))
         row += 8
     pairs = row + 8 * OF_SOLVER
-    for k in range(run.mating):
-        write_float(pairs + 8 * (OF_PAIR * k + 3), read_float(run.peak + 8 * k))
+    for k in range(run.pairs):
+        write_float(pairs + 8 * (OF_PAIR * k + PEAK_FORCE), read_float(run.peak + 8 * k))
         write_float(run.peak + 8 * k, 0.0)
     gather(run, row, pairs)
-    iterations, moving, warned = 0, 0.0, 0
+    iterations, acceleration_sum, warnings = 0, 0.0, 0
     for k in range(run.islands):
-        iterations = max(iterations, read_int(run.iterations + 4 * k))
-    for k in range(run.freedoms):
-        moving += read_float(run.accelerations + 8 * k)
-    for k in range(run.kinds):
-        warned += read_int(run.warnings + run.apart * k)
-    write_float(row + 24, float(iterations))
-    write_float(row + 32, moving)
-    write_float(row + 40, float(warned))
-    braked = pairs + 8 * OF_PAIR * run.mating
-    for k in range(run.braked):
-        place = 8 * read_int(run.drags + 4 * k)
-        force, speed = read_float(read_address(run.forces) + place), read_float(read_address(run.speeds) + place)
-        write_float(braked + 8 * k, -force * speed)
+        iterations = max(iterations, read_int(run.solver_niter + 4 * k))
+    for k in range(run.nv):
+        acceleration_sum += read_float(run.qacc + 8 * k)
+    for k in range(run.warning_kinds):
+        warnings += read_int(run.warning_number + run.warning_stride * k)
+    write_float(row + 8 * ITERATIONS, float(iterations))
+    write_float(row + 8 * ACCELERATION_SUM, acceleration_sum)
+    write_float(row + 8 * WARNINGS, float(warnings))
+    drags = pairs + 8 * OF_PAIR * run.pairs
+    for k in range(run.drag_count):
+        row = 8 * read_int(run.drags + 4 * k)
+        force, speed = read_float(read_address(run.efc_force) + row), read_float(read_address(run.efc_vel) + row)
+        write_float(drags + 8 * k, -force * speed)

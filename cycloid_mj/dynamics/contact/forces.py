@@ -13,17 +13,23 @@ from cycloid_mj.base import compiling
 from cycloid_mj.base.array import Array
 from cycloid_mj.dynamics.contact.gap import flank_distance
 from cycloid_mj.dynamics.contact.memory import read_address, read_float, read_int, write_float
+from cycloid_mj.dynamics.contact.samples import (
+    ACTIVE,
+    FORCE_X,
+    FORCE_Y,
+    FRICTION_POWER,
+    LARGEST_FORCE,
+    MOMENT,
+    NORMAL_POWER,
+    OF_PAIR,
+    PENETRATION,
+)
 from cycloid_mj.dynamics.contact.step_state import StepState
 from cycloid_mj.dynamics.contact.teeth import PLAY, read_teeth
 from cycloid_mj.reducer.bodies import Role
 
 _ROUND = 1e-9
 """Largest angle [rad] between the normal of a contact on a round surface and the direction of its centre: rounding."""
-
-OF_PAIR = 6
-"""Columns of a pair: force x, y on its ``on`` body [N], moment about that body's origin [N m], largest normal force
-since the last sample [N], and the powers of friction and normal force [W]. Friction power is never negative except for
-rounding; that of the normal force is damping and stored elastic energy."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +46,8 @@ class PairIndex:
     origin
         Body of each pair's ``on`` surface, shape (pairs,).
     reach
-        Radius of a geom that meets exact teeth, less the clearance of a massless pin [m], shape (ngeom,); 0 for others.
+        Radius of a geom that mates with exact teeth, less the clearance of a massless pin [m], shape (ngeom,); 0 for
+        others.
     teeth
         Address of the ``geom user`` of a geom that represents exact teeth, 0 for others, shape (ngeom,).
     """
@@ -60,8 +67,8 @@ def pair_index(model: Any, pairs: Sequence[Any]) -> PairIndex:
     body = dict(zip(surface.tolist(), model.geom_bodyid.tolist(), strict=True))
     index = np.zeros((len(number) + 1, len(number) + 1), dtype=np.int32)
     for count, pair in enumerate(pairs, start=1):
-        on, by = number[pair.on], number[pair.by]
-        index[on, by], index[by, on] = -count, count
+        on, other = number[pair.on], number[pair.by]
+        index[on, other], index[other, on] = -count, count
     origin = np.array([body[number[pair.on]] for pair in pairs], dtype=np.int32)
     return PairIndex(surface, index, origin, *_exact_teeth(model))
 
@@ -96,40 +103,40 @@ def gather(state: StepState, summary: int, of_pairs: int) -> None:
     """Sum the contacts of the current step by pair.
 
     Writes, at `summary`, the number of contacts that carry a force, the deepest geometric penetration [m] and the
-    largest force of one contact [N]; at `of_pairs`, the columns `OF_PAIR` of every pair, which must hold zeros and peak
-    forces.
+    largest force of one contact [N]; at `of_pairs`, the ``samples.PAIR_COLUMNS`` of every pair, which must be zero
+    except for peak forces.
     """
-    contacts, forces = read_address(state.contacts), read_address(state.forces)
+    contacts, forces = read_address(state.contact), read_address(state.efc_force)
     active, depth, peak = 0, 0.0, 0.0
-    for k in range(read_int(state.count)):
+    for k in range(read_int(state.ncon)):
         contact = contacts + state.stride * k
         depth = max(depth, _overlap(state, contact))
-        number, row = pair_of(state, contact), read_int(contact + state.row)
+        number, row = pair_of(state, contact), read_int(contact + state.efc_address)
         if number == 0 or row < 0:
             continue
         pair, sign = abs(number) - 1, (1.0 if number > 0 else -1.0)
         force = forces + 8 * row
-        speed = read_address(state.speeds) + 8 * row
+        speed = read_address(state.efc_vel) + 8 * row
         fx = read_float(force) * read_float(contact + state.frame)
         fy = read_float(force) * read_float(contact + state.frame + 8)
-        place = of_pairs + 8 * OF_PAIR * pair
+        columns = of_pairs + 8 * OF_PAIR * pair
         for axis in range(1, read_int(contact + state.dim)):
             along, tangent = read_float(force + 8 * axis), contact + state.frame + 24 * axis
             fx += along * read_float(tangent)
             fy += along * read_float(tangent + 8)
-            _add(place + 32, -along * read_float(speed + 8 * axis))
+            _add(columns + 8 * FRICTION_POWER, -along * read_float(speed + 8 * axis))
         origin = state.xpos + 24 * read_int(state.origin + 4 * pair)
         x, y = read_float(contact + state.pos), read_float(contact + state.pos + 8)
-        _add(place, sign * fx)
-        _add(place + 8, sign * fy)
-        _add(place + 16, sign * ((x - read_float(origin)) * fy - (y - read_float(origin + 8)) * fx))
-        _add(place + 40, -read_float(force) * read_float(speed))
+        _add(columns + 8 * FORCE_X, sign * fx)
+        _add(columns + 8 * FORCE_Y, sign * fy)
+        _add(columns + 8 * MOMENT, sign * ((x - read_float(origin)) * fy - (y - read_float(origin + 8)) * fx))
+        _add(columns + 8 * NORMAL_POWER, -read_float(force) * read_float(speed))
         magnitude = math.sqrt(fx * fx + fy * fy)
         active += magnitude > 0.0
         peak = max(peak, magnitude)
-    write_float(summary, float(active))
-    write_float(summary + 8, depth)
-    write_float(summary + 16, peak)
+    write_float(summary + 8 * ACTIVE, float(active))
+    write_float(summary + 8 * PENETRATION, depth)
+    write_float(summary + 8 * LARGEST_FORCE, peak)
 
 
 @njit(inline="always")
@@ -156,7 +163,7 @@ def _overlap(state: StepState, contact: int) -> float:
     if abs(dx * read_float(contact + state.frame + 8) - dy * read_float(contact + state.frame)) < _ROUND * away:
         return 2.0 * (read_float(state.reach + 8 * mate) - away)
     # a root of the ring: its depth from the contact point, which lies half-way
-    flank = read_teeth(user, state.numbers).flank
+    flank = read_teeth(user, state.nuser_geom).flank
     gear, turn = state.geom_xpos + 24 * teeth, state.geom_xmat + 72 * teeth
     gx, gy, cosine, sine = x - read_float(gear), y - read_float(gear + 8), read_float(turn), read_float(turn + 24)
     return -2.0 * (flank_distance(cosine * gx + sine * gy, cosine * gy - sine * gx, flank)[1] + flank.offset)

@@ -12,14 +12,20 @@ from numba import njit
 
 from cycloid_mj.base.array import Array
 
-MAX_ROUNDS = 30
-NEAR = 3e-7
-"""Newton step [rad] after which the error, its square times the number of teeth, is below rounding."""
 
-_SCAN = 64
+class FootPointSettings(NamedTuple):
+    """Settings of the foot point on a trochoid: Newton's method from a closed-form start (`trochoid_distance`)."""
 
-_STRAIGHT = 0.1
-"""Smallest distance of a point from the centre of curvature at its foot, over the radius there."""
+    max_iterations: int = 30
+    tolerance: float = 3e-7
+    """Newton step [rad] after which the error, its square times the number of teeth, is below rounding."""
+    grid: int = 64
+    """Points of the curve from which the search starts again if the first foot point is far away."""
+    min_straightness: float = 0.1
+    """Smallest distance of a point from the centre of curvature at its foot, over the radius there."""
+
+
+SETTINGS = FootPointSettings()
 
 NO_WAVES: Array = np.zeros((0, 2))
 """Waves of an unmodified profile."""
@@ -55,13 +61,13 @@ def outwards(pose: Pose, x: float, y: float) -> tuple[float, float]:
 
 
 @njit(inline="always")
-def placed(pose: Pose, x: float, y: float) -> tuple[float, float]:
+def to_frame(pose: Pose, x: float, y: float) -> tuple[float, float]:
     """Return the position in the frame of a point of the body [m]."""
     return pose.x + pose.cosine * x - pose.sine * y, pose.y + pose.cosine * y + pose.sine * x
 
 
 @njit(inline="always")
-def _turned(sine: float, cosine: float, angle: float) -> tuple[float, float]:
+def _rotate_angle(sine: float, cosine: float, angle: float) -> tuple[float, float]:
     """Return sine and cosine of an angle increased by a small one, by a series that is exact to rounding."""
     if abs(angle) > 0.05:
         s, c = math.sin(angle), math.cos(angle)
@@ -108,7 +114,7 @@ def trochoid_foot(
     normal_x, normal_y
         Outward unit normal at the foot point.
     converged
-        Whether the last step was below ``NEAR``.
+        Whether the last step was below the tolerance.
     """
     radius, eccentricity, teeth = curve
     t = start
@@ -116,7 +122,7 @@ def trochoid_foot(
     base = eccentricity * teeth
     limit = 0.5 / teeth
     converged = False
-    for _ in range(MAX_ROUNDS):
+    for _ in range(SETTINGS.max_iterations):
         dx = radius * st - eccentricity * sn - x
         dy = radius * ct - eccentricity * cn - y
         tx, ty = radius * ct - base * cn, base * sn - radius * st
@@ -124,12 +130,12 @@ def trochoid_foot(
         speed2 = tx * tx + ty * ty
         curvature = speed2 + dx * ax + dy * ay
         # Gauss-Newton where the point is beyond a centre of curvature: always a descent direction.
-        step = -(dx * tx + dy * ty) / (curvature if curvature > 0.1 * speed2 else speed2)
-        step = min(limit, max(-limit, step))
-        t += step
-        st, ct = _turned(st, ct, step)
-        sn, cn = _turned(sn, cn, teeth * step)
-        if abs(step) < NEAR:
+        increment = -(dx * tx + dy * ty) / (curvature if curvature > 0.1 * speed2 else speed2)
+        increment = min(limit, max(-limit, increment))
+        t += increment
+        st, ct = _rotate_angle(st, ct, increment)
+        sn, cn = _rotate_angle(sn, cn, teeth * increment)
+        if abs(increment) < SETTINGS.tolerance:
             converged = True
             break
     tx, ty = radius * ct - base * cn, base * sn - radius * st
@@ -153,8 +159,8 @@ def trochoid_distance(x: float, y: float, curve: Trochoid) -> tuple[float, float
         return t, distance, nx, ny
     pitch = 2.0 * math.pi / (teeth - 1.0)
     best, nearest = start, math.inf
-    for k in range(_SCAN):
-        candidate = start + pitch * (k / _SCAN - 0.5) * 2.0
+    for k in range(SETTINGS.grid):
+        candidate = start + pitch * (k / SETTINGS.grid - 0.5) * 2.0
         ex = radius * math.sin(candidate) - eccentricity * math.sin(teeth * candidate) - x
         ey = radius * math.cos(candidate) - eccentricity * math.cos(teeth * candidate) - y
         if ex * ex + ey * ey < nearest:
@@ -238,7 +244,7 @@ def _waved_distance(x: float, y: float, flank: Flank) -> tuple[float, float, flo
     """
     t, distance, nx, ny = trochoid_distance(x, y, flank.curve)
     back, slope, _ = wave(t, flank.waves)
-    straight = max(_STRAIGHT, 1.0 + trochoid_curvature(t, flank.curve) * distance)
+    straight = max(SETTINGS.min_straightness, 1.0 + trochoid_curvature(t, flank.curve) * distance)
     turn = slope / (straight * math.sqrt(_speed_squared(t, flank.curve)))
     size = math.sqrt(1.0 + turn * turn)
     return t, distance + back, (nx + turn * ny) / size, (ny - turn * nx) / size
@@ -345,7 +351,7 @@ def circle_at_edge(dx: float, dy: float, inner: float, arc: PartialCircle, side:
 
 
 @njit(inline="always")
-def places_in_arc(dx: float, dy: float, arc: PartialCircle) -> tuple[float, bool, bool]:
+def nearest_on_arc(dx: float, dy: float, arc: PartialCircle) -> tuple[float, bool, bool]:
     """Return which points of an arc may be nearest to a position (dx, dy) relative to its circle's centre [m].
 
     Returns

@@ -1,24 +1,27 @@
-"""Memory layout of MuJoCo: addresses of the arrays that compiled code reads, found from the Python bindings.
+"""Memory layout of MuJoCo: offsets of the arrays that compiled code reads, determined from the Python bindings.
 
 The C structures change between MuJoCo releases. Each array of the bindings is a view on MuJoCo's own memory, so its
-address stands somewhere in ``mjModel`` or ``mjData``; the offset of that place is what the collider needs.
+address stands somewhere in ``mjModel`` or ``mjData``; the offset of that place is what compiled code needs.
 """
 
 import ctypes
-from collections.abc import Mapping
-from dataclasses import dataclass
+from enum import IntEnum
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import mujoco
 
 from cycloid_mj.base.errors import ContactError
 from cycloid_mj.dynamics.contact.library import unfit
 
-_WORD = ctypes.sizeof(ctypes.c_void_p)
-_SPAN, _DATA_SPAN, _SIZES = 8192, 2048, 1024
-"""Search ranges in bytes: pointers in ``mjModel`` from its start and in ``mjData`` after its energies; sizes at the
-start of ``mjModel`` and before the energies of ``mjData``."""
+
+class _Span(IntEnum):
+    """Search ranges [bytes]: pointers in ``mjModel``, and in ``mjData`` after its energies; sizes in ``mjModel``."""
+
+    MODEL = 8192
+    DATA = 2048
+    SIZES = 1024
+
 
 _PROBE = """
 <mujoco><size nuser_geom="{user}"/><worldbody>
@@ -26,42 +29,41 @@ _PROBE = """
 <body><joint type="slide"/><geom type="cylinder" size="1 1" user="2"/></body>{more}
 </worldbody></mujoco>
 """
-_PROBE_OF_STEPS = """
+_STEP_PROBE = """
 <mujoco><option><flag island="disable"/></option><size nuserdata="{user}"/>
 <worldbody><geom type="plane" size="1 1 1"/>{more}</worldbody></mujoco>
 """
 _BALL = '<body pos="0 0 0.9"><joint type="slide" axis="0 0 1"/><geom type="sphere" size="1" contype="2"/></body>'
 
-
-ROWS = ("efc_force", "efc_vel", "efc_aref", "efc_pos", "efc_R", "efc_D", "efc_KBIP")
-"""Arrays of ``mjData`` with one number or more per constraint row."""
+POINTERS = ("efc_force", "efc_vel", "efc_aref", "efc_pos", "efc_R", "efc_D", "efc_KBIP", "qacc", "userdata")
+"""Required arrays of ``mjData``; those of constraint rows have one number or more per row."""
 
 FIELDS = ("pos", "frame", "dim", "geom", "efc_address", "friction", "mu")
 """Required fields of an ``mjContact``."""
 
 
-@dataclass(frozen=True)
-class Layout:
-    """Byte offsets of pointers, four in ``mjModel`` and two in ``mjData``, and of the number ``nuser_geom``."""
+class Layout(NamedTuple):
+    """Byte offsets of three pointers in ``mjModel``, two in ``mjData``, and of the number ``nuser_geom``."""
 
     geom_size: int
     geom_priority: int
     geom_user: int
-    geom_type: int
     geom_xpos: int
     geom_xmat: int
     nuser_geom: int
 
 
-@dataclass(frozen=True)
-class StepLayout:
-    """Offsets of the results of a step in ``mjData``, in an ``mjContact``, and of the size of user data in ``mjModel``.
+class StepLayout(NamedTuple):
+    """Byte offsets of what compiled code reads and writes in a time step, by MuJoCo's names.
 
-    `contact`, `efc_...`, `qacc` and `userdata` are byte offsets of pointers in ``mjData``, `ncon` that of a number
-    there, `nuserdata` that of one in ``mjModel``. `stride` is the size of an ``mjContact``; the fields after it are
-    offsets in it. Its distance is at 0.
+    `nuser_geom` and `nuserdata` are numbers in ``mjModel``, `ncon` is one in ``mjData``; `contact`, `efc_...`, `qacc`
+    and `userdata` are pointers in ``mjData``. `stride` is the size of an ``mjContact``; the fields after it are offsets
+    in it. Its distance is at 0.
     """
 
+    nuser_geom: int
+    nuserdata: int
+    ncon: int
     contact: int
     efc_force: int
     efc_vel: int
@@ -72,8 +74,6 @@ class StepLayout:
     efc_KBIP: int
     qacc: int
     userdata: int
-    ncon: int
-    nuserdata: int
     stride: int
     pos: int
     frame: int
@@ -94,118 +94,90 @@ def discover() -> Layout:
         The structures are not as expected; the message names the field and the release.
     """
     body = '<body><joint/><geom type="box" size="1 1 1" user="5"/></body>'
-    wide = {7919: "", 6101: body * 5}
-    models = [mujoco.MjModel.from_xml_string(_PROBE.format(user=user, more=more)) for user, more in wide.items()]
+    probes = {7919: "", 6101: body * 5}
+    models = [mujoco.MjModel.from_xml_string(_PROBE.format(user=user, more=more)) for user, more in probes.items()]
     first, second = map(_pointers, models)
     if first != second:
         raise _strange(f"two models disagree: {first} and {second}")
-    numbers = [set(_numbers(model._address, _SIZES, user)) for model, user in zip(models, wide, strict=True)]
+    numbers = [set(_numbers(model._address, _Span.SIZES, user)) for model, user in zip(models, probes, strict=True)]
     if not (common := set.intersection(*numbers)):
-        raise _strange("mjModel.nuser_geom was not found")
+        raise _strange("mjModel.nuser_geom is missing")
     return Layout(**first, nuser_geom=min(common))
 
 
 @cache
 def discover_steps() -> StepLayout:
-    """Return the offsets of the results of a step in the installed MuJoCo release.
+    """Return the offsets of what a time step reads and writes in the installed MuJoCo release.
 
     Raises
     ------
     ContactError
         The structures are not as expected; the message names the field and the release.
     """
-    # What lies behind the structure may hold an address by chance, but not for both models at the same place.
-    first, second = _StepPlaces.of(balls=2, user=7919), _StepPlaces.of(balls=5, user=6101)
-    rows = {name: sorted(first.rows[name] & second.rows[name]) for name in ROWS}
-    forces, numbers = rows["efc_force"], sorted(first.ncon & second.ncon)
+    # What lies behind the structure may be an address by chance, but not for both models at the same offset.
+    (first, fields), (second, other_fields) = _candidates(balls=2, user=7919), _candidates(balls=5, user=6101)
+    offsets = {name: sorted(first[name] & second[name]) for name in first}
     # The contacts begin the arena, whose own pointer comes before theirs; their forces come after them.
-    contacts = sorted(place for place in first.contact & second.contact if forces and place < forces[0])
-    data, sizes = sorted(first.userdata & second.userdata), sorted(first.nuserdata & second.nuserdata)
-    accelerations = sorted(first.qacc & second.qacc)
-    found = contacts and all(rows.values()) and numbers and accelerations and data and sizes
-    if not found or first.fields != second.fields:
-        raise _strange("contacts, forces, accelerations or user data were not found")
-    offsets = {name: places[0] for name, places in rows.items()}
-    of_contact = dict(zip(("stride", *FIELDS), first.fields, strict=True))
-    return StepLayout(
-        contact=contacts[-1],
-        qacc=accelerations[0],
-        userdata=data[-1],
-        ncon=numbers[0],
-        nuserdata=sizes[0],
-        **offsets,
-        **of_contact,
-    )
+    forces = offsets["efc_force"]
+    offsets["contact"] = [offset for offset in offsets["contact"] if forces and offset < forces[0]]
+    if not all(offsets.values()) or fields != other_fields:
+        raise _strange("contacts, forces, accelerations or user data are missing")
+    chosen = {name: each[-1 if name in ("contact", "userdata") else 0] for name, each in offsets.items()}
+    return StepLayout(nuser_geom=discover().nuser_geom, **chosen, **fields)
 
 
-@dataclass(frozen=True)
-class _StepPlaces:
-    """Candidates of these offsets in one ``mjData``; stride and offsets of the fields of a contact."""
+def _candidates(balls: int, user: int) -> tuple[dict[str, set[int]], dict[str, int]]:
+    """Return the possible offsets of pointers and numbers by name, and the fields of a contact.
 
-    contact: frozenset[int]
-    rows: Mapping[str, frozenset[int]]
-    qacc: frozenset[int]
-    userdata: frozenset[int]
-    ncon: frozenset[int]
-    nuserdata: frozenset[int]
-    fields: tuple[int, ...]
-
-    @classmethod
-    def of(cls, balls: int, user: int) -> "_StepPlaces":
-        """Return the candidates for a model with so many `balls` in contact and so much user data."""
-        model = mujoco.MjModel.from_xml_string(_PROBE_OF_STEPS.format(more=_BALL * balls, user=user))
-        data = mujoco.MjData(model)
-        mujoco.mj_forward(model, data)
-        contact, start = data.contact, data.energy.ctypes.data - data._address
-        # The distance is the first field of a contact.
-        first = contact.dist.ctypes.data
-        offsets = (getattr(contact, name).ctypes.data - first for name in FIELDS)
-        places: dict[str, Any] = {
-            "contact": frozenset(_places(data._address, start, first, _DATA_SPAN)),
-            "rows": {
-                name: frozenset(_places(data._address, start, getattr(data, name).ctypes.data, _DATA_SPAN))
-                for name in ROWS
-            },
-            "qacc": frozenset(_places(data._address, start, data.qacc.ctypes.data, _DATA_SPAN)),
-            "userdata": frozenset(_places(data._address, start, data.userdata.ctypes.data, _DATA_SPAN)),
-            "nuserdata": frozenset(_numbers(model._address, _SIZES, user)),
-        }
-        touching = _numbers(data._address, start, data.ncon)
-        data.qpos[0] = 1.0
-        mujoco.mj_forward(model, data)
-        # One ball is lifted: the number of contacts falls, that of balls and the most contacts so far stay.
-        fewer = _numbers(data._address, start, data.ncon)
-        return cls(**places, ncon=frozenset(touching) & frozenset(fewer), fields=(contact.dist.strides[0], *offsets))
+    The model has so many `balls` in contact and so much `user` data.
+    """
+    model = mujoco.MjModel.from_xml_string(_STEP_PROBE.format(more=_BALL * balls, user=user))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    contact, start = data.contact, data.energy.ctypes.data - data._address
+    # The distance is the first field of a contact.
+    first = contact.dist.ctypes.data
+    fields = {name: getattr(contact, name).ctypes.data - first for name in FIELDS}
+    arrays = {"contact": contact.dist} | {name: getattr(data, name) for name in POINTERS}
+    offsets = {
+        name: set(_occurrences(data._address, start, array.ctypes.data, _Span.DATA)) for name, array in arrays.items()
+    }
+    offsets["nuserdata"] = set(_numbers(model._address, _Span.SIZES, user))
+    offsets["ncon"] = set(_numbers(data._address, start, data.ncon))
+    # One ball is lifted: the number of contacts falls, that of balls and the most contacts so far stay.
+    data.qpos[0] = 1.0
+    mujoco.mj_forward(model, data)
+    offsets["ncon"] &= set(_numbers(data._address, start, data.ncon))
+    return offsets, {"stride": contact.dist.strides[0]} | fields
 
 
 def _pointers(model: Any) -> dict[str, int]:
-    """Return the offsets of the pointers of `Layout` for one model."""
+    """Return the offsets of the pointers of `Layout` for one model.
+
+    It is that of the last pointer to an array: empty arrays before it may share its address.
+    """
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     # Pointers of mjModel follow its sizes, which start the structure; those of mjData follow the energies.
-    in_data = data.energy.ctypes.data - data._address
-    return {
-        "geom_size": _offset(model._address, 0, model.geom_size, "mjModel.geom_size"),
-        "geom_priority": _offset(model._address, 0, model.geom_priority, "mjModel.geom_priority"),
-        "geom_user": _offset(model._address, 0, model.geom_user, "mjModel.geom_user"),
-        "geom_type": _offset(model._address, 0, model.geom_type, "mjModel.geom_type"),
-        "geom_xpos": _offset(data._address, in_data, data.geom_xpos, "mjData.geom_xpos", _DATA_SPAN),
-        "geom_xmat": _offset(data._address, in_data, data.geom_xmat, "mjData.geom_xmat", _DATA_SPAN),
-    }
+    start = data.energy.ctypes.data - data._address
+    offsets = {}
+    for owner, begin, span, names in (
+        (model, 0, _Span.MODEL, ("geom_size", "geom_priority", "geom_user")),
+        (data, start, _Span.DATA, ("geom_xpos", "geom_xmat")),
+    ):
+        for name in names:
+            matches = _occurrences(owner._address, begin, getattr(owner, name).ctypes.data, span)
+            if not matches:
+                raise _strange(f"{type(owner).__name__}.{name} is missing")
+            offsets[name] = matches[-1]
+    return offsets
 
 
-def _offset(structure: int, start: int, array: Any, name: str, span: int = _SPAN) -> int:
-    """Return the offset of the last pointer to the array: empty arrays before it may share its address."""
-    places = _places(structure, start, array.ctypes.data, span)
-    if not places:
-        raise _strange(f"{name} was not found")
-    return places[-1]
-
-
-def _places(structure: int, start: int, address: int, span: int) -> list[int]:
+def _occurrences(structure: int, start: int, address: int, span: int) -> list[int]:
     """Return the offsets of all occurrences of an address in a structure."""
-    words = (ctypes.c_size_t * (span // _WORD)).from_address(structure + start)
-    return [start + _WORD * i for i, word in enumerate(words) if word == address]
+    size = ctypes.sizeof(ctypes.c_void_p)
+    words = (ctypes.c_size_t * (span // size)).from_address(structure + start)
+    return [start + size * i for i, word in enumerate(words) if word == address]
 
 
 def _numbers(structure: int, span: int, number: int) -> list[int]:

@@ -42,7 +42,7 @@ def library() -> ctypes.CDLL:
     Raises
     ------
     ContactError
-        It was not found.
+        There is no such library.
     """
     folders = [Path(folder) for folder in mujoco.__path__]
     candidates = [
@@ -75,7 +75,7 @@ def answer(name: str, address: int) -> None:
     Raises
     ------
     ContactError
-        Somebody has.
+        The callback is in use.
     """
     if callback(name).value:
         raise ContactError(

@@ -2,7 +2,7 @@
 
 In the ideal mesh a pin's centre stands on the trochoid T(t) = E u(t) - c u(N t) at t = home angle - gear turn, where
 u(N t) is the same for all pins: N home angles make whole turns. A displaced pin lies micrometres from there: a
-Newton step or two lead so near to its foot point that the osculating circle gives the distance to rounding. Angles
+Newton step or two lead so near to its foot point that the osculating circle has its distance to rounding. Angles
 and lengths as in ``gap``.
 """
 
@@ -13,16 +13,22 @@ from numba import njit
 
 from cycloid_mj.dynamics.contact.gap import Flank, Trochoid, flank_distance, trochoid_curvature, trochoid_distance
 
-_NEAR = 3e-4
-"""Angle [rad] of the curve between expansion point and foot below which it is its osculating circle: the error is a
-sixth of its square, as a share of the way between them."""
 
-_OPEN = 0.3
-"""Share by which the curve's tangent may change on the way to the foot and as far beyond it as that is from the point,
-where twice what the curve falls away is a bound."""
+class ExpansionSettings(NamedTuple):
+    """Settings of the local expansion: Newton steps to the foot point, the last by the osculating circle."""
 
-_FAR = 0.02
-_ROUNDS = 6
+    max_iterations: int = 6
+    circle_angle: float = 3e-4
+    """Angle [rad] of the curve between expansion point and foot below which the curve is its osculating circle: the
+    error is a sixth of its square, as a share of their distance."""
+    max_tangent_change: float = 0.3
+    """Share by which the tangent may change on the way to the foot, and as far beyond it as that is from the point;
+    up to this share twice the distance by which the curve leaves its tangent is an upper limit."""
+    max_rotation: float = 0.02
+    """Largest Newton step, times the number of teeth [rad]; beyond it the foot point is searched."""
+
+
+SETTINGS = ExpansionSettings()
 
 
 class Start(NamedTuple):
@@ -35,7 +41,7 @@ class Start(NamedTuple):
 
 
 @njit(inline="always")
-def turned_times(sine: float, cosine: float, times: int) -> tuple[float, float]:
+def multiple_angle(sine: float, cosine: float, times: int) -> tuple[float, float]:
     """Compute sine and cosine of a whole multiple of an angle, by repeated squaring."""
     s, c = 0.0, 1.0
     while times > 0:
@@ -48,7 +54,7 @@ def turned_times(sine: float, cosine: float, times: int) -> tuple[float, float]:
 
 @njit(inline="always")
 def _turned_little(sine: float, cosine: float, angle: float) -> tuple[float, float]:
-    """Compute sine and cosine of an angle increased by less than ``_FAR``."""
+    """Compute sine and cosine of an angle increased by less than ``SETTINGS.max_rotation``."""
     square = angle * angle
     s = angle * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0))))
     c = 1.0 - square * (0.5 - square * (1.0 / 24.0 - square * (1.0 / 720.0)))
@@ -59,12 +65,12 @@ def _turned_little(sine: float, cosine: float, angle: float) -> tuple[float, flo
 def distance_near(x: float, y: float, curve: Trochoid, start: Start, most: float) -> tuple[float, float, float, float]:
     """Compute signed distance [m], outward normal and curvature [1/m] of the trochoid at the foot point of (x, y).
 
-    A distance that is surely more than ``most`` [m] is given only as more than that.
+    A distance that exceeds ``most`` [m] may be returned as any larger value.
     """
     radius, eccentricity, teeth = curve
     st, ct, sn, cn = start
     base = eccentricity * teeth
-    for _ in range(_ROUNDS):
+    for _ in range(SETTINGS.max_iterations):
         dx, dy = x - radius * st + eccentricity * sn, y - radius * ct + eccentricity * cn
         tx, ty = radius * ct - base * cn, base * sn - radius * st
         ax, ay = base * teeth * sn - radius * st, base * teeth * cn - radius * ct
@@ -72,40 +78,40 @@ def distance_near(x: float, y: float, curve: Trochoid, start: Start, most: float
         speed = math.sqrt(speed2)
         share = 1.0 / speed
         out = (dy * tx - dx * ty) * share
-        step = (dx * tx + dy * ty) / speed2
+        increment = (dx * tx + dy * ty) / speed2
         bend = (ax * ty - ay * tx) * share
         curvature = bend / speed2
         straight = 1.0 + curvature * out
         turning = math.sqrt(ax * ax + ay * ay)
-        # bend is curvature * speed^2: the curve falls away from its tangent by half of bend * step^2, give or take a
+        # bend is curvature * speed^2: the curve falls away from its tangent by half of bend * step^2, within a
         # sixth of base * teeth^2 * step^3.
-        away = (abs(bend) + base * teeth * abs(teeth * step)) * step * step
-        if out - away > most and (abs(step) + abs(out) * share) * turning < _OPEN * speed:
+        away = (abs(bend) + base * teeth * abs(teeth * increment)) * increment * increment
+        if out - away > most and (abs(increment) + abs(out) * share) * turning < SETTINGS.max_tangent_change * speed:
             return out, 0.0, 0.0, 0.0
-        if abs(step) * turning < _NEAR * speed and straight > 0.5:
-            along = step * speed
+        if abs(increment) * turning < SETTINGS.circle_angle * speed and straight > 0.5:
+            along = increment * speed
             bent = curvature * along
             norm = math.sqrt(straight * straight + bent * bent)
             distance = (2.0 * out + curvature * (out * out + along * along)) / (norm + 1.0)
             near, aside = straight * share / norm, bent * share / norm
             # cos B at the foot, B = (N - 1) t, to second order of the last way.
-            cosine = cn * ct + sn * st - (teeth - 1.0) * step * (sn * ct - cn * st)
+            cosine = cn * ct + sn * st - (teeth - 1.0) * increment * (sn * ct - cn * st)
             product = radius * base * cosine
             l2 = radius * radius + base * base - 2.0 * product
             bend = (radius * radius + base * base * teeth - (teeth + 1.0) * product) / (l2 * math.sqrt(l2))
             return distance, aside * tx - near * ty, near * tx + aside * ty, bend
-        step /= max(straight, 0.5)
-        if not abs(teeth * step) < _FAR:
+        increment /= max(straight, 0.5)
+        if not abs(teeth * increment) < SETTINGS.max_rotation:
             break
-        st, ct = _turned_little(st, ct, step)
-        sn, cn = _turned_little(sn, cn, teeth * step)
+        st, ct = _turned_little(st, ct, increment)
+        sn, cn = _turned_little(sn, cn, teeth * increment)
     t, distance, nx, ny = trochoid_distance(x, y, curve)
     return distance, nx, ny, trochoid_curvature(t, curve)
 
 
 @njit(inline="always")
 def pin_distance(x: float, y: float, flank: Flank, start: Start, most: float) -> tuple[float, float, float, float]:
-    """Compute what ``distance_near`` gives for a gear's flanks; by search if turned, with waves, or with no start."""
+    """Compute `distance_near` for a gear's flanks; by a search if they are rotated, have waves, or have no start."""
     if flank.rotation == 0.0 and len(flank.waves) == 0 and (start.st != 0.0 or start.ct != 0.0):
         return distance_near(x, y, flank.curve, start, most)
     t, distance, nx, ny, _ = flank_distance(x, y, flank)

@@ -1,6 +1,6 @@
 """Contacts of two mating geoms, in the format of MuJoCo's narrow phase.
 
-Each function takes the layout offsets, the addresses of ``mjModel``, ``mjData`` and of the contacts to fill
+Each function takes the layout, the addresses of ``mjModel``, ``mjData`` and of the contacts to fill
 (``mjPreContact``), two geoms, the sign of the normal (which points from the first to the second geom of MuJoCo's pair)
 and the margin [m]; it returns the number of contacts.
 """
@@ -18,13 +18,9 @@ from cycloid_mj.dynamics.contact.contact_search import (
     read_touch,
 )
 from cycloid_mj.dynamics.contact.gap import PartialCircle, Pose
+from cycloid_mj.dynamics.contact.layout import Layout
 from cycloid_mj.dynamics.contact.memory import read_address, read_float, read_int, write_float
 from cycloid_mj.dynamics.contact.teeth import Teeth, read_teeth
-
-SIZE, PRIORITY, USER, XPOS, XMAT, NUMBERS = range(6)
-"""Indices of the layout offsets; the last is the number of values in each ``geom user``."""
-
-Offsets = tuple[int, int, int, int, int, int, int]
 
 
 @njit(inline="always")
@@ -43,34 +39,34 @@ def write_contact(out: int, gap: float, x: float, y: float, z: float, nx: float,
 
 
 @njit(inline="always")
-def _position(data: int, offsets: Offsets, geom: int) -> tuple[float, float, float]:
+def _position(data: int, layout: Layout, geom: int) -> tuple[float, float, float]:
     """Return the position of a geom in the world [m]."""
-    xpos = read_address(data + offsets[XPOS]) + 24 * geom
+    xpos = read_address(data + layout.geom_xpos) + 24 * geom
     return read_float(xpos), read_float(xpos + 8), read_float(xpos + 16)
 
 
 @njit(inline="always")
-def _pose(data: int, offsets: Offsets, geom: int) -> Pose:
+def _pose(data: int, layout: Layout, geom: int) -> Pose:
     """Return the pose of a geom in the plane of the world."""
-    x, y, _ = _position(data, offsets, geom)
-    xmat = read_address(data + offsets[XMAT]) + 72 * geom
+    x, y, _ = _position(data, layout, geom)
+    xmat = read_address(data + layout.geom_xmat) + 72 * geom
     return Pose(x, y, read_float(xmat), read_float(xmat + 24))
 
 
 @njit(inline="always")
-def _user(model: int, offsets: Offsets, geom: int) -> int:
+def _user(model: int, layout: Layout, geom: int) -> int:
     """Return the address of the ``geom user`` of a geom."""
-    return read_address(model + offsets[USER]) + 8 * read_int(model + offsets[NUMBERS]) * geom
+    return read_address(model + layout.geom_user) + 8 * read_int(model + layout.nuser_geom) * geom
 
 
 @njit(inline="always")
-def _teeth(model: int, offsets: Offsets, geom: int) -> Teeth:
-    return read_teeth(_user(model, offsets, geom), read_int(model + offsets[NUMBERS]))
+def _teeth(model: int, layout: Layout, geom: int) -> Teeth:
+    return read_teeth(_user(model, layout, geom), read_int(model + layout.nuser_geom))
 
 
 @njit(inline="always")
-def _radius(model: int, offsets: Offsets, geom: int) -> float:
-    return read_float(read_address(model + offsets[SIZE]) + 24 * geom)
+def _radius(model: int, layout: Layout, geom: int) -> float:
+    return read_float(read_address(model + layout.geom_size) + 24 * geom)
 
 
 @njit(inline="always")
@@ -88,33 +84,33 @@ def _write(out: int, touch: Touch, z: float, sign: float) -> None:
 
 @compiling.njit(inner=True)
 def pin_on_teeth(
-    offsets: Offsets, model: int, data: int, out: int, teeth: int, pin: int, sign: float, margin: float
+    layout: Layout, model: int, data: int, out: int, teeth: int, pin: int, sign: float, margin: float
 ) -> int:
     """Write the contact of a pin and the teeth."""
-    user = _user(model, offsets, pin)
+    user = _user(model, layout, pin)
     seated = RingPin(
-        _radius(model, offsets, pin),
+        _radius(model, layout, pin),
         read_float(user),
         read_float(user + 8),
         read_float(user + 16),
         read_float(user + 24),
         read_float(user + 32),
     )
-    px, py, _ = _position(data, offsets, pin)
-    contact = pin_touch(_teeth(model, offsets, teeth), seated, _pose(data, offsets, teeth), px, py, margin)
+    px, py, _ = _position(data, layout, pin)
+    contact = pin_touch(_teeth(model, layout, teeth), seated, _pose(data, layout, teeth), px, py, margin)
     if not contact.exists:
         return 0
-    _write(out, contact.touch, _position(data, offsets, teeth)[2], sign)
+    _write(out, contact.touch, _position(data, layout, teeth)[2], sign)
     return 1
 
 
 @compiling.njit(inner=True)
 def lobe_on_teeth(
-    offsets: Offsets, model: int, data: int, out: int, teeth: int, geom: int, sign: float, margin: float
+    layout: Layout, model: int, data: int, out: int, teeth: int, geom: int, sign: float, margin: float
 ) -> int:
     """Write the contacts of the teeth and a lobe of the internal gear, with half a root on either side."""
-    lobe, gear, z = _pose(data, offsets, geom), _pose(data, offsets, teeth), _position(data, offsets, teeth)[2]
-    count = lobe_touches(out, _teeth(model, offsets, teeth), _radius(model, offsets, geom), lobe, gear, margin)
+    lobe, gear, z = _pose(data, layout, geom), _pose(data, layout, teeth), _position(data, layout, teeth)[2]
+    count = lobe_touches(out, _teeth(model, layout, teeth), _radius(model, layout, geom), lobe, gear, margin)
     for address in range(out, out + STRIDE * count, STRIDE):
         _write(address, read_touch(address), z, sign)
     return count
@@ -122,16 +118,16 @@ def lobe_on_teeth(
 
 @compiling.njit(inner=True)
 def inner_in_outer(
-    offsets: Offsets, model: int, data: int, out: int, inner: int, outer: int, sign: float, margin: float
+    layout: Layout, model: int, data: int, out: int, inner: int, outer: int, sign: float, margin: float
 ) -> int:
     """Write the contacts of a circle and the surrounding circle, which may be open."""
-    # a pin through all discs meets the hole of one where that disc is
-    (x, y, _), (outer_x, outer_y, z) = _position(data, offsets, inner), _position(data, offsets, outer)
-    user, seat = _user(model, offsets, outer), _pose(data, offsets, outer)
+    # the contact of a pin through all discs is in the plane of the disc
+    (x, y, _), (outer_x, outer_y, z) = _position(data, layout, inner), _position(data, layout, outer)
+    user, seat = _user(model, layout, outer), _pose(data, layout, outer)
     around = PartialCircle(
-        _radius(model, offsets, outer), -seat.sine, seat.cosine, read_float(user), read_float(user + 8)
+        _radius(model, layout, outer), -seat.sine, seat.cosine, read_float(user), read_float(user + 8)
     )
-    count = inner_touches(out, x - outer_x, y - outer_y, x, y, _radius(model, offsets, inner), around, margin)
+    count = inner_touches(out, x - outer_x, y - outer_y, x, y, _radius(model, layout, inner), around, margin)
     for address in range(out, out + STRIDE * count, STRIDE):
         _write(address, read_touch(address), z, sign)
     return count

@@ -1,4 +1,4 @@
-"""Corrections of MuJoCo's reference accelerations, made between the velocity and the force stage of every step.
+"""Corrections of MuJoCo's reference accelerations between the velocity and the force stage of every step.
 
 MuJoCo's normal force of a contact obeys ``R f + a + b v + k r = 0`` (`law`): f = D (n - a), where n = -b v - k r is the
 reference acceleration of the normal row, a = J qacc and D = 1/R. It differs from the contact law in two respects:
@@ -17,20 +17,20 @@ Discs that circle
     a step before and after, which of a disc on its circle is too small by (w dt)^2/6: n is lowered by b J of that.
     Without both, two discs with 0.35 um of play at 15 000 rpm have their mean transmission error 3 % wrong at 10 us.
 
-Both accelerations of the cone are those of the step before, which MuJoCo keeps. The corrections are made in
+Both accelerations of the cone are those of the step before, which MuJoCo keeps. The corrections change
 ``efc_aref``: contacts that they alone open or close stay in the solver, where a changed gap would drop them.
 """
 
 import math
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import llvmlite.binding
 from numba import types
 
 from cycloid_mj.base import compiling
 from cycloid_mj.base.compiling import cacheable, cfunc
-from cycloid_mj.dynamics.contact.layout import discover, discover_steps
+from cycloid_mj.dynamics.contact.layout import StepLayout
 from cycloid_mj.dynamics.contact.library import function_address
 from cycloid_mj.dynamics.contact.memory import read_address, read_float, read_int, write_float
 from cycloid_mj.dynamics.contact.step_state import StepState, step_state_at
@@ -44,116 +44,75 @@ multiply_jacobian = types.ExternalFunction(_MULTIPLY, types.void(*[types.intp] *
 """``mj_mulJacVec``: multiply the constraints' Jacobian by the vector at the fourth address, into the third."""
 
 
-class Offsets(NamedTuple):
-    """Byte offsets: of sizes in ``mjModel``, of contacts and rows in ``mjData``, of fields in an ``mjContact``."""
-
-    nuserdata: int
-    nuser_geom: int
-    userdata: int
-    contact: int
-    contacts: int
-    reference: int
-    forces: int
-    constants: int
-    accelerations: int
-    stride: int
-    dim: int
-    row: int
-    friction: int
-    regularised: int
-
-
-@cache
-def layout_offsets() -> Offsets:
-    """Return the offsets in the MuJoCo release that is installed."""
-    model, step = discover(), discover_steps()
-    return Offsets(
-        nuserdata=step.nuserdata,
-        nuser_geom=model.nuser_geom,
-        userdata=step.userdata,
-        contact=step.contact,
-        contacts=step.ncon,
-        reference=step.efc_aref,
-        forces=step.efc_force,
-        constants=step.efc_KBIP,
-        accelerations=step.qacc,
-        stride=step.stride,
-        dim=step.dim,
-        row=step.efc_address,
-        friction=step.friction,
-        regularised=step.mu,
-    )
-
-
 def bind_multiplication() -> None:
     """Bind `multiply_jacobian` to MuJoCo's function, for code that is compiled or loaded after this."""
     llvmlite.binding.add_symbol(_MULTIPLY, function_address("mj_mulJacVec"))
 
 
 @cache
-def between_speeds_and_forces(where: Offsets) -> Any:
+def between_speeds_and_forces(layout: StepLayout) -> Any:
     """Compile the answer to ``mjcb_control``, or load it: `correct_references`."""
     bind_multiplication()
 
     @cfunc(types.void(types.intp, types.intp), cache=cacheable())
     def answer(model: int, data: int) -> None:
-        correct_references(where, model, data)
+        correct_references(layout, model, data)
 
     return answer
 
 
 @compiling.njit(inner=True)
-def correct_references(offsets: Any, model: int, data: int) -> None:
+def correct_references(layout: StepLayout, model: int, data: int) -> None:
     """Correct the reference accelerations of all contacts of a model with exact contact; of any other, nothing.
 
-    `offsets` is an `Offsets`; `model` and `data` are addresses. Rows of ``efc_force``, which the solver computes after
+    `model` and `data` are addresses. Rows of ``efc_force``, which the solver computes after
     this, serve as working memory.
     """
-    if read_int(model + offsets.nuserdata) != 1 or read_int(model + offsets.nuser_geom) < USER_DATA:
+    if read_int(model + layout.nuserdata) != 1 or read_int(model + layout.nuser_geom) < USER_DATA:
         return
-    if not read_int(data + offsets.contacts):
+    if not read_int(data + layout.ncon):
         return
-    run = int(read_float(read_address(data + offsets.userdata)))
+    run = int(read_float(read_address(data + layout.userdata)))
     if run:
-        _account_for_circling(offsets, model, data, step_state_at(run))
-    _take_off_lift(offsets, model, data)
+        _account_for_circling(layout, model, data, step_state_at(run))
+    _take_off_lift(layout, model, data)
 
 
 @compiling.njit(inner=True)
-def _account_for_circling(offsets: Any, model: int, data: int, run: StepState) -> None:
+def _account_for_circling(layout: StepLayout, model: int, data: int, run: StepState) -> None:
     """Correct the normal references of a run for the acceleration and the speed of discs that circle about the axis."""
-    _multiply_circling(offsets, model, data, run, False)
+    _multiply_circling(layout, model, data, run, False)
     product, constants, references = (
-        read_address(data + offsets.forces),
-        read_address(data + offsets.constants),
-        read_address(data + offsets.reference),
+        read_address(data + layout.efc_force),
+        read_address(data + layout.efc_KBIP),
+        read_address(data + layout.efc_aref),
     )
-    first, half = read_address(data + offsets.contact), read_float(run.half)
-    for k in range(read_int(data + offsets.contacts)):
-        row = read_int(first + offsets.stride * k + offsets.row)
+    first, half = read_address(data + layout.contact), read_float(run.half_timestep)
+    for k in range(read_int(data + layout.ncon)):
+        row = read_int(first + layout.stride * k + layout.efc_address)
         if row >= 0:
             share = 1.0 - half * read_float(constants + 32 * row + 8)
             reference = references + 8 * row
             write_float(reference, read_float(reference) + share * read_float(product + 8 * row))
-    _multiply_circling(offsets, model, data, run, True)
-    for k in range(read_int(data + offsets.contacts)):
-        row = read_int(first + offsets.stride * k + offsets.row)
+    _multiply_circling(layout, model, data, run, True)
+    for k in range(read_int(data + layout.ncon)):
+        row = read_int(first + layout.stride * k + layout.efc_address)
         if row >= 0:
             damping, reference = read_float(constants + 32 * row + 8), references + 8 * row
             write_float(reference, read_float(reference) - damping * read_float(product + 8 * row))
 
 
 @compiling.njit(inner=True)
-def _multiply_circling(offsets: Any, model: int, data: int, run: StepState, speeds: bool) -> None:
+def _multiply_circling(layout: StepLayout, model: int, data: int, run: StepState, speeds: bool) -> None:
     """Multiply the Jacobian by the accelerations of the circling discs, or by what the mean of two `speeds` lacks.
 
     The mean of the speeds half a step before and after a time falls short of the speed v then by (w dt)^2/6 v.
     """
-    half = read_float(run.half)
+    half = read_float(run.half_timestep)
     for k in range(run.discs):
         x = 8 * read_int(run.orbits + 4 * k)
-        px, py = read_float(run.positions + x), read_float(run.positions + x + 8)
-        vx, vy = read_float(run.moving + x), read_float(run.moving + x + 8)
+        px, py = read_float(run.qpos + x), read_float(run.qpos + x + 8)
+        vx, vy = read_float(run.qvel + x), read_float(run.qvel + x + 8)
         angular = (px * vy - py * vx) / (px * px + py * py)
         squared = angular * angular
         ax, ay = -squared * px, -squared * py
@@ -162,26 +121,26 @@ def _multiply_circling(offsets: Any, model: int, data: int, run: StepState, spee
             ax, ay = -lacking * py, lacking * px
         write_float(run.circling + x, ax)
         write_float(run.circling + x + 8, ay)
-    multiply_jacobian(model, data, read_address(data + offsets.forces), run.circling)
+    multiply_jacobian(model, data, read_address(data + layout.efc_force), run.circling)
 
 
 @compiling.njit(inner=True)
-def _take_off_lift(offsets: Any, model: int, data: int) -> None:
+def _take_off_lift(layout: StepLayout, model: int, data: int) -> None:
     """Lower the normal references of contacts that slide by what the convex cone lifts them by."""
-    first, references = read_address(data + offsets.contact), read_address(data + offsets.reference)
-    accelerations = read_address(data + offsets.forces)
-    multiply_jacobian(model, data, accelerations, read_address(data + offsets.accelerations))
-    for k in range(read_int(data + offsets.contacts)):
-        contact = first + offsets.stride * k
-        row = read_int(contact + offsets.row)
-        if row < 0 or read_int(contact + offsets.dim) != _FRICTIONAL:
+    first, references = read_address(data + layout.contact), read_address(data + layout.efc_aref)
+    accelerations = read_address(data + layout.efc_force)
+    multiply_jacobian(model, data, accelerations, read_address(data + layout.qacc))
+    for k in range(read_int(data + layout.ncon)):
+        contact = first + layout.stride * k
+        row = read_int(contact + layout.efc_address)
+        if row < 0 or read_int(contact + layout.dim) != _FRICTIONAL:
             continue
         reference, own = references + 8 * row, accelerations + 8 * row
-        normal, ratio = read_float(reference), read_float(contact + offsets.regularised)
+        normal, ratio = read_float(reference), read_float(contact + layout.mu)
         sliding = math.hypot(
             read_float(reference + 8) - read_float(own + 8), read_float(reference + 16) - read_float(own + 16)
         )
         pressing = max(normal - read_float(own), 0.0)
-        lift = read_float(contact + offsets.friction) * sliding - ratio * ratio * pressing
+        lift = read_float(contact + layout.friction) * sliding - ratio * ratio * pressing
         if lift > 0.0:
             write_float(reference, normal - lift)

@@ -6,7 +6,7 @@ the surfaces is the signed distance from S and P to T, and a line of contact is 
 P - S - P: at P where the distance grows to both sides, or inside a root where the common normal makes it stationary.
 
 The root counter-clockwise of a lobe is B0 < B < 2 pi - B0; its half B <= pi belongs to this lobe, the other half to
-the next lobe. Angles are clockwise from the lobe, as in Hsieh 2014, Eqs 8-11; lengths in metres. Points are given in
+the next lobe. Angles are clockwise from the lobe, as in Hsieh 2014, Eqs 8-11; lengths in metres. Points are in
 the lobe's frame: the ring's axis at the origin, the lobe on +y.
 """
 
@@ -17,23 +17,24 @@ from numba import njit
 
 from cycloid_mj.dynamics.contact.gap import Flank, Pose, Trochoid, flank_curvature, flank_distance, inwards, outwards
 
-_MARGIN = 0.03
-"""Crank angle [rad] beyond the ideal range of a root in which a displaced gear may touch it."""
 
-_MODIFIED_MARGIN = 0.2
-"""The same for a gear that is not conjugate to the ring."""
+class RootSettings(NamedTuple):
+    """Settings of the minimum of the gap in a root: Newton's method on its slope, within a bracket (`root_minimum`)."""
 
-_ROUNDS = 30
-_PHASE_TOLERANCE = 1e-12
-_SLOPE_TOLERANCE = 1e-9
-"""Slope of the gap below which a minimum is found: in gap it is exact to rounding, in place to a nanometre."""
+    max_iterations: int = 30
+    phase_tolerance: float = 1e-12
+    """Change of the phase [rad] at which the iteration ends."""
+    slope_tolerance: float = 1e-9
+    """Slope of the gap [1] at which it ends: the gap is exact to rounding, its position to a nanometre."""
+    start_tolerance: float = 1e-3
+    """Accuracy of the start [rad] (`ideal_root_phase`), and its smallest distance from the ends of the root."""
+    crank_margin: float = 0.03
+    """Crank angle [rad] beyond the ideal range of a root in which a displaced disc may touch it."""
+    modified_crank_margin: float = 0.2
+    """The same for a disc that is not conjugate to the ring."""
 
-_BESIDE_END = 0.05
-"""Angle [rad] beside the end of a root: a gap that falls from there on to the end has no minimum on the way.
 
-It may have one farther off, where a gear is displaced by 10 um and more. In 173 000 tries, displaced by up to 0.5 mm,
-flanks modified or not, every minimum found and passed over is the same as after a search to the end of all rounds.
-"""
+SETTINGS = RootSettings()
 
 
 @njit
@@ -82,14 +83,14 @@ def ideal_root_phase(crank: float, low: float, ring: Trochoid) -> float:
     mirrored = crank > middle
     target = 2.0 * middle - crank if mirrored else crank
     B = low
-    for _ in range(_ROUNDS):
+    for _ in range(SETTINGS.max_iterations):
         cosine = math.cos(B)
         alpha = math.atan2(-base * math.sin(B), radius - base * cosine)
         l2 = radius * radius + base * base - 2.0 * radius * base * cosine
         value = ((teeth - 2.0) * B - (teeth - 1.0) * (math.pi + 2.0 * alpha)) / teeth
-        step = (target - value) * teeth / ((teeth - 1.0) * K / l2 - 1.0)
-        B = min(math.pi, B + step)
-        if abs(step) < 1e-3:
+        increment = (target - value) * teeth / ((teeth - 1.0) * K / l2 - 1.0)
+        B = min(math.pi, B + increment)
+        if abs(increment) < SETTINGS.start_tolerance:
             break
     return 2.0 * math.pi - B if mirrored else B
 
@@ -150,21 +151,17 @@ def root_minimum(low: float, high: float, start: float, ring: Trochoid, flank: F
     """
     bottom, top = low, high
     B = min(high, max(low, start))
-    for _ in range(_ROUNDS):
+    for _ in range(SETTINGS.max_iterations):
         distance, slope, bend, t, wx, wy = _distance_slope(B, ring, flank, gear)
         if slope < 0.0:
             bottom = B
         else:
             top = B
-        step = -slope / bend if bend > 0.0 else (0.5 * (top - B) if slope < 0.0 else 0.5 * (bottom - B))
-        after = B + step
+        increment = -slope / bend if bend > 0.0 else (0.5 * (top - B) if slope < 0.0 else 0.5 * (bottom - B))
+        after = B + increment
         if after <= bottom or after >= top:
             after = 0.5 * (bottom + top)
-            end, untried = (high, top == high) if slope < 0.0 else (low, bottom == low)
-            beside = untried and abs(after - end) < _BESIDE_END
-            if beside and (root_slope(end, ring, flank, gear) < 0.0) == (slope < 0.0):
-                break
-        if abs(after - B) < _PHASE_TOLERANCE or abs(slope) < _SLOPE_TOLERANCE:
+        if abs(after - B) < SETTINGS.phase_tolerance or abs(slope) < SETTINGS.slope_tolerance:
             inside = low + 1e-9 < B < high - 1e-9
             return Minimum(inside and bend > 0.0, B, distance, t, wx, wy)
         B = after
@@ -181,8 +178,8 @@ def root_start(crank: float, low: float, ring: Trochoid, modified: bool) -> floa
     half or into both. A ``modified`` gear is not conjugate to the ring, and touches it farther from there.
     """
     last = low - 2.0 * math.pi / ring.teeth
-    margin = _MODIFIED_MARGIN if modified else _MARGIN
+    margin = SETTINGS.modified_crank_margin if modified else SETTINGS.crank_margin
     if not -low - margin <= crank <= last + margin:
         return 0.0
     phase = ideal_root_phase(min(last, max(-low, crank)), low, ring)
-    return min(2.0 * math.pi - low - 1e-3, max(low + 1e-3, phase))
+    return min(2.0 * math.pi - low - SETTINGS.start_tolerance, max(low + SETTINGS.start_tolerance, phase))

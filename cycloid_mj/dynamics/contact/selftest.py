@@ -12,9 +12,10 @@ from typing import Any, NamedTuple
 import mujoco
 
 from cycloid_mj.base.compile_cache import folder
-from cycloid_mj.dynamics.contact.forces import OF_PAIR, PairIndex, pair_index
+from cycloid_mj.dynamics.contact.forces import PairIndex, pair_index
 from cycloid_mj.dynamics.contact.gap import NO_WAVES, Flank, Trochoid
 from cycloid_mj.dynamics.contact.library import CYLINDER, TYPES, answer, callback, collision_table, unfit
+from cycloid_mj.dynamics.contact.samples import FORCE_Y, OF_PAIR, PEAK_FORCE
 from cycloid_mj.dynamics.contact.teeth import USER_DATA, Teeth, user_data
 from cycloid_mj.reducer.bodies import Role
 
@@ -43,9 +44,9 @@ def require_passed(part: str, trial: Callable[[], str]) -> None:
     Parameters
     ----------
     part
-        What is tried; its name is that of the record.
+        Name of the part, and of its record.
     trial
-        Tells what is wrong, or nothing.
+        Returns a description of the failure; empty if there is none.
 
     Raises
     ------
@@ -108,7 +109,7 @@ def try_collider(address: int) -> str:
 def try_lift(address: int) -> str:
     """Return the failure of the correction of sliding contacts (``mjcb_control``) at an address, "" for none.
 
-    Feet at rest are given a speed along the floor; they must press on it by their weights, as without friction.
+    Feet at rest start to slide along the floor; they must press on it by their weights, as without friction.
     """
     soft = 'solref="0.002 1" solimp="0.01 0.01 0.001"'
     weights = {mass: mass * GRAVITY for mass in (1.0, 2.0, 3.0)}
@@ -161,7 +162,10 @@ def try_steps(add_sensor: Callable[[Any], None], each_step: Callable[[Any, Any, 
     run = each_step(model, data, pair_index(model, pairs), SETTLED)
     row = run.advance(3)[-1]
     samples = row[run.pairs].reshape(len(pairs), OF_PAIR)
-    upward, largest = ({name: float(one) for name, one in zip(weights, samples[:, at], strict=True)} for at in (1, 3))
+    upward, largest = (
+        {name: float(force) for name, force in zip(weights, samples[:, column], strict=True)}
+        for column in (FORCE_Y, PEAK_FORCE)
+    )
     if row[run.solver][0] != len(pairs):
         return f"{row[run.solver][0]:g} contacts carry where {len(pairs)} do"
     return differing(upward, weights) or differing(largest, weights)
@@ -193,8 +197,8 @@ def _by_mass(model: Any, data: Any, values: Any) -> dict[float, float]:
 
 def _record(part: str) -> Path | None:
     """Return the file that records a passed self-test of this code and this build of MuJoCo."""
-    place = folder()
-    if place is None:
+    cache = folder()
+    if cache is None:
         return None
     built = Path(mujoco.__file__).stat()
-    return place / f"mujoco-{mujoco.__version__}-{part}-{built.st_mtime_ns}-{built.st_size}.passed"
+    return cache / f"mujoco-{mujoco.__version__}-{part}-{built.st_mtime_ns}-{built.st_size}.passed"

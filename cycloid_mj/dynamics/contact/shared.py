@@ -1,4 +1,4 @@
-"""A process-wide change that parallel runs share: made by the first user, undone by the last."""
+"""A process-wide change that parallel runs share: applied by the first user, reverted by the last."""
 
 import threading
 from collections.abc import Callable, Iterator
@@ -15,7 +15,7 @@ class Shared:
 
     @contextmanager
     def kept(self) -> Iterator[None]:
-        """Keep the change made inside this ``with`` block; nested and parallel blocks are allowed."""
+        """Keep the change inside this ``with`` block; nested and parallel blocks are allowed."""
         with self._lock:
             if not self._users:
                 self._make()

@@ -17,8 +17,8 @@ class Teeth(NamedTuple):
     flank
         Its flanks.
     reference, constant, deflection
-        What makes the stiffness follow the relative curvature, ``CurvatureLaw``: reference and constant of the
-        compliance [1]; the deflection at working force [m], 0 to keep lines of contact apart however near they are.
+        Parameters of the stiffness as a function of the relative curvature, ``CurvatureLaw``: reference and constant of
+        the compliance [1]; the deflection at working force [m], 0 to keep all lines of contact separate.
     ring
         The trochoid of the ring: of its pins' circle, which that of a modified gear is not.
     """
@@ -31,10 +31,9 @@ class Teeth(NamedTuple):
 
 
 USER_DATA = 13
-"""Numbers of ``geom user`` in a model of ours: of the teeth, `user_data`, after which those of waves stand; of a pin,
-sine and cosine of its home angle, clockwise from +y, and of a massless one its play [m], the stiffness of a pin on a
-flat over that of its seat, and one more than the least cosine of the angle to its home at which its seat holds
-it; of an open socket, cosine and sine of half the angle on which it holds its pin, from the +y of its geom."""
+"""Numbers of ``geom user`` in a model: of teeth, `user_data`, followed by waves; of a pin, the fields of ``RingPin``
+after the radius; of an open socket, cosine and sine of half the angle on which it supports its pin, from the +y of its
+geom."""
 
 DEFLECTION = 6
 """Index of the deflection in `user_data`."""

@@ -1,4 +1,4 @@
-"""The bodies of a mechanism in MuJoCo, with their joints, masses, meshes to be seen and cylinders to meet others."""
+"""The bodies of a mechanism in MuJoCo: joints, masses, visual meshes, and cylinders for the exact collider."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -26,8 +26,8 @@ _X, _Y, _Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
 def add_bodies(spec: Any, reducer: Reducer, masses: Mapping[str, MassProperties]) -> None:
-    """Add every body with its joints and its mass; what is held needs none."""
-    # MuJoCo factorises from the last degree of freedom backwards: each pin meets the gear alone, so with the pins
+    """Add every body with its joints, and with its mass if it moves."""
+    # MuJoCo factorises from the last degree of freedom backwards: each pin is coupled with the gear only, so with pins
     # last an elimination fills in nothing between pins; before the gear each would couple all of them.
     for body in reducer.mechanism.bodies:
         carrier = spec.body(body.carrier) if body.carrier else spec.worldbody
@@ -38,10 +38,10 @@ def add_bodies(spec: Any, reducer: Reducer, masses: Mapping[str, MassProperties]
 
 
 def add_shapes(spec: Any, reducer: Reducer) -> None:
-    """Add to the bodies what is seen, by meshes named as the parts, and the cylinders for the exact collider."""
+    """Add the visual meshes, named as the parts, and the cylinders for the exact collider to the bodies."""
     planes = {body.name: body.plane for body in reducer.mechanism.bodies}
     for body in reducer.mechanism.bodies:
-        for part, place in seen(reducer, body):
+        for part, position in seen(reducer, body):
             spec.body(body.name).add_geom(
                 type=mujoco.mjtGeom.mjGEOM_MESH,
                 meshname=part,
@@ -50,7 +50,7 @@ def add_shapes(spec: Any, reducer: Reducer) -> None:
                 conaffinity=0,
                 mass=0.0,
                 rgba=list(colour(part)),
-                pos=point(place[:2], float(place[2])),
+                pos=point(position[:2], float(position[2])),
             )
     for surfaces in reducer.mechanism.surfaces:
         middle, half_width = span(reducer, surfaces)
@@ -78,7 +78,7 @@ def crank_inertia(reducer: Reducer, shaft: MassProperties) -> float:
 
 
 def seen(reducer: Reducer, body: Body) -> list[tuple[str, Array]]:
-    """List the parts that a body is seen by, and the place (x, y, z) of each in its frame, shape (3,) [m]."""
+    """List the visible parts of a body, and the position (x, y, z) of each in its frame, shape (3,) [m]."""
     return [(body.part, np.zeros(3)), *attached_parts(reducer, body.part).values()]
 
 
@@ -95,9 +95,9 @@ def span(reducer: Reducer, surfaces: Surfaces) -> tuple[float, float]:
     return gear.disc_planes[surfaces.disc], 0.5 * gear.face_width
 
 
-def point(place: Array, z: float = 0.0) -> list[float]:
-    """Compute a place in the plane [m], shape (2,), and its z [m] as MuJoCo takes it."""
-    return [*on_grid(place).tolist(), float(on_grid(np.array(z)))]
+def point(position: Array, z: float = 0.0) -> list[float]:
+    """Return a position in the plane [m], shape (2,), and its z [m] in MuJoCo's format."""
+    return [*on_grid(position).tolist(), float(on_grid(np.array(z)))]
 
 
 def turn(angle: float) -> list[float]:
@@ -125,7 +125,7 @@ def _add_joints(element: Any, body: Body, reducer: Reducer) -> None:
 
 
 def _drag(reducer: Reducer, joint: str) -> dict[str, Any]:
-    """Collect what seals and rotor add to the turn of a shaft."""
+    """Collect the joint attributes of seals and rotor on a shaft."""
     design = reducer.design
     drag = {names.CRANK_JOINT: design.drag.crank, names.OUTPUT_JOINT: design.drag.output}.get(joint, 0.0)
     sealed = {"frictionloss": drag, "solref_friction": [SEAL_TIME, 1.0], "solimp_friction": SEAL_IMPEDANCE}
@@ -134,12 +134,12 @@ def _drag(reducer: Reducer, joint: str) -> dict[str, Any]:
 
 
 def attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[str, Any]:
-    """Collect what the collider must know of a surface besides its place and its radius."""
+    """Collect the attributes of a surface for the collider, besides position and radius."""
     design = reducer.design
     angle = float(surfaces.angle[i])
     if surfaces.role == Role.TEETH:
         teeth = teeth_of_disc(reducer, surfaces.disc or 0)
-        return {"quat": turn(angle), "userdata": [significant(one) for one in user_data(teeth)]}
+        return {"quat": turn(angle), "userdata": [significant(number) for number in user_data(teeth)]}
     if surfaces.role == Role.LOBE:
         return {"quat": turn(angle)}
     if surfaces.role == Role.OUTER and surfaces.half_angle < np.pi:
@@ -159,7 +159,7 @@ def attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[str, Any]:
 
 
 def teeth_of_disc(reducer: Reducer, disc: int) -> Teeth:
-    """Compute what the collider must know of a disc's teeth."""
+    """Compute the teeth of a disc for the collider."""
     law, gear, errors = reducer.contacts.teeth.curvature_law, reducer.gear_profile, reducer.deviations
     offset = reducer.profile_offset - float(errors.disc_radius[disc])
     rotation = reducer.design.modification.rotation

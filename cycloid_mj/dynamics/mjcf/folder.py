@@ -5,7 +5,7 @@ import importlib.metadata
 import json
 import re
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -38,11 +38,19 @@ from cycloid_mj.reducer import Reducer
 REDUCER, SCENE, MANIFEST, DESIGN = "reducer.xml", "scene.xml", "manifest.json", "design.toml"
 ASSETS = "assets"
 
-DRIVE_BANDWIDTH = 2e3
-"""Bandwidth of the crank's speed servo [rad/s]."""
 
-DRIVE_MARGIN = 5.0
-"""Largest torque of the servo, as a multiple of the design's rated input torque."""
+@dataclass(frozen=True)
+class SpeedServo:
+    """Speed servo of the crank in a model folder."""
+
+    bandwidth: float = 2e3
+    """[rad/s]."""
+    torque_margin: float = 5.0
+    """Largest torque, as a multiple of the design's rated input torque."""
+
+
+SPEED_SERVO = SpeedServo()
+
 
 _NUMBER = re.compile(r"-?\d+\.\d{6,}(?:e[+-]?\d+)?")
 
@@ -51,7 +59,7 @@ def model_files(reducer: Reducer, settings: ConvexSettings | None = None) -> dic
     """Collect every file of a model folder by its path in it; takes some 10 s for CoACD.
 
     The model differs from ``build_mesh``'s in what it is for: the crank has a speed servo (``ctrl`` in rad/s, no target
-    to be moved), there are keyframes, and convex pieces behind the teeth meet objects from outside.
+    to be moved), there are keyframes, and convex pieces behind the teeth collide with other objects.
 
     Warns
     -----
@@ -109,13 +117,13 @@ def _check_surface(surface: ConvexSurface, settings: ConvexSettings) -> Quality:
 
 
 def _add_drive(mesh: MeshSpec, reducer: Reducer) -> tuple[float, float]:
-    """Add the speed servo of the crank, and give its gains kp and kv; add the torque of the load."""
+    """Add the speed servo of the crank and the torque of the load; return the servo's gains kp and kv."""
     joint = mujoco.mjtTrn.mjTRN_JOINT
     drive = mesh.spec.add_actuator(name=names.DRIVE, target=names.CRANK_JOINT, trntype=joint)
-    gain = mesh.crank_inertia * DRIVE_BANDWIDTH
+    gain = mesh.crank_inertia * SPEED_SERVO.bandwidth
     drive.set_to_velocity(kv=gain)
     drive.forcelimited = True
-    drive.forcerange = np.array([-1.0, 1.0]) * DRIVE_MARGIN * reducer.design.drive.torque
+    drive.forcerange = np.array([-1.0, 1.0]) * SPEED_SERVO.torque_margin * reducer.design.drive.torque
     load = mesh.spec.add_actuator(name=names.LOAD, target=names.OUTPUT_JOINT, trntype=joint)
     load.set_to_motor()
     return 0.0, gain

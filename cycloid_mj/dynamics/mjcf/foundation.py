@@ -40,7 +40,7 @@ def slice_law(law: ContactParameters, factor: float, part: Slice, force: float) 
 def flank_patch(depth: float, curvature: float) -> float:
     """Compute the effective width [m] of the contact of two flanks at a penetration [m]: 4/3 sqrt(2 d / kappa).
 
-    The gap opens as kappa s^2 / 2 beside the deepest point: springs of k per width push with 4/3 sqrt(2 d/kappa) k d.
+    The gap opens as kappa s^2 / 2 next to the deepest point: springs of k per width push with 4/3 sqrt(2 d/kappa) k d.
     """
     return 4.0 / 3.0 * math.sqrt(2.0 * depth / curvature)
 

@@ -79,6 +79,6 @@ def _room(reducer: Reducer, crank: float) -> dict[str, float]:
     joints: dict[str, float] = {}
     for disc, (x, y), turn in zip(reducer.mechanism.discs, fit.shift.tolist(), fit.gear_turn.tolist(), strict=True):
         joints |= dict(zip(disc.joints, (x * cos - y * sin, x * sin + y * cos, turn), strict=True))
-    for pin, place in zip(reducer.mechanism.pins, fit.pin_shift, strict=False):
-        joints |= dict(zip(pin.joints[:2], place.tolist(), strict=True))
+    for pin, shift in zip(reducer.mechanism.pins, fit.pin_shift, strict=False):
+        joints |= dict(zip(pin.joints[:2], shift.tolist(), strict=True))
     return joints | {names.OUTPUT_JOINT: fit.output_turn}

@@ -2,10 +2,10 @@
 
 A surface's geoms are named ``<stem>/<member>/<number>``; the stem is the name that the same surface has in the model of
 exact contact, and in its mating pairs. Round parts are capsules whose caps lie beyond the faces. Bits of ``contype``
-and ``conaffinity`` let mating surfaces meet and nothing else; what is behind them only meets objects from outside.
+and ``conaffinity`` restrict collisions to mating surfaces; the pieces behind them collide with other objects only.
 
 A geom has no ``solreffriction``: MuJoCo takes the damping of the contact for that of its friction, and a fast slide
-then pushes the surfaces apart, with friction times damping times speed. The facets of a hole, which know their mate,
+then separates the surfaces, with friction times damping times speed. The facets of a hole, which know their mate,
 meet it by explicit pairs where they rub, and have none of it.
 """
 
@@ -41,13 +41,23 @@ OUTSIDE, TEETH, ROOTS, SOCKETS, HOLES, BORE = (1 << bit for bit in (0, 1, 2, 3, 
 BORES = (BORE, *(1 << bit for bit in (6, 7, 8)))
 """The same of the bore of each disc: the caps of its cam reach into the next one's."""
 
-CCD_TOLERANCE, CCD_ITERATIONS = 1e-9, 60
 
-CAP = 0.1
-"""How far the cylinder of a capsule reaches beyond the faces, as a share of its width."""
+@dataclass(frozen=True)
+class MeshContactSettings:
+    """Settings of models for MuJoCo's own collision detection."""
 
-OUTPUT_OPACITY = 0.4
-"""The output disc covers the gear: it is drawn translucent."""
+    ccd_tolerance: float = 1e-9
+    ccd_iterations: int = 60
+    cap_share: float = 0.1
+    """How far the cylinder of a capsule reaches beyond the faces, as a share of its width."""
+    output_opacity: float = 0.4
+    """Opacity of the output disc, which covers the gear."""
+    slice_priority: int = 2
+    hull_priority: int = 1
+
+
+MESH_CONTACT = MeshContactSettings()
+
 
 _STEMS = {"lobe": names.LOBE, "socket": names.SOCKET, "hole": names.HOLE}
 """Surfaces of which a part has several, numbered."""
@@ -56,12 +66,11 @@ _OF_DISCS = (names.TEETH, names.BORE, names.HOLE)
 """Surfaces that every disc has; the ring's span all of them."""
 
 _KINDS = {"lobe": "tooth", "socket": "pin_socket", "bore": "cam", "hole": "output"}
-_SLICE_PRIORITY, _HULL_PRIORITY = 2, 1
 
 
 @dataclass(frozen=True)
 class MeshSpec:
-    """An editable mesh model with what its makers know: see ``ReducerModel``; `surfaces` are its sliced surfaces."""
+    """An editable mesh model with laws and inertia, see ``ReducerModel``; `surfaces` are its sliced surfaces."""
 
     spec: Any
     surfaces: tuple[ConvexSurface, ...]
@@ -75,7 +84,8 @@ def build_mesh(reducer: Reducer, settings: ConvexSettings | None = None) -> Redu
     Raises
     ------
     DesignError
-        A part of the design cannot be made, or sliced; its pins carry sleeves; or its contacts follow IMPACT.
+        A part of the design is not feasible, or cannot be sliced; its pins carry sleeves; or its contacts follow
+        IMPACT.
     ContactError
         MuJoCo cannot represent a contact's stiffness at this time step.
     """
@@ -130,8 +140,8 @@ def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
     apart = {surface.disc for surface in working if surface.disc}
     for surface in working:
         discs = range(reducer.design.gear.discs if surface.name in _OF_DISCS else 1)
-        of = [disc for disc in discs if surface.name != names.TEETH or disc not in apart]
-        _add_surface(spec, reducer, surface, [surface.disc] if surface.disc else of, laws, weights, settings)
+        discs_alike = [disc for disc in discs if surface.name != names.TEETH or disc not in apart]
+        _add_surface(spec, reducer, surface, [surface.disc] if surface.disc else discs_alike, laws, weights, settings)
     _add_round_parts(spec, reducer)
     return MeshSpec(spec, working, stiffest(laws), crank_inertia(reducer, masses[names.SHAFT]))
 
@@ -159,8 +169,8 @@ def stem(surface: str, member: int) -> str:
 
 def _options(spec: Any) -> None:
     spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_MULTICCD)
-    spec.option.ccd_tolerance = CCD_TOLERANCE
-    spec.option.ccd_iterations = CCD_ITERATIONS
+    spec.option.ccd_tolerance = MESH_CONTACT.ccd_tolerance
+    spec.option.ccd_iterations = MESH_CONTACT.ccd_iterations
 
 
 def _inverse_weights(spec: Any) -> dict[str, float]:
@@ -176,21 +186,26 @@ def _add_visuals(spec: Any, reducer: Reducer) -> None:
     visual.geom.type = mujoco.mjtGeom.mjGEOM_MESH
     for part, solid in parts(reducer, VISUAL_CHORD_ERROR).items():
         _add_stl(spec, part, stl_bytes(mesh(solid)), mujoco.mjtMeshInertia.mjMESH_INERTIA_EXACT)
-        opacity = OUTPUT_OPACITY if part == names.OUTPUT else 1.0
+        opacity = MESH_CONTACT.output_opacity if part == names.OUTPUT else 1.0
         spec.add_material(name=part, rgba=[*colour(part)[:3], opacity], specular=0.4, shininess=0.4)
-        for body, place in _homes(reducer, part):
-            spec.body(body).add_geom(visual, meshname=part, material=part, pos=place)
+        for body, position in _homes(reducer, part):
+            spec.body(body).add_geom(visual, meshname=part, material=part, pos=position)
 
 
 def _homes(reducer: Reducer, part: str) -> Iterator[tuple[str, list[float]]]:
     """Yield the body that each copy of a part belongs to, and its place in it [m]."""
-    shown = [(body.name, at) for body in reducer.mechanism.bodies for one, at in seen(reducer, body) if one == part]
-    for body, at in shown:
-        yield body, point(at[:2], float(at[2]))
+    shown = [
+        (body.name, position)
+        for body in reducer.mechanism.bodies
+        for shown_part, position in seen(reducer, body)
+        if shown_part == part
+    ]
+    for body, position in shown:
+        yield body, point(position[:2], float(position[2]))
     if not shown:  # pins that do not move belong to the housing
         ring = reducer.tooth_profile
-        for place in ring.pin_circle_radius * profile.unit(profile.pin_angles(ring)):
-            yield names.HOUSING, point(place)
+        for position in ring.pin_circle_radius * profile.unit(profile.pin_angles(ring)):
+            yield names.HOUSING, point(position)
 
 
 def _add_stl(spec: Any, name: str, content: bytes, inertia: Any = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX) -> None:
@@ -255,19 +270,19 @@ def _add_slices(
         classes.append(default)
     ahead = reducer.mechanism.phases[disc] / design.lobes if surface.name == names.TEETH else 0.0
     counts: dict[int, int] = {}
-    for place in surface.places:
-        counts[place.member] = counts.get(place.member, 0) + 1
-        called = names.of_disc(stem(surface.name, place.member), disc, copies)
-        name = f"{called}/{place.member}/{counts[place.member]}"
-        pose = {"pos": [*place.centre, 0.0], "quat": _pose(place, ahead)}
-        spec.body(carriers[called]).add_geom(classes[place.slice], name=name, **pose)
+    for placement in surface.places:
+        counts[placement.member] = counts.get(placement.member, 0) + 1
+        called = names.of_disc(stem(surface.name, placement.member), disc, copies)
+        name = f"{called}/{placement.member}/{counts[placement.member]}"
+        pose = {"pos": [*placement.centre, 0.0], "quat": _pose(placement, ahead)}
+        spec.body(carriers[called]).add_geom(classes[placement.slice], name=name, **pose)
         if rubs:
-            spec.add_pair(classes[place.slice], geomname1=name, geomname2=mates[called])
+            spec.add_pair(classes[placement.slice], geomname1=name, geomname2=mates[called])
 
 
 def _meet_by_bits(geom: Any, parameters: SolverParameters, surface: str, width: float, disc: int) -> None:
     geom.contype, geom.conaffinity = _bits(surface, width, disc)
-    geom.priority = _SLICE_PRIORITY if np.isfinite(width) else _HULL_PRIORITY
+    geom.priority = MESH_CONTACT.slice_priority if np.isfinite(width) else MESH_CONTACT.hull_priority
     geom.condim, geom.solref, geom.solimp = parameters.condim, parameters.solref, parameters.solimp
     geom.friction = [parameters.friction[0], 0.0, 0.0]
 
@@ -281,8 +296,8 @@ def _meet_by_pair(pair: Any, parameters: SolverParameters) -> None:
 def _bits(surface: str, width: float, disc: int) -> tuple[int, int]:
     """Compute contype and conaffinity of a slice, or of the hull that is a convex tip.
 
-    Tips of the gear meet the roots of an internal gear, its valleys do not. The arc of an internal gear's lobe meets
-    the gear as a capsule, which is exact and quicker than its hull.
+    Tips of the gear collide with the roots of an internal gear, its valleys do not. The arc of an internal gear's lobe
+    is a capsule, which is exact and quicker than its hull.
     """
     hull = not np.isfinite(width)
     if surface == "lobe":
@@ -299,7 +314,7 @@ def _add_round_parts(spec: Any, reducer: Reducer) -> None:
     for kind, bits, disc in ((design.tooth_pair, TEETH | SOCKETS, 0), *cams, ("output", HOLES, 0)):
         round_parts = reducer.mechanism.mating(kind, disc).by
         middle, half_width = span(Reducer(design), round_parts)
-        half = half_width * (1.0 + 2.0 * CAP)
+        half = half_width * (1.0 + 2.0 * MESH_CONTACT.cap_share)
         for i, name in enumerate(round_parts.names):
             spec.body(round_parts.bodies[i]).add_geom(
                 collision,
@@ -311,7 +326,7 @@ def _add_round_parts(spec: Any, reducer: Reducer) -> None:
             )
 
 
-def _pose(place: SlicePlacement, ahead: float) -> list[float]:
+def _pose(placement: SlicePlacement, ahead: float) -> list[float]:
     """Quaternion of a place on teeth that are turned back; a prism's mirror image is half a turn about its y axis."""
-    w, _, _, z = turn(place.angle + ahead)
-    return [0.0, -z, w, 0.0] if place.mirrored else [w, 0.0, 0.0, z]
+    w, _, _, z = turn(placement.angle + ahead)
+    return [0.0, -z, w, 0.0] if placement.mirrored else [w, 0.0, 0.0, z]

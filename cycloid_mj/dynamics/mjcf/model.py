@@ -29,7 +29,7 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Pair
 
 Held = Literal["crank", "output", ""]
-"""The shaft that a servo holds; none: both feel a torque alone."""
+"""The shaft with a position servo; empty: both have a torque only."""
 
 SERVO_BANDWIDTH = 2e4
 """Bandwidth [rad/s] of the position servo that makes a shaft follow its command; critically damped."""
@@ -48,11 +48,11 @@ class ReducerModel:
     laws
         The contact law of each kind of pair, on the disc where it is stiffest.
     servo_gains
-        kp [N m/rad] and kv [N m s/rad] of the servo on the shaft that is held.
+        kp [N m/rad] and kv [N m s/rad] of the servo on the driven shaft.
     crank_inertia
         Inertia of shaft and rotor about the crank axis [kg m2].
     warnings
-        Why its figures may not be those of its design, see ``dynamics.regime``.
+        Reasons why its figures may differ from those of its design, see ``dynamics.regime``.
     """
 
     spec: Any
@@ -84,14 +84,14 @@ def build(design: Named, held: Held = "crank") -> ReducerModel:
     Parameters
     ----------
     design
-        A design, or the name of a preset or a file: what to build.
+        A design, or the name of a preset or a file.
     held
-        The shaft that a servo holds to a position command; the actuator of a shaft that is not held is a torque.
+        The shaft with a position servo; the actuator of the other shaft is a torque.
 
     Raises
     ------
     DesignError
-        A part of the design cannot be made.
+        A part of the design is not feasible.
     ContactError
         MuJoCo cannot represent a contact's stiffness at this time step.
     """
@@ -129,7 +129,7 @@ def add_warnings(compiled: ReducerModel, reducer: Reducer) -> ReducerModel:
 def xml(spec: Any) -> str:
     """Write the MJCF of a compiled spec with every digit of every number."""
     with exact_xml():
-        spec.compile()  # else it gives the pairs as they were when they were compiled last
+        spec.compile()  # otherwise the pairs are those of the last compilation
         return str(spec.to_xml())
 
 
@@ -160,7 +160,7 @@ def empty_spec(reducer: Reducer, impratio: float) -> Any:
 
 
 def add_actuators(spec: Any, inertia: float, held: Held = "crank") -> tuple[float, float]:
-    """Add the actuators of crank and output, a servo on the held shaft of this inertia; give the servo's gains."""
+    """Add the actuators of crank and output, a servo on the `held` shaft of this inertia; return the servo's gains."""
     kp, kv = servo_gains(inertia)
     for shaft, name, joint in (("crank", names.DRIVE, names.CRANK_JOINT), ("output", names.LOAD, names.OUTPUT_JOINT)):
         actuator = spec.add_actuator(name=name, target=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT)
@@ -172,12 +172,12 @@ def add_actuators(spec: Any, inertia: float, held: Held = "crank") -> tuple[floa
 
 
 def servo_gains(inertia: float) -> tuple[float, float]:
-    """Compute the gains [N m/rad], [N m s/rad] of a servo that holds a shaft of this inertia [kg m2]."""
+    """Compute the gains [N m/rad], [N m s/rad] of a position servo on a shaft of this inertia [kg m2]."""
     return significant(inertia * SERVO_BANDWIDTH**2), significant(2.0 * inertia * SERVO_BANDWIDTH)
 
 
 def _add_pairs(spec: Any, mating: tuple[Pair, ...], laws: Sequence[Laws]) -> Any:
-    """Add the explicit pairs with each contact's physics; give the compiled model.
+    """Add the explicit pairs with each contact's physics, and return the compiled model.
 
     The physics need the weights of the compiled bodies, and are put into both: compiling once more takes as long.
     """
@@ -190,9 +190,9 @@ def _add_pairs(spec: Any, mating: tuple[Pair, ...], laws: Sequence[Laws]) -> Any
         bodies = [model.geom(name).bodyid[0] for name in (pair.on, pair.by)]
         inverse_weight = float(sum(model.body_invweight0[body, 0] for body in bodies))
         parameters = solver_parameters(laws[pair.disc][pair.kind], inverse_weight, spec.option.impratio)
-        place = model.pair(pair.name).id
+        number = model.pair(pair.name).id
         for name in ("friction", "solref", "solreffriction", "solimp"):
             value = getattr(parameters, name)
             setattr(in_spec, name, list(value))
-            getattr(model, f"pair_{name}")[place] = value
+            getattr(model, f"pair_{name}")[number] = value
     return model

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from cycloid_mj.base import compiling
 from cycloid_mj.base.array import Array
+from cycloid_mj.dynamics.contact.contact_search import SETTINGS as ROOT_SEARCH
 from cycloid_mj.dynamics.contact.contact_search import (
     STRIDE,
     RingPin,
@@ -23,6 +24,7 @@ from cycloid_mj.dynamics.contact.contact_search import (
 )
 from cycloid_mj.dynamics.contact.gap import Flank, PartialCircle, Pose, outwards
 from cycloid_mj.dynamics.contact.teeth import Teeth
+from cycloid_mj.dynamics.planar.settings import CONTACT_SEARCH
 from cycloid_mj.dynamics.planar.system import CAM, OUTPUT, SEAT, TEETH, System
 from cycloid_mj.reducer import impact
 
@@ -73,14 +75,8 @@ Contact = Any
 Contacts = npt.NDArray[np.void]
 """Array of contacts, of the largest possible size."""
 
-MAX_TOUCHES = 130
-"""Largest number of contacts of one pair: a lobe of an internal gear is searched in pieces, see ``contact_search``."""
-
-_MARGIN = 1e-7
-"""Gap [m] up to which contacts are listed, as they may close within a step."""
-
-_ROUND = 1e-9
-"""Relative deviation of a contact normal from the centre of the surrounding arc, beyond which it lies on an edge."""
+MAX_TOUCHES = ROOT_SEARCH.max_touches
+"""Largest number of contacts of one pair."""
 
 njit = compiling.njit(inner=True, allocates=False, error_model="numpy", forceinline=True)
 """Compile a function that the solver calls in every step."""
@@ -91,8 +87,8 @@ _spring, _damper = njit(impact.spring), njit(impact.damper)
 def allocate_contacts(system: System) -> Contacts:
     """Return an array for the largest possible number of contacts of a reducer."""
     discs, teeth = len(system.cams), len(system.place)
-    of_lobe = MAX_TOUCHES if system.lobes else 1
-    most = discs * teeth * of_lobe + 2 * teeth * system.free + discs * (1 + len(system.studs))
+    of_pair = MAX_TOUCHES if system.lobes else 1
+    most = discs * teeth * of_pair + 2 * teeth * system.free + discs * (1 + len(system.studs))
     return np.zeros(most, dtype=CONTACT)
 
 
@@ -121,79 +117,131 @@ def find(
     `lobes` are the lobe radii of an internal gear [m], or None (nothing is compiled for lobes then). `scratch` is
     working memory for the contacts of one pair. Returns the number of contacts.
     """
-    discs, teeth, studs = len(system.cams), len(system.place), len(system.studs)
-    crank, first_pin = 3 * discs + 1, 3 * discs + 2
-    ring_shaft, stud_shaft = system.ring_shaft, system.stud_shaft
-    ring, carrier, shaft = _about_axis(q, ring_shaft), _about_axis(q, stud_shaft), _about_axis(q, crank)
-    out = scratch.ctypes.data
+    discs, teeth = len(system.cams), len(system.place)
+    crank = 3 * discs + 1
+    ring, carrier = _about_axis(q, system.ring_shaft), _about_axis(q, system.stud_shaft)
+    shaft, out = _about_axis(q, crank), scratch.ctypes.data
     count, pair = 0, 0
     for disc in range(discs):
-        gear = _pose(q, 3 * disc, system.turned[disc])
-        on_disc = _teeth(system, disc)
-        for i in range(teeth):
-            mating = MatingSurfaces(pair, system.laws[disc, TEETH], 3 * disc, -1, ring_shaft)
-            pair += 1
-            px, py = outwards(ring, system.place[i, 0], system.place[i, 1])
-            if lobes is not None:
-                cosine, sine = outwards(ring, system.home[i, 1], -system.home[i, 0])
-                for k in range(lobe_touches(out, on_disc, lobes[i], Pose(px, py, cosine, sine), gear, _MARGIN)):
-                    touch = read_touch(out + STRIDE * k)
-                    _fill(contacts[count], mating, touch, -1.0, q, v, half)
-                    count += 1
-                continue
-            pin = RingPin(
-                system.ring[i, 0],
-                system.ring[i, 1],
-                system.ring[i, 2],
-                system.ring[i, 3],
-                system.ring[i, 4],
-                system.ring[i, 5],
-            )
-            own = first_pin + 3 * i
-            if system.free:
-                px, py = q[own], q[own + 1]
-                mating = MatingSurfaces(mating.pair, mating.law, mating.disc, own, -1)
-            met = pin_touch(on_disc, pin, gear, px, py, _MARGIN)
-            if not met.exists:
-                continue
-            contact, touch = contacts[count], met.touch
-            _fill(contact, mating, touch, -1.0, q, v, half)
-            count += 1
-            if system.free:
-                contact.disc_centre = -(px - gear.x) * touch.nx - (py - gear.y) * touch.ny
-                # The distance of a point beyond a curve of curvature k bends by k/(1 + k distance).
-                beyond = pin.radius + touch.gap - on_disc.flank.offset
-                contact.geometric_stiffness = -half * met.curvature / (1.0 + met.curvature * beyond)
-    for i in range(teeth * system.free):
-        own = first_pin + 3 * i
-        mating = MatingSurfaces(pair, system.laws[0, SEAT], -1, own, ring_shaft)
-        pair += 1
-        sx, sy = outwards(ring, system.place[i, 0], system.place[i, 1])
-        if system.sleeved:
-            around = PartialCircle(system.outer[i], 0.0, 1.0, -1.0, 0.0)
-            round_in = Round(sx, sy, q[own], q[own + 1], system.inner[i], 1.0)
+        mating = MatingSurfaces(pair, system.laws[disc, TEETH], 3 * disc, -1, system.ring_shaft)
+        if lobes is not None:
+            count = _find_lobes(system, lobes, contacts, count, mating, ring, out, q, v, half)
         else:
-            ax, ay = outwards(ring, system.home[i, 0], system.home[i, 1])
-            around = PartialCircle(system.outer[i], ax, ay, system.arc[0], system.arc[1])
-            round_in = Round(q[own], q[own + 1], sx, sy, system.inner[i], -1.0)
-        count += _find_round(contacts, count, mating, round_in, around, out, q, v, half)
-    whole = PartialCircle(system.bore, 0.0, 1.0, -1.0, 0.0)
+            count = _find_pins(system, contacts, count, mating, ring, q, v, half)
+        pair += teeth
+    if system.free:
+        count = _find_seats(system, contacts, count, pair, ring, out, q, v, half)
+        pair += teeth
+    bore = PartialCircle(system.bore, 0.0, 1.0, -1.0, 0.0)
     for disc in range(discs):
         mating = MatingSurfaces(pair, system.laws[disc, CAM], 3 * disc, -1, crank)
         pair += 1
         cx, cy = outwards(shaft, system.cams[disc, 0], system.cams[disc, 1])
-        round_in = Round(cx, cy, q[3 * disc], q[3 * disc + 1], system.cam, 1.0)
-        count += _find_round(contacts, count, mating, round_in, whole, out, q, v, half)
-    whole = PartialCircle(system.hole, 0.0, 1.0, -1.0, 0.0)
+        cam = Round(cx, cy, q[3 * disc], q[3 * disc + 1], system.cam, 1.0)
+        count += _find_round(contacts, count, mating, cam, bore, out, q, v, half)
+    hole = PartialCircle(system.hole, 0.0, 1.0, -1.0, 0.0)
     for disc in range(discs):
         gear = _pose(q, 3 * disc, 0.0)
-        for stud in range(studs):
-            mating = MatingSurfaces(pair, system.laws[disc, OUTPUT], 3 * disc, -1, stud_shaft)
+        for stud in range(len(system.studs)):
+            mating = MatingSurfaces(pair, system.laws[disc, OUTPUT], 3 * disc, -1, system.stud_shaft)
             pair += 1
             sx, sy = outwards(carrier, system.studs[stud, 0], system.studs[stud, 1])
             hx, hy = outwards(gear, system.holes[disc, stud, 0], system.holes[disc, stud, 1])
-            round_in = Round(sx, sy, gear.x + hx, gear.y + hy, system.stud, 1.0)
-            count += _find_round(contacts, count, mating, round_in, whole, out, q, v, half)
+            pin = Round(sx, sy, gear.x + hx, gear.y + hy, system.stud, 1.0)
+            count += _find_round(contacts, count, mating, pin, hole, out, q, v, half)
+    return count
+
+
+@njit
+def _find_lobes(
+    system: System,
+    lobes: Array,
+    contacts: Contacts,
+    count: int,
+    mating: MatingSurfaces,
+    ring: Pose,
+    out: int,
+    q: Array,
+    v: Array,
+    half: float,
+) -> int:
+    """Write the contacts of a disc and all lobes after `count` others, and return their new number.
+
+    `mating` is that of the disc and the first lobe.
+    """
+    disc = mating.disc // 3
+    gear, on_disc = _pose(q, mating.disc, system.turned[disc]), _teeth(system, disc)
+    for i in range(len(lobes)):
+        pair = MatingSurfaces(mating.pair + i, mating.law, mating.disc, -1, mating.shaft)
+        px, py = outwards(ring, system.place[i, 0], system.place[i, 1])
+        cosine, sine = outwards(ring, system.home[i, 1], -system.home[i, 0])
+        for k in range(lobe_touches(out, on_disc, lobes[i], Pose(px, py, cosine, sine), gear, CONTACT_SEARCH.margin)):
+            _fill(contacts[count], pair, read_touch(out + STRIDE * k), -1.0, q, v, half)
+            count += 1
+    return count
+
+
+@njit
+def _find_pins(
+    system: System,
+    contacts: Contacts,
+    count: int,
+    mating: MatingSurfaces,
+    ring: Pose,
+    q: Array,
+    v: Array,
+    half: float,
+) -> int:
+    """Write the contacts of a disc and all ring pins after `count` others, and return their new number.
+
+    `mating` is that of the disc and the first pin.
+    """
+    disc, first_pin = mating.disc // 3, 3 * len(system.cams) + 2
+    gear, on_disc, values = _pose(q, mating.disc, system.turned[disc]), _teeth(system, disc), system.ring
+    for i in range(len(system.place)):
+        own, shaft = -1, mating.shaft
+        if system.free:
+            own, shaft = first_pin + 3 * i, -1
+            px, py = q[own], q[own + 1]
+        else:
+            px, py = outwards(ring, system.place[i, 0], system.place[i, 1])
+        pin = RingPin(values[i, 0], values[i, 1], values[i, 2], values[i, 3], values[i, 4], values[i, 5])
+        found = pin_touch(on_disc, pin, gear, px, py, CONTACT_SEARCH.margin)
+        if not found.exists:
+            continue
+        contact, touch = contacts[count], found.touch
+        pair = MatingSurfaces(mating.pair + i, mating.law, mating.disc, own, shaft)
+        _fill(contact, pair, touch, -1.0, q, v, half)
+        count += 1
+        if system.free:
+            contact.disc_centre = -(px - gear.x) * touch.nx - (py - gear.y) * touch.ny
+            # The distance of a point beyond a curve of curvature k bends by k/(1 + k distance).
+            beyond = pin.radius + touch.gap - on_disc.flank.offset
+            contact.geometric_stiffness = -half * found.curvature / (1.0 + found.curvature * beyond)
+    return count
+
+
+@njit
+def _find_seats(
+    system: System, contacts: Contacts, count: int, pair: int, ring: Pose, out: int, q: Array, v: Array, half: float
+) -> int:
+    """Write the contacts of moving pins with their seats after `count` others, and return their new number.
+
+    `pair` is the number of the first pin's pair.
+    """
+    first_pin = 3 * len(system.cams) + 2
+    for i in range(len(system.place)):
+        own = first_pin + 3 * i
+        mating = MatingSurfaces(pair + i, system.laws[0, SEAT], -1, own, system.ring_shaft)
+        sx, sy = outwards(ring, system.place[i, 0], system.place[i, 1])
+        if system.sleeved:
+            around = PartialCircle(system.outer[i], 0.0, 1.0, -1.0, 0.0)
+            inner = Round(sx, sy, q[own], q[own + 1], system.inner[i], 1.0)
+        else:
+            ax, ay = outwards(ring, system.home[i, 0], system.home[i, 1])
+            around = PartialCircle(system.outer[i], ax, ay, system.arc[0], system.arc[1])
+            inner = Round(q[own], q[own + 1], sx, sy, system.inner[i], -1.0)
+        count += _find_round(contacts, count, mating, inner, around, out, q, v, half)
     return count
 
 
@@ -248,12 +296,12 @@ def _find_round(
 ) -> int:
     """Write the contacts of a circle within another circle from index `first` on, and return their number."""
     dx, dy = inner.x - inner.around_x, inner.y - inner.around_y
-    count = inner_touches(out, dx, dy, inner.x, inner.y, inner.radius, outer, _MARGIN)
+    count = inner_touches(out, dx, dy, inner.x, inner.y, inner.radius, outer, CONTACT_SEARCH.margin)
     for k in range(count):
         touch, contact = read_touch(out + STRIDE * k), contacts[first + k]
         _fill(contact, mating, touch, inner.sign, q, v, half)
         away = math.sqrt(dx * dx + dy * dy)
-        if dx * touch.nx + dy * touch.ny < (1.0 - _ROUND) * away or away == 0.0:
+        if dx * touch.nx + dy * touch.ny < (1.0 - CONTACT_SEARCH.edge_tolerance) * away or away == 0.0:
             continue  # a contact at an edge
         nx, ny = contact.nx, contact.ny
         if mating.disc >= 0:

@@ -23,33 +23,16 @@ from cycloid_mj.dynamics.planar.contacts import (
     SLIDES,
     SLIDES_BACK,
     STICKS,
+    Contact,
     Contacts,
     friction_state,
     njit,
     rolling,
     speeds,
 )
+from cycloid_mj.dynamics.planar.settings import NEWTON
 from cycloid_mj.dynamics.planar.system import System
-from cycloid_mj.dynamics.planar.timestep import MAX_ITERATIONS
 from cycloid_mj.statics.kernel.newton import solve as gauss
-
-COUPLED_ITERATIONS = 25
-"""Iterations in which sliding friction follows the current normal force; later ones use that of the last iteration.
-
-In a wedge friction and normal force may raise each other, so that states alternate. With given friction (a Tresca
-problem) the contact law has a P-matrix, and pivoting ends.
-"""
-
-FRICTION_RTOL = 1e-6
-"""Largest change of a sliding contact's normal force in the last Tresca iteration, over the largest normal force."""
-
-BLOCK_ITERATIONS = 6
-"""Iterations in which every contact without a moving pin may change its state; later ones change the first one only.
-
-Block pivoting may cycle. Changing one contact at a time ends if the contact law has a P-matrix (Murty, Note on a
-Bard-type scheme for solving the complementarity problem, 1974). Of the two contacts of a moving pin the first one
-changes in every iteration; pins interact through the heavy discs only, so they may all change at once.
-"""
 
 Nine = tuple[float, float, float, float, float, float, float, float, float]
 """A matrix of shape (3, 3), row by row."""
@@ -112,16 +95,16 @@ def solve(
     v0: Array,
     predicted: Array,
     command: Array,
-    step: float,
+    timestep: float,
     pin_span: float,
     v: Array,
 ) -> int:
-    """Solve a step [s] from pose q0 and speeds v0 for the midpoint speeds, which are written to v.
+    """Solve a time step [s] from pose q0 and speeds v0 for the midpoint speeds, which are written to v.
 
     Parameters
     ----------
     contacts, count
-        Contacts, and their number, found at the `predicted` midpoint speeds.
+        Contacts, and their number, at the `predicted` midpoint speeds.
     command
         Of output and crank: an angle [rad] or a torque [N m].
     pin_span
@@ -130,20 +113,20 @@ def solve(
     Returns
     -------
     int
-        Number of Newton iterations; `MAX_ITERATIONS` + 1 if contact states still changed in the last one.
+        Number of Newton iterations; ``NEWTON.max_iterations`` + 1 if contact states still changed in the last one.
     """
-    for iterations in range(1, MAX_ITERATIONS + 1):
-        all_change, coupled = iterations <= BLOCK_ITERATIONS, iterations <= COUPLED_ITERATIONS
-        _assemble(system, contacts, count, equations, q0, v0, predicted, command, step, pin_span, coupled)
+    for iterations in range(1, NEWTON.max_iterations + 1):
+        all_change, coupled = iterations <= NEWTON.block_iterations, iterations <= NEWTON.coupled_iterations
+        _assemble(system, contacts, count, equations, q0, v0, predicted, command, timestep, pin_span, coupled)
         _condense_pins(system, equations)
         gauss(equations.matrix, equations.right, equations.right, 0.0)
         size = len(equations.right)
         for i in range(size):
             v[i] = equations.right[i]
         _recover_pins(equations, v)
-        if not _update_states(system, contacts, count, equations, predicted, v, 0.5 * step, all_change, coupled):
+        if not _update_states(system, contacts, count, equations, predicted, v, 0.5 * timestep, all_change, coupled):
             return iterations
-    return MAX_ITERATIONS + 1
+    return NEWTON.max_iterations + 1
 
 
 @njit
@@ -156,14 +139,14 @@ def _assemble(
     v0: Array,
     predicted: Array,
     command: Array,
-    step: float,
+    timestep: float,
     pin_span: float,
     coupled_friction: bool,
 ) -> None:
     """Assemble the linear equations of an iteration: inertia, gravity, servos, drags and contacts."""
     matrix, right = equations.matrix, equations.right
     pins, pins_right = equations.pins, equations.pins_right
-    size, half = len(right), 0.5 * step
+    size, half = len(right), 0.5 * timestep
     for i in range(size):
         for k in range(size):
             matrix[i, k] = 0.0
@@ -216,7 +199,7 @@ class LeverArms(NamedTuple):
     ----------
     pushed
         Generalised force per normal force, with the friction of a sliding contact.
-    normal, tangent, midpoint
+    normal, tangent, centre
         Motion of the contact point along normal and tangent, and of the centre of a round surface along the tangent,
         per speed of each unknown.
     """
@@ -224,16 +207,55 @@ class LeverArms(NamedTuple):
     pushed: tuple[float, float, float]
     normal: tuple[float, float, float]
     tangent: tuple[float, float, float]
-    midpoint: tuple[float, float, float]
+    centre: tuple[float, float, float]
+
+
+class Tangent(NamedTuple):
+    """Linearised force of a contact.
+
+    Attributes
+    ----------
+    force, slope
+        Normal force at zero speed [N], and its decrease with the speed along the normal [N s/m].
+    sliding, creep
+        Friction per normal force [1] of a sliding contact, and per speed [N s/m] of a sticking one.
+    friction
+        Friction force that does not depend on the unknowns [N].
+    geometric, rolling_force
+        Tangential force per speed of the centres [N s/m], and that at the predicted speeds [N].
+    """
+
+    force: float
+    slope: float
+    sliding: float
+    creep: float
+    friction: float
+    geometric: float
+    rolling_force: float
 
 
 @njit
 def _lever_arms(
-    sign: float, nx: float, ny: float, normal: float, tangent: float, midpoint: float, sliding: float
+    contact: Contact, sign: float, normal: float, tangent: float, centre: float, sliding: float
 ) -> LeverArms:
+    """Return the lever arms of a body that moves with a sign in the relative speed."""
+    nx, ny = contact.nx, contact.ny
     along, aside = (sign * nx, sign * ny, sign * normal), (-sign * ny, sign * nx, sign * tangent)
     pushed = (along[0] - sliding * aside[0], along[1] - sliding * aside[1], along[2] - sliding * aside[2])
-    return LeverArms(pushed, along, aside, (aside[0], aside[1], sign * midpoint))
+    return LeverArms(pushed, along, aside, (aside[0], aside[1], sign * centre))
+
+
+@njit
+def _tangent(contact: Contact, predicted: Array, coupled_friction: bool) -> Tangent:
+    """Linearise the force of a contact in its state."""
+    geometric, force = contact.geometric_stiffness * contact.normal_force, contact.force
+    rolling_force = geometric * rolling(contact, predicted)
+    if contact.state == STICKS:
+        return Tangent(force, contact.slope, 0.0, contact.creep, 0.0, geometric, rolling_force)
+    sliding = contact.friction if contact.state == SLIDES else -contact.friction
+    if coupled_friction:
+        return Tangent(force, contact.slope, sliding, 0.0, 0.0, geometric, rolling_force)
+    return Tangent(force, contact.slope, 0.0, 0.0, sliding * contact.normal_force, geometric, rolling_force)
 
 
 @njit
@@ -244,101 +266,99 @@ def _add_contacts(
 
     If friction is not coupled to the normal force, it follows the `normal_force` of the previous iteration.
     """
-    matrix, right, pins, pins_right = equations.matrix, equations.right, equations.pins, equations.pins_right
-    pin_columns, pin_rows, coupled = equations.pin_columns, equations.pin_rows, equations.coupled
-    size = len(right)
     for k in range(count):
-        contact = contacts[k]
-        if contact.state == OPEN:
-            continue
-        nx, ny, slope, geometric_stiffness = (
-            contact.nx,
-            contact.ny,
-            contact.slope,
-            contact.geometric_stiffness * contact.normal_force,
-        )
-        creep, sliding, given_friction = contact.creep, 0.0, 0.0
-        if contact.state != STICKS:
-            creep, sliding = 0.0, contact.friction if contact.state == SLIDES else -contact.friction
-            if not coupled_friction:
-                sliding, given_friction = 0.0, sliding * contact.normal_force
-        force, rolling_force = contact.force, geometric_stiffness * rolling(contact, predicted)
-        disc, own, shaft = contact.disc, contact.pin, contact.shaft
-        pin = 3 * ((own - size) // 3)
-        of_shaft = contact.shaft_normal - sliding * contact.shaft_tangent
-        if disc >= 0:
-            side = _lever_arms(1.0, nx, ny, contact.disc_normal, contact.disc_tangent, contact.disc_centre, sliding)
-            _add_block(matrix, disc, disc, side, side, slope, creep, geometric_stiffness)
-            for a in range(3):
-                right[disc + a] += (
-                    force * side.pushed[a] + rolling_force * side.midpoint[a] - given_friction * side.tangent[a]
-                )
-            if shaft >= 0:
-                for a in range(3):
-                    by_slip, by_roll = creep * side.tangent[a], geometric_stiffness * side.midpoint[a]
-                    matrix[disc + a, shaft] += (
-                        slope * side.pushed[a] * contact.shaft_normal
-                        + by_slip * contact.shaft_tangent
-                        + by_roll * contact.shaft_centre
-                    )
-                    matrix[shaft, disc + a] += (
-                        slope * of_shaft * side.normal[a]
-                        + by_slip * contact.shaft_tangent
-                        + by_roll * contact.shaft_centre
-                    )
-            if own >= 0:
-                other = _lever_arms(-1.0, nx, ny, contact.pin_normal, contact.pin_tangent, 0.0, sliding)
-                coupled[pin // 3] = 1
-                _add_block(pin_rows, pin, disc, other, side, slope, creep, geometric_stiffness)
-                _add_block(pin_columns, size * (pin // 3) + disc, 0, side, other, slope, creep, geometric_stiffness)
-        if own >= 0:
-            side = _lever_arms(contact.side, nx, ny, contact.pin_normal, contact.pin_tangent, 0.0, sliding)
-            _add_block(pins, pin, 0, side, side, slope, creep, geometric_stiffness)
-            for a in range(3):
-                pins_right[pin + a] += (
-                    force * side.pushed[a] + rolling_force * side.midpoint[a] - given_friction * side.tangent[a]
-                )
-            if shaft >= 0:
-                coupled[pin // 3] = 1
-                for a in range(3):
-                    by_slip, by_roll = creep * side.tangent[a], geometric_stiffness * side.midpoint[a]
-                    pin_columns[size * (pin // 3) + shaft, a] += (
-                        slope * of_shaft * side.normal[a]
-                        + by_slip * contact.shaft_tangent
-                        + by_roll * contact.shaft_centre
-                    )
-                    pin_rows[pin + a, shaft] += (
-                        slope * side.pushed[a] * contact.shaft_normal
-                        + by_slip * contact.shaft_tangent
-                        + by_roll * contact.shaft_centre
-                    )
-        if shaft >= 0:
-            right[shaft] += (
-                force * of_shaft + rolling_force * contact.shaft_centre - given_friction * contact.shaft_tangent
-            )
-            matrix[shaft, shaft] += (
-                slope * of_shaft * contact.shaft_normal
-                + creep * contact.shaft_tangent**2
-                + geometric_stiffness * contact.shaft_centre**2
-            )
+        if contacts[k].state != OPEN:
+            _add_contact(contacts[k], _tangent(contacts[k], predicted, coupled_friction), equations)
 
 
 @njit
-def _add_block(
-    target: Array,
+def _add_contact(contact: Contact, tangent: Tangent, equations: Equations) -> None:
+    """Add the force of a contact and its derivatives to the equations of disc, pin and shaft."""
+    matrix, right, pin_columns, pin_rows = equations.matrix, equations.right, equations.pin_columns, equations.pin_rows
+    size, disc, own, shaft, sliding = len(right), contact.disc, contact.pin, contact.shaft, tangent.sliding
+    number = (own - size) // 3
+    pin, others = 3 * number, size * number
+    if own >= 0 and (disc >= 0 or shaft >= 0):
+        equations.coupled[number] = 1
+    if disc >= 0:
+        side = _lever_arms(contact, 1.0, contact.disc_normal, contact.disc_tangent, contact.disc_centre, sliding)
+        _add_block(matrix, disc, disc, side, side, tangent)
+        _add_force(right, disc, side, tangent)
+        if shaft >= 0:
+            _couple_shaft(contact, tangent, side, matrix, disc, shaft, matrix, shaft, disc)
+        if own >= 0:
+            other = _lever_arms(contact, -1.0, contact.pin_normal, contact.pin_tangent, 0.0, sliding)
+            _add_block(pin_rows, pin, disc, other, side, tangent)
+            _add_block(pin_columns, others + disc, 0, side, other, tangent)
+    if own >= 0:
+        side = _lever_arms(contact, contact.side, contact.pin_normal, contact.pin_tangent, 0.0, sliding)
+        _add_block(equations.pins, pin, 0, side, side, tangent)
+        _add_force(equations.pins_right, pin, side, tangent)
+        if shaft >= 0:
+            _couple_shaft(contact, tangent, side, pin_rows, pin, shaft, pin_columns, others + shaft, 0)
+    if shaft >= 0:
+        pushed = contact.shaft_normal - sliding * contact.shaft_tangent
+        right[shaft] += (
+            tangent.force * pushed
+            + tangent.rolling_force * contact.shaft_centre
+            - tangent.friction * contact.shaft_tangent
+        )
+        matrix[shaft, shaft] += (
+            tangent.slope * pushed * contact.shaft_normal
+            + tangent.creep * contact.shaft_tangent**2
+            + tangent.geometric * contact.shaft_centre**2
+        )
+
+
+@njit
+def _add_force(right: Array, first: int, side: LeverArms, tangent: Tangent) -> None:
+    """Add the force at the predicted speeds to the right side of a body's equations."""
+    for a in range(3):
+        right[first + a] += (
+            tangent.force * side.pushed[a] + tangent.rolling_force * side.centre[a] - tangent.friction * side.tangent[a]
+        )
+
+
+@njit
+def _add_block(target: Array, row: int, column: int, on: LeverArms, other: LeverArms, tangent: Tangent) -> None:
+    """Add the derivative of the force on body `on` by the speeds of the `other` body to a matrix."""
+    for a in range(3):
+        normal, slip, roll = (
+            tangent.slope * on.pushed[a],
+            tangent.creep * on.tangent[a],
+            tangent.geometric * on.centre[a],
+        )
+        for b in range(3):
+            target[row + a, column + b] += normal * other.normal[b] + slip * other.tangent[b] + roll * other.centre[b]
+
+
+@njit
+def _couple_shaft(
+    contact: Contact,
+    tangent: Tangent,
+    side: LeverArms,
+    columns: Array,
     row: int,
     column: int,
-    on: LeverArms,
-    by: LeverArms,
-    slope: float,
-    creep: float,
-    geometric_stiffness: float,
+    rows: Array,
+    shaft_row: int,
+    first: int,
 ) -> None:
-    """Add the derivative of the force on body `on` by the speeds of body `by` to a matrix."""
+    """Add the derivatives of the force on a body by the shaft's speed, and of the torque on the shaft by the body's.
+
+    They belong to `columns` at `row` and `column`, and to `rows` at `shaft_row` from column `first` on.
+    """
+    pushed = contact.shaft_normal - tangent.sliding * contact.shaft_tangent
     for a in range(3):
-        by_normal, by_slip, by_roll = slope * on.pushed[a], creep * on.tangent[a], geometric_stiffness * on.midpoint[a]
-        for b in range(3):
-            target[row + a, column + b] += by_normal * by.normal[b] + by_slip * by.tangent[b] + by_roll * by.midpoint[b]
+        slip, roll = tangent.creep * side.tangent[a], tangent.geometric * side.centre[a]
+        columns[row + a, column] += (
+            tangent.slope * side.pushed[a] * contact.shaft_normal
+            + slip * contact.shaft_tangent
+            + roll * contact.shaft_centre
+        )
+        rows[shaft_row, first + a] += (
+            tangent.slope * pushed * side.normal[a] + slip * contact.shaft_tangent + roll * contact.shaft_centre
+        )
 
 
 @njit
@@ -428,8 +448,7 @@ def _update_states(
     """Compute the contact forces at speeds v, update the contact states, and return whether one has changed.
 
     Of each moving pin the first contact changes; of all other contacts the first, or `all_change`. If friction is not
-    coupled, the result is also True until it agrees with the normal force. An open contact closes when its gap does; a
-    closed one opens when its force vanishes.
+    coupled, the result is also True until it agrees with the normal force.
     """
     changed, others_settled, largest, moved = False, True, 0.0, 0.0
     size, settled = len(equations.right), equations.settled
@@ -438,33 +457,16 @@ def _update_states(
     for k in range(count):
         contact = contacts[k]
         before, previous, pin = contact.state, contact.normal_force, (contact.pin - size) // 3
-        one_by_one = pin >= 0 or not all_change
-        contact.speed, contact.slip = speeds(contact, v)
-        normal_force = contact.force - contact.slope * contact.speed
-        if before == OPEN:
-            gap = contact.gap + half * (contact.speed - speeds(contact, predicted)[0])
-            if gap >= 0.0:
-                normal_force = 0.0
-        contact.normal_force, contact.friction_force = max(normal_force, 0.0), 0.0
+        single = pin >= 0 or not all_change
+        normal_force = _update_forces(contact, predicted, v, half)
         largest = max(largest, contact.normal_force)
         if before in (SLIDES, SLIDES_BACK):
             moved = max(moved, abs(contact.normal_force - previous))
-        after = OPEN
-        if (before == SLIDES and contact.slip < 0.0) or (before == SLIDES_BACK and contact.slip > 0.0):
-            after = STICKS  # what turns round comes to rest on the way, even if friction as it was parts it
-        elif normal_force > 0.0:
-            after = friction_state(contact, contact.slip)
-            if before == OPEN and not coupled_friction:
-                after = STICKS  # the force that it would have had is no measure of friction
-        elif before == STICKS and one_by_one and contact.friction > 0.0:
-            after = SLIDES if contact.slip > 0.0 else SLIDES_BACK  # creep alone may part what presses
-        if normal_force > 0.0:
-            limit = contact.friction * normal_force
-            contact.friction_force = -max(-limit, min(limit, contact.creep * contact.slip))
+        after = _next_state(contact, normal_force, single, coupled_friction)
         if after == before:
             continue
         changed = True
-        if not one_by_one or (settled[pin] if pin >= 0 else others_settled):
+        if not single or (settled[pin] if pin >= 0 else others_settled):
             contact.state = after
         if pin >= 0:
             settled[pin] = 0
@@ -480,4 +482,38 @@ def _update_states(
             if after != equations.shaft_state[shaft] and (all_change or others_settled):
                 equations.shaft_state[shaft] = after
                 changed, others_settled = True, False
-    return changed or (not coupled_friction and moved > FRICTION_RTOL * largest)
+    return changed or (not coupled_friction and moved > NEWTON.friction_rtol * largest)
+
+
+@njit
+def _update_forces(contact: Contact, predicted: Array, v: Array, half: float) -> float:
+    """Compute speeds and forces of a contact at speeds v, and return its normal force, which may be negative [N].
+
+    An open contact closes when its gap does; a closed one opens when its force vanishes.
+    """
+    contact.speed, contact.slip = speeds(contact, v)
+    normal_force = contact.force - contact.slope * contact.speed
+    if contact.state == OPEN:
+        gap = contact.gap + half * (contact.speed - speeds(contact, predicted)[0])
+        if gap >= 0.0:
+            normal_force = 0.0
+    contact.normal_force, contact.friction_force = max(normal_force, 0.0), 0.0
+    if normal_force > 0.0:
+        limit = contact.friction * normal_force
+        contact.friction_force = -max(-limit, min(limit, contact.creep * contact.slip))
+    return normal_force
+
+
+@njit
+def _next_state(contact: Contact, normal_force: float, single: bool, coupled_friction: bool) -> int:
+    """Return the state that follows from the forces of a contact; `single` if contacts change one at a time."""
+    before = contact.state
+    if (before == SLIDES and contact.slip < 0.0) or (before == SLIDES_BACK and contact.slip > 0.0):
+        return STICKS  # a contact that reverses comes to rest first, even if the previous friction opens it
+    if normal_force > 0.0:
+        if before == OPEN and not coupled_friction:
+            return STICKS  # the normal force of an open contact is no measure of friction
+        return friction_state(contact, contact.slip)
+    if before == STICKS and single and contact.friction > 0.0:
+        return SLIDES if contact.slip > 0.0 else SLIDES_BACK  # creep alone may open a contact that is pressed
+    return OPEN

@@ -32,7 +32,7 @@ class PlanarModel:
     laws
         The contact law of each kind of pair, on the disc where it is stiffest.
     servo_gains
-        kp [N m/rad] and kv [N m s/rad] of the servo on the held shaft.
+        kp [N m/rad] and kv [N m s/rad] of the servo on the driven shaft.
     crank_inertia
         Inertia of shaft and rotor about the crank axis [kg m2].
     drags
@@ -67,7 +67,7 @@ class PlanarModel:
         return Stepper(self.system, self.timestep, places, speeds, every, follows_pins(self.reducer, self.timestep))
 
 
-def planar_model(reducer: Reducer, held: Held = "crank", step: float = 0.0) -> PlanarModel:
+def planar_model(reducer: Reducer, held: Held = "crank", timestep: float = 0.0) -> PlanarModel:
     """Return the planar model of a reducer with a time step [s], by default `choose_step`; `held` as in ``mjcf.build``.
 
     Raises
@@ -82,7 +82,7 @@ def planar_model(reducer: Reducer, held: Held = "crank", step: float = 0.0) -> P
     return PlanarModel(
         reducer=reducer,
         system=system,
-        timestep=step or choose_step(reducer).seconds,
+        timestep=timestep or choose_step(reducer).seconds,
         laws=laws,
         servo_gains=(float(system.servo[shaft, 0]), float(system.servo[shaft, 1])),
         crank_inertia=float(system.inertia[-1]),

@@ -14,25 +14,27 @@ from cycloid_mj.base import compiling
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import announce_compilation, cacheable
 from cycloid_mj.dynamics.contact.contact_search import STRIDE
-from cycloid_mj.dynamics.contact.each_step import OF_SOLVER
-from cycloid_mj.dynamics.contact.forces import OF_PAIR
+from cycloid_mj.dynamics.contact.samples import (
+    ACCELERATION_SUM,
+    ACTIVE,
+    FORCE_X,
+    FORCE_Y,
+    FRICTION_POWER,
+    ITERATIONS,
+    LARGEST_FORCE,
+    MOMENT,
+    NORMAL_POWER,
+    OF_PAIR,
+    OF_SOLVER,
+    PEAK_FORCE,
+    PENETRATION,
+    WARNINGS,
+    sample_slices,
+)
 from cycloid_mj.dynamics.planar.contacts import MAX_TOUCHES, OPEN, Contacts, allocate_contacts, find, njit
 from cycloid_mj.dynamics.planar.equations import Equations, allocate_equations, solve
+from cycloid_mj.dynamics.planar.settings import CONTACT_SEARCH
 from cycloid_mj.dynamics.planar.system import System
-
-MAX_CONTACT_SEARCHES, UNRELAXED_SEARCHES = 16, 4
-"""Contact searches in a step, a fixed-point iteration of the speeds: their largest number, and the number after which
-the iteration is relaxed by one half, which ends oscillations between two sets of contacts."""
-
-PIN_SEARCH_TOL = 2e-2
-"""Largest distance of a moving pin from the pose of its contact search, as a share of its clearance. The relative error
-of a circle that rolls in another is half of its square."""
-
-DISC_SEARCH_TOL = 1e-8
-"""The same of a disc [m], including the motion of its teeth by rotation."""
-
-_OF_SHAFT, _OF_DISC, _OF_PIN = 3, 6, 4
-"""Columns of a sample: angle, speed and torque of a shaft; pose and speeds of a disc; position and spin of a pin."""
 
 
 class Motion(NamedTuple):
@@ -62,7 +64,7 @@ class Stepper:
     ----------
     system
         The reducer.
-    step
+    timestep
         Time step [s].
     places, speeds
         Of all unknowns at time 0.
@@ -73,15 +75,15 @@ class Stepper:
     """
 
     def __init__(
-        self, system: System, step: float, places: Array, speeds: Array, every: int = 1, midpoint_pins: bool = False
+        self, system: System, timestep: float, places: Array, speeds: Array, every: int = 1, midpoint_pins: bool = False
     ) -> None:
-        self._system, self._step, self._every = system, step, every
-        self._pin_span = 0.5 * step if midpoint_pins else step
+        self._system, self._timestep, self._every = system, timestep, every
+        self._pin_span = 0.5 * timestep if midpoint_pins else timestep
         self._contacts, self._equations = allocate_contacts(system), allocate_equations(system)
         discs, teeth = len(system.cams), len(system.place)
         pairs = teeth * (discs + system.free) + discs * (1 + len(system.studs))
         self._motion = Motion(
-            q=places - 0.5 * step * speeds,
+            q=places - 0.5 * timestep * speeds,
             v=speeds.copy(),
             midpoint=speeds.copy(),
             before=speeds.copy(),
@@ -89,11 +91,10 @@ class Stepper:
         )
         self._commands = np.zeros((1, 2))
         self._taken, self._due = 0, 1
-        copied = 2 * _OF_SHAFT + _OF_DISC * discs + _OF_PIN * teeth * system.free + 2
-        sizes = [copied, OF_SOLVER, OF_PAIR * pairs, int((system.drag[:, 0] > 0.0).sum())]
-        ends = np.cumsum([0, *sizes]).tolist()
-        self.copied, self.solver, self.pairs, self.drags = map(slice, ends[:-1], ends[1:])
-        self._width = ends[-1]
+        # angle, speed and torque of two shafts; pose and speeds of discs; position and spin of pins; two energies
+        copied = 2 * 3 + 6 * discs + 4 * teeth * system.free + 2
+        drags = int((system.drag[:, 0] > 0.0).sum())
+        self.copied, self.solver, self.pairs, self.drags, self._width = sample_slices(copied, pairs, drags)
 
     def command(self, commands: Array) -> None:
         """Set the commands of crank and output for the next steps, shape (steps, 2); the last one persists."""
@@ -114,7 +115,7 @@ class Stepper:
                 self._equations,
                 self._motion,
                 commands,
-                self._step,
+                self._timestep,
                 self._pin_span,
                 self._due,
                 self._every,
@@ -136,29 +137,29 @@ def _compile_steps() -> Any:
         equations: Equations,
         motion: Motion,
         commands: Array,
-        step: float,
+        timestep: float,
         pin_span: float,
         due: int,
         every: int,
         rows: Array,
     ) -> None:
-        size, half = len(equations.right), 0.5 * step
+        size, half = len(equations.right), 0.5 * timestep
         midpoint, predicted, q = np.empty_like(motion.v), np.empty_like(motion.v), np.empty_like(motion.q)
         sums, scratch = np.zeros_like(motion.peak), np.zeros((MAX_TOUCHES, STRIDE // 8))
         sample, most, unconverged = 0, 0, 0
         for taken in range(len(commands)):
             _extrapolate(motion, size, predicted)
             count, iterations = 0, 0
-            for search in range(MAX_CONTACT_SEARCHES):
+            for search in range(CONTACT_SEARCH.max_searches):
                 _move(motion.q, half, predicted, q)
                 count = find(system, lobes, q, predicted, half, scratch, contacts)
-                at, command = motion.q, commands[taken]
+                q0, v0, command = motion.q, motion.v, commands[taken]
                 iterations = solve(
-                    system, contacts, count, equations, at, motion.v, predicted, command, step, pin_span, midpoint
+                    system, contacts, count, equations, q0, v0, predicted, command, timestep, pin_span, midpoint
                 )
                 if not _must_search_again(system, half, predicted, midpoint, size):
                     break
-                _relax(predicted, midpoint, 1.0 if search < UNRELAXED_SEARCHES else 0.5)
+                _relax(predicted, midpoint, 1.0 if search < CONTACT_SEARCH.unrelaxed_searches else 0.5)
             else:
                 unconverged += 1
             most = max(most, iterations)
@@ -171,7 +172,7 @@ def _compile_steps() -> Any:
                     system, contacts, count, motion, q, midpoint, commands[taken], most, unconverged, rows[sample]
                 )
                 sample, most, unconverged = sample + 1, 0, 0
-            _finish_step(motion, size, step, pin_span, midpoint)
+            _finish_step(motion, size, timestep, pin_span, midpoint)
 
     return advance
 
@@ -200,28 +201,28 @@ def _relax(predicted: Array, midpoint: Array, share: float) -> None:
 
 
 @njit
-def _finish_step(motion: Motion, size: int, step: float, pin_span: float, midpoint: Array) -> None:
+def _finish_step(motion: Motion, size: int, timestep: float, pin_span: float, midpoint: Array) -> None:
     """Advance the state to the end of a step."""
-    of_pins = step / pin_span
+    of_pins = timestep / pin_span
     for i in range(len(midpoint)):
         motion.before[i], motion.midpoint[i] = motion.midpoint[i], midpoint[i]
-        motion.q[i] += step * midpoint[i]
+        motion.q[i] += timestep * midpoint[i]
         motion.v[i] += (2.0 if i < size else of_pins) * (midpoint[i] - motion.v[i])
 
 
 @njit
 def _must_search_again(system: System, half: float, predicted: Array, midpoint: Array, size: int) -> bool:
     """Return whether a disc or a pin is too far from the pose of its contact search."""
-    radius = system.teeth.ring.radius
+    radius, far = system.teeth.ring.radius, CONTACT_SEARCH.disc_tolerance
     for body in range(0, size - 2, 3):
         x, y = midpoint[body] - predicted[body], midpoint[body + 1] - predicted[body + 1]
         turned = radius * (midpoint[body + 2] - predicted[body + 2])
-        if half * half * (x * x + y * y + turned * turned) > DISC_SEARCH_TOL * DISC_SEARCH_TOL:
+        if half * half * (x * x + y * y + turned * turned) > far * far:
             return True
     for i in range(len(system.inner)):
         own = size + 3 * i
         x, y = midpoint[own] - predicted[own], midpoint[own + 1] - predicted[own + 1]
-        far = PIN_SEARCH_TOL * (system.outer[i] - system.inner[i])
+        far = CONTACT_SEARCH.pin_tolerance * (system.outer[i] - system.inner[i])
         if half * half * (x * x + y * y) > far * far:
             return True
     return False
@@ -256,29 +257,52 @@ def _write_sample(
     `iterations` is the largest number of Newton iterations in a step since the last sample, at its last contact search;
     `unconverged` is the number of steps since then whose contact geometry did not converge.
     """
-    discs, size = len(system.cams), len(system.inertia)
-    output, crank = size - 2, size - 1
-    at = _write_shaft(system, 1, crank, q, v, command, row, 0)
-    for body in range(0, 3 * discs, 3):
+    size = len(system.inertia)
+    column = _write_motion(system, q, v, command, row)
+    row[column], row[column + 1] = _energies(system, q, v, size)
+    solver = column + 2
+    pairs = solver + OF_SOLVER
+    for pair in range(len(motion.peak)):
+        row[pairs + OF_PAIR * pair + PEAK_FORCE] = motion.peak[pair]
+        motion.peak[pair] = 0.0
+    _write_contacts(contacts, count, row, solver, pairs)
+    row[solver + ITERATIONS], row[solver + WARNINGS] = iterations, unconverged
+    for i in range(len(v)):
+        row[solver + ACCELERATION_SUM] += v[i]
+    column = pairs + OF_PAIR * len(motion.peak)
+    for shaft in (1, 0):
+        limit = system.drag[shaft, 0]
+        if limit > 0.0:
+            speed = v[size - 2 + shaft]
+            row[column] = min(limit, system.drag[shaft, 1] * abs(speed)) * abs(speed)
+            column += 1
+
+
+@njit
+def _write_motion(system: System, q: Array, v: Array, command: Array, row: Array) -> int:
+    """Write positions and speeds of crank, discs, output and moving pins, and return the next column."""
+    size = len(system.inertia)
+    column = _write_shaft(system, 1, size - 1, q, v, command, row, 0)
+    for body in range(0, size - 2, 3):
         for m in range(3):
-            row[at + m], row[at + 3 + m] = q[body + m], v[body + m]
-        at += _OF_DISC
-    at = _write_shaft(system, 0, output, q, v, command, row, at)
+            row[column + m], row[column + 3 + m] = q[body + m], v[body + m]
+        column += 6
+    column = _write_shaft(system, 0, size - 2, q, v, command, row, column)
     turn, speed = (q[system.ring_shaft], v[system.ring_shaft]) if system.ring_shaft >= 0 else (0.0, 0.0)
     s, c = math.sin(turn), math.cos(turn)
     for own in range(size, len(q), 3):
         pin = (own - size) // 3
-        row[at] = c * q[own] + s * q[own + 1] - system.seated[pin, 0]
-        row[at + 1] = c * q[own + 1] - s * q[own] - system.seated[pin, 1]
-        row[at + 2], row[at + 3] = q[own + 2] - turn, v[own + 2] - speed
-        at += _OF_PIN
-    row[at], row[at + 1] = _energies(system, q, v, size)
-    at += 2
-    pairs = at + OF_SOLVER
+        row[column] = c * q[own] + s * q[own + 1] - system.seated[pin, 0]
+        row[column + 1] = c * q[own + 1] - s * q[own] - system.seated[pin, 1]
+        row[column + 2], row[column + 3] = q[own + 2] - turn, v[own + 2] - speed
+        column += 4
+    return column
+
+
+@njit
+def _write_contacts(contacts: Contacts, count: int, row: Array, solver: int, pairs: int) -> None:
+    """Write the sums over all contacts from column `solver` on, and by pair from column `pairs` on."""
     active, deepest, largest = 0, 0.0, 0.0
-    for pair in range(len(motion.peak)):
-        row[pairs + OF_PAIR * pair + 3] = motion.peak[pair]
-        motion.peak[pair] = 0.0
     for k in range(count):
         contact = contacts[k]
         deepest = max(deepest, -contact.gap)
@@ -287,38 +311,28 @@ def _write_sample(
         normal_force, friction_force = contact.normal_force, contact.friction_force
         active += 1
         largest = max(largest, math.hypot(normal_force, friction_force))
-        place = pairs + OF_PAIR * contact.pair
+        column = pairs + OF_PAIR * contact.pair
         arms = contact.disc_normal, contact.disc_tangent
         if contact.disc < 0:
             arms = contact.pin_normal, contact.pin_tangent
-        row[place] += normal_force * contact.nx - friction_force * contact.ny
-        row[place + 1] += normal_force * contact.ny + friction_force * contact.nx
-        row[place + 2] += normal_force * arms[0] + friction_force * arms[1]
-        row[place + 4] -= friction_force * contact.slip
-        row[place + 5] -= normal_force * contact.speed
-    row[at], row[at + 1], row[at + 2], row[at + 3] = active, deepest, largest, iterations
-    for i in range(len(v)):
-        row[at + 4] += v[i]
-    row[at + 5] = unconverged
-    at = pairs + OF_PAIR * len(motion.peak)
-    for shaft in (1, 0):
-        limit = system.drag[shaft, 0]
-        if limit > 0.0:
-            speed = v[size - 2 + shaft]
-            row[at] = min(limit, system.drag[shaft, 1] * abs(speed)) * abs(speed)
-            at += 1
+        row[column + FORCE_X] += normal_force * contact.nx - friction_force * contact.ny
+        row[column + FORCE_Y] += normal_force * contact.ny + friction_force * contact.nx
+        row[column + MOMENT] += normal_force * arms[0] + friction_force * arms[1]
+        row[column + FRICTION_POWER] -= friction_force * contact.slip
+        row[column + NORMAL_POWER] -= normal_force * contact.speed
+    row[solver + ACTIVE], row[solver + PENETRATION], row[solver + LARGEST_FORCE] = active, deepest, largest
 
 
 @njit
 def _write_shaft(
-    system: System, shaft: int, unknown: int, q: Array, v: Array, command: Array, row: Array, at: int
+    system: System, shaft: int, unknown: int, q: Array, v: Array, command: Array, row: Array, column: int
 ) -> int:
-    """Write angle, speed and actuator torque of a shaft; return the index of the next column."""
+    """Write angle, speed and actuator torque of a shaft from a column on; return the next column."""
     stiffness, damping = system.servo[shaft, 0], system.servo[shaft, 1]
     torque = stiffness * (command[shaft] - q[unknown]) if stiffness != 0.0 else command[shaft]
     torque -= damping * v[unknown]
-    row[at], row[at + 1], row[at + 2] = q[unknown], v[unknown], torque
-    return at + _OF_SHAFT
+    row[column], row[column + 1], row[column + 2] = q[unknown], v[unknown], torque
+    return column + 3
 
 
 @njit

@@ -19,7 +19,7 @@ from cycloid_mj.dynamics.mjcf.bodies import attributes, crank_inertia, teeth_of_
 from cycloid_mj.dynamics.mjcf.laws import laws_of_discs
 from cycloid_mj.dynamics.mjcf.model import servo_gains
 from cycloid_mj.geometry.profile import unit
-from cycloid_mj.parts import MassProperties, moving_masses
+from cycloid_mj.parts import moving_masses
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Role, Surfaces
 
@@ -54,7 +54,7 @@ class System(NamedTuple):
     lobes, free, sleeved
         Whether the ring has lobes, moving pins, sleeves.
     ring_shaft, stud_shaft
-        Index of the unknown that rotates the ring, and the output pins; -1 if it is held.
+        Index of the unknown that rotates the ring, and the output pins; -1 if they are at rest.
     inner, outer
         Radii of the inner and outer surface of the seats of moving pins [m], shape (N,).
     arc
@@ -111,7 +111,7 @@ class System(NamedTuple):
 
 
 def planar_system(reducer: Reducer, held: Held = "crank") -> System:
-    """Return the arrays of a reducer; a servo drives the `held` shaft, a torque acts on the other one.
+    """Return the arrays of a reducer; a servo drives the shaft `held`, a torque acts on the other shaft.
 
     Raises
     ------
@@ -123,41 +123,35 @@ def planar_system(reducer: Reducer, held: Held = "crank") -> System:
     mesh = [mechanism.mating(design.tooth_pair, disc) for disc in discs]
     cams = [mechanism.mating("cam", disc) for disc in discs]
     output = [mechanism.mating("output", disc) for disc in discs]
-    seats = mechanism.mating(design.seat_pair) if design.ring.has_pin_bodies else None
     teeth = [teeth_of_disc(reducer, disc) for disc in discs]
     ring = mesh[0].by
-    carried = ring
-    inner, outer, arc = np.zeros(0), np.zeros(0), (-1.0, 0.0)
-    if seats:
-        carried = seats.by
-        within, around = (seats.on, seats.by) if design.ring.has_sockets else (seats.by, seats.on)
-        inner, outer = within.radius, around.radius
-        arc = (np.cos(around.half_angle), np.sin(around.half_angle) if around.half_angle < np.pi else 0.0)
+    carried, inner, outer, arc = _seats(reducer, ring)
     shafts = {"output": masses[mechanism.turning], "crank": masses[names.SHAFT]}
     shaft_inertia = {
         "output": float(shafts["output"].inertia[2, 2]),
         "crank": crank_inertia(reducer, masses[names.SHAFT]),
     }
+    disc_masses = [masses[disc.part] for disc in mechanism.discs]
     turned_by = {mechanism.turning: 3 * len(discs)}
     pin = masses[names.PIN] if design.ring.has_pin_bodies else None
     losses = {"output": design.drag.output, "crank": design.drag.crank}
     return System(
         teeth=teeth[0],
         offset=np.array([tooth.flank.offset for tooth in teeth]),
-        turned=np.array([one.on.angle[0] for one in mesh]),
+        turned=np.array([mating.on.angle[0] for mating in mesh]),
         ring=_ring(reducer, ring),
         place=carried.place,
         home=unit(carried.angle),
         seated=np.array([body.place for body in mechanism.pins]).reshape(-1, 2),
         lobes=ring.role == Role.LOBE,
-        free=seats is not None,
-        sleeved=seats is not None and design.ring.has_sleeves,
+        free=design.ring.has_pin_bodies,
+        sleeved=design.ring.has_pin_bodies and design.ring.has_sleeves,
         ring_shaft=turned_by.get(names.HOUSING, -1),
         stud_shaft=turned_by.get(names.OUTPUT, -1),
         inner=inner,
         outer=outer,
-        arc=np.array(arc),
-        holes=np.array([one.on.place for one in output]),
+        arc=arc,
+        holes=np.array([mating.on.place for mating in output]),
         studs=output[0].by.place,
         cams=np.array([cam.by.place[0] for cam in cams]),
         hole=float(output[0].on.radius[0]),
@@ -166,7 +160,7 @@ def planar_system(reducer: Reducer, held: Held = "crank") -> System:
         cam=float(cams[0].by.radius[0]),
         laws=_laws(reducer),
         inertia=np.array(
-            [value for disc in mechanism.discs for value in _planar_inertia(masses[disc.part])]
+            [value for mass in disc_masses for value in (mass.mass, mass.mass, float(mass.inertia[2, 2]))]
             + [*shaft_inertia.values()]
         ),
         pin=np.array([pin.mass, pin.inertia[2, 2]]) if pin else np.zeros(2),
@@ -177,8 +171,18 @@ def planar_system(reducer: Reducer, held: Held = "crank") -> System:
     )
 
 
-def _planar_inertia(mass: MassProperties) -> tuple[float, float, float]:
-    return mass.mass, mass.mass, float(mass.inertia[2, 2])
+def _seats(reducer: Reducer, ring: Surfaces) -> tuple[Surfaces, Array, Array, Array]:
+    """Return the surfaces of the ring itself, and radii of inner and outer surfaces and the arc of a `System`.
+
+    These are the seats of moving pins, or the surfaces that mate with the teeth.
+    """
+    design = reducer.design
+    if not design.ring.has_pin_bodies:
+        return ring, np.zeros(0), np.zeros(0), np.array([-1.0, 0.0])
+    seats = reducer.mechanism.mating(design.seat_pair)
+    inner, outer = (seats.on, seats.by) if design.ring.has_sockets else (seats.by, seats.on)
+    sine = np.sin(outer.half_angle) if outer.half_angle < np.pi else 0.0
+    return seats.by, inner.radius, outer.radius, np.array([np.cos(outer.half_angle), sine])
 
 
 def _ring(reducer: Reducer, ring: Surfaces) -> Array:
@@ -197,10 +201,10 @@ def _laws(reducer: Reducer) -> npt.NDArray[np.void]:
     kinds = {TEETH: design.tooth_pair, SEAT: design.seat_pair, CAM: "cam", OUTPUT: "output"}
     listed = np.zeros((design.gear.discs, len(kinds)), dtype=LAW)
     for disc, laws in enumerate(laws_of_discs(reducer)):
-        for place, kind in kinds.items():
+        for function, kind in kinds.items():
             if kind not in laws:
                 continue
             law, impact = laws[kind], reducer.contacts[kind].impact
             of_impact = astuple(impact) if impact else (0.0,) * 4
-            listed[disc, place] = (law.stiffness, law.damping, law.friction, law.creep, *of_impact)
+            listed[disc, function] = (law.stiffness, law.damping, law.friction, law.creep, *of_impact)
     return listed

@@ -25,15 +25,12 @@ class PlanarStepSettings:
 
     max_step: float = 35e-6
     """[s]: two thirds of the time constant of the servo on the crank."""
-
     max_step_for_accelerations: float = 5e-6
     """[s]: of runs that evaluate accelerations, without moving pins."""
-
     min_steps_per_swing: float = 5.5
     """Time steps in a period of the oscillation on all contacts. At 33 us, against 1 us at the rated load, all mean
     values of pin, nonpin, twodisc and printed agree to 0.001 %, peak-to-peak transmission errors to 0.5 %; rms speeds
     of the disc are 12 % low with free pins and 1 to 3 % high without."""
-
     min_steps_per_tooth: float = 16.0
     """Time steps from tooth to tooth. Preset pin at 5000 rpm under the rated load, free, massless and fixed pins,
     friction of the teeth 0.3, against 96 steps: at 16 steps mean values differ by 0.003 %, peak-to-peak transmission
@@ -41,9 +38,6 @@ class PlanarStepSettings:
 
 
 SETTINGS = PlanarStepSettings()
-
-MAX_ITERATIONS = 100
-"""Largest number of Newton iterations in a step, after which it ends with the contact states that it has."""
 
 ACCURACY = StepAccuracy(
     "mean values within 0.1 %, peak-to-peak values within 1 %, rms speeds within 15 % and accelerations within 40 % "
@@ -71,18 +65,18 @@ def choose_step(reducer: Reducer) -> TimeStep:
 
 def for_accelerations(reducer: Reducer) -> float:
     """Return the time step [s] of planar runs that evaluate accelerations; it follows the motion of moving pins."""
-    step, rate = choose_step(reducer), reducer.design.settings.log_rate
+    chosen, rate = choose_step(reducer), reducer.design.settings.log_rate
     if reducer.design.settings.timestep:
-        return step.seconds
-    allowed = {step.reason: step.seconds, "accelerations": SETTINGS.max_step_for_accelerations}
+        return chosen.seconds
+    allowed = {chosen.reason: chosen.seconds, "accelerations": SETTINGS.max_step_for_accelerations}
     if reducer.design.ring.has_pin_bodies:
         allowed["moving pins"] = _longest_that_follows_pins(reducer)
     return divide_sample_time(rate, allowed).seconds
 
 
-def follows_pins(reducer: Reducer, step: float) -> bool:
+def follows_pins(reducer: Reducer, seconds: float) -> bool:
     """Return whether a time step [s] resolves the motion of moving pins within their clearance."""
-    return step <= _longest_that_follows_pins(reducer) * (1.0 + 1e-9)
+    return seconds <= _longest_that_follows_pins(reducer) * (1.0 + 1e-9)
 
 
 def _longest_that_follows_pins(reducer: Reducer) -> float:
