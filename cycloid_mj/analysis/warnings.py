@@ -28,17 +28,9 @@ class WarningLimits:
     """Limits from which on the results of a run cause a warning."""
 
     balance_rtol: float = 0.002
-    """Largest error of the power balance, relative to the power: what samples may miss of it.
-
-    With every time step sampled, the balance closes to 1e-9 at any speed; at 20 kHz, over full turns of loaded reducers
-    of nine designs, to 2e-5.
-    """
+    """Largest error of the power balance, relative to the power: at 20 kHz over full turns it closes to 2e-5."""
     idling_balance_rtol: float = 0.01
-    """The same for an idling reducer, relative to its input power: the stated accuracy of its mean values.
-
-    Samples at 10 kHz miss 0.01 to 6 % on sixteen reducers, as parts strike each other; with every time step sampled,
-    the balance closes to 0.25 % in 0.2 s.
-    """
+    """The same for an idling reducer, relative to its input power: the stated accuracy of its mean values."""
     min_turns: float = 0.99
     """Crank turns from which on sampled powers average out; rounding may take a sample off a full turn."""
     min_power_share: float = 0.01

@@ -12,20 +12,7 @@ from cycloid_mj.base.notebook_display import Presented
 UPPER = ("less than", "at most")
 """How the words of an upper limit begin."""
 
-COLUMNS = (
-    "name",
-    "judgement",
-    "passed",
-    "severity",
-    "key",
-    "got",
-    "limit",
-    "why",
-    "remedy",
-    "value",
-    "bound",
-    "unit",
-)
+COLUMNS = ("name", "judgement", "passed", "severity", "key", "got", "limit", "why", "remedy", "value", "bound", "unit")
 """Columns of the frame of some checks."""
 
 Severity = Literal["error", "warning"]

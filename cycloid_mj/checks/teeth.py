@@ -113,9 +113,7 @@ def _sleeve(reducer: Reducer) -> Rule:
     """Return the rule that a sleeve leaves a pin inside, of at least `TEETH.min_core_share` of rho."""
     ring, play = reducer.design.ring, reducer.design.clearance.pin_sleeve
     no_pin = Rule(
-        "sleeve",
-        Limit("ring.sleeve_thickness", "less than", ring.pin_radius - play),
-        "the sleeve leaves no pin inside",
+        "sleeve", Limit("ring.sleeve_thickness", "less than", ring.pin_radius - play), "the sleeve leaves no pin inside"
     )
     return Rule(
         "sleeve",

@@ -30,8 +30,7 @@ def jamming_power(reducer: Reducer) -> float:
     design = reducer.design
     drive = design.drive
     torque = max(
-        MAX_FRICTION_OVER_RATED * abs(drive.torque),
-        MAX_FRICTION_OVER_LOAD * abs(design.load.torque) / design.reduction,
+        MAX_FRICTION_OVER_RATED * abs(drive.torque), MAX_FRICTION_OVER_LOAD * abs(design.load.torque) / design.reduction
     )
     return torque * abs(drive.speed) if torque and drive.speed else math.inf
 

@@ -19,17 +19,11 @@ class FrictionSettings:
     """Settings of friction in MuJoCo's elliptic cone, all dimensionless."""
 
     max_coupling: float = 0.05
-    """Largest share of the added mass by which tangential acceleration couples into the normal force, mu^2/impratio.
-
-    From 0.25 to 0.0025 all mean values of fixed and free pins, at 1 N m and at the rated load, agree within 0.1 %.
-    """
+    """Largest share of the added mass by which tangential acceleration couples into the normal force, mu^2/impratio:
+    from 0.25 to 0.0025 all mean values agree within 0.1 %."""
     impratio: float = 10.0
-    """``impratio`` of a model whose crank is at rest, and the largest one for stock MuJoCo, which lifts sliding
-    contacts.
-
-    Stock MuJoCo adds friction * creep * speed / impratio to the normal force. At 1 the rms of the disc's speed under
-    the rated load is 25 % larger than at 10.
-    """
+    """``impratio`` with the crank at rest, and the largest one for stock MuJoCo, which lifts sliding contacts: it adds
+    friction * creep * speed / impratio to the normal force."""
     max_lead: float = 0.15
     """Largest lead of friction, see `stock_impratio`."""
     max_pin_lead: float = 0.05

@@ -32,25 +32,15 @@ class RegimeLimits:
     min_clearance_share: float = 1e4 * 2.0**-52
     """Smallest clearance over the pin-circle radius E: gaps are accurate to 0.1 % of it, ten rounding errors of E."""
     min_samples_per_tooth: float = 8.0
-    """Smallest number of samples from tooth to tooth.
-
-    At this number a sampled sine keeps at least 92 % of its peak-to-peak value, and the transmission error of fixed
-    pins 99 %; at 3 samples 87 to 98 %, at one 50 to 97 %.
-    """
+    """Samples per tooth at which the transmission error of fixed pins keeps 99 % of its peak-to-peak value."""
     max_friction_lead: float = 0.15
-    """Largest tangent of the angle by which friction leads the sliding.
-
-    Fixed pins and internal gear under 1 to 3 N m: friction of the teeth is 5 % too low at 0.84, 1 % at 0.72 and correct
-    within 0.1 % at 0.3; at 20 N m and 20 000 rpm losses are a third too low at 0.3 and correct within 1 % at 0.15.
-    """
+    """Tangent of the angle by which friction leads the sliding; at 0.15 losses are correct within 1 %, at 0.3 at high
+    speed a third too low."""
     max_missing_loss: float = 1e-3
     """Largest loss that is missing because parts creep, as a share of the output power."""
     max_friction_lag: float = 1e-3
-    """Largest error of the force of sliding teeth as a share of their working force, see `friction_lag`.
-
-    Two discs with 0.35 um of play at 15 000 and 30 000 rpm, friction of the teeth 0.05 and 0.15, 5 to 100 % load,
-    against the planar solver at 0.5 us: efficiency and mean transmission error differ by up to four times this number.
-    """
+    """Error of the force of sliding teeth as a share of their working force (`friction_lag`); efficiency and mean
+    transmission error differ from the planar solver's by up to four times this number."""
     max_raised_mass: float = 0.01
     """Largest increase of an added mass by MuJoCo's minimum impedance, as a share of the effective mass."""
 

@@ -446,6 +446,7 @@ class _Recorder:
     """Takes samples, checks them, and converts them into tables."""
 
     def __init__(self, compiled: Model, reducer: Reducer, stepping: _Stepping, plan: Schedule, driven: bool) -> None:
+        """Store the indices of the columns that are checked, and the limits."""
         design = reducer.design
         groups = sensors(reducer)
         names = list(chain.from_iterable(groups.values()))
@@ -540,10 +541,7 @@ class _Recorder:
         for number, gear in enumerate(self._gears, start=1):
             error = seen[:, gear] - ring + (seen[:, self._crank] - ring) / lobes
             which = f"disc {number}" if len(self._gears) > 1 else "the disc"
-            yield (
-                np.abs(error) > 0.25 * 2.0 * math.pi / lobes,
-                partial(_describe_skip, which, error),
-            )
+            yield (np.abs(error) > 0.25 * 2.0 * math.pi / lobes, partial(_describe_skip, which, error))
 
     def _jam(self, what: str, lost: Array, sample: int) -> str:
         """Describe a jam; `what` dissipates the power `lost` [W] of each sample."""

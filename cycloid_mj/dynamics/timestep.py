@@ -25,30 +25,23 @@ class MujocoStepSettings:
     """Limits of the time step of MuJoCo runs; the stiffness ratio is K dt^2/m."""
 
     max_stiffness_ratio: float = 6.4
-    """Of all contacts but the seats of moving pins. Fixed pins, cam and output pins: at 8.7 the rms of the disc's speed
-    is 6 % off; from 12 to 40 on they chatter."""
+    """Of all contacts but the seats of moving pins; from 8.7 on rms speeds of the disc are over 6 % off."""
     max_seat_ratio: float = 10.0
-    """Of the seats of moving pins under a load, where only the pin's own oscillation between its two contacts depends
-    on it. Free pins at 0.98 to 1.02 of the rated load against half the step: rms of the disc's speed -5 to 8 % at 9.9
-    and -3 to 12 % at 6.4; peak-to-peak transmission error 0.7 %, mean values 0.02 %. From 15 on the run diverges."""
+    """Of the seats of moving pins under a load, where only the pin's own oscillation depends on it: at 9.9 mean values
+    are 0.02 % off, peak-to-peak transmission errors 0.7 %. From 15 on the run diverges."""
     max_idle_seat_ratio: float = 8.3
-    """The same without a load. The rms of the disc's speed has the same range over ten starts at 8.2 as at 6.4, 4.5 to
-    7.6 and 4.4 to 11.0 mrad/s; at 9.5 pins start to oscillate unless their contacts settle."""
+    """The same without a load: at 9.5 pins start to oscillate unless their contacts settle."""
     max_settling_ratio: float = 32.0
-    """Of contacts of moving pins that settle within a step (`may_settle`). Free pins at 1640 rpm, mean of eight starts
-    and its standard error: rms of the disc's speed 11.8 (0.1) mrad/s at 32 and at 0.7, losses 37.6 (0.3) and 37.6 (0.2)
-    mW, cam force 6.63 (0.05) and 6.62 (0.04) N; but 8 pins touch instead of 10, because they bounce less."""
+    """Of contacts of moving pins that settle within a step (`may_settle`): rms speeds, losses and forces of eight
+    starts are those at 0.7 within their standard error."""
     max_rolling_share: float = 0.5
-    """Share of the longest step at which a pin that rolls in its clearance stays bounded, 2 sqrt(m/k). At 0.50 the rms
-    of the disc's speed is 1 % off, at 0.74 the efficiency 0.2 points. A stiff cam without clearance diverges at 0.55 to
-    1.02."""
+    """Share of the longest step at which a pin that rolls in its clearance stays bounded, 2 sqrt(m/k): at 0.50 the rms
+    of the disc's speed is 1 % off. A stiff cam without clearance diverges at 0.55."""
     min_steps_per_tooth: float = 25.0
-    """Time steps from tooth to tooth. Fixed pins at 20 N m and 20 000 rpm against 1 us: at 25 steps the cam force is
-    0.09 % off and the rms of the disc's speed 0.1 %, at 17 steps 0.17 and 1 %, at 8 steps 0.5 and 8 %."""
+    """Time steps from tooth to tooth: at 25 the cam force at 20 000 rpm is 0.09 % off, at 8 it is 0.5 %."""
     max_sagitta: float = 0.2
-    """Sagitta of a disc's path in a step, dt^2 c w^2/12, as a share of clearance and deflection of the mesh. Two discs
-    at 5000 to 30 000 rpm against the planar solver: efficiency and mean transmission error differ by at most 0.11 % up
-    to 0.05, by 0.17 % at 0.19 (0.4 % at 0.15 of friction and 5 % load, see `regime`), and by 0.5 % at 0.75."""
+    """Sagitta of a disc's path in a step, dt^2 c w^2/12, as a share of clearance and deflection of the mesh: at 0.19
+    efficiency and mean transmission error of two discs are 0.17 % off, at 0.75 they are 0.5 %."""
     max_step: float = 10e-6
     """[s]: a fifth of the time constant of the servo on the crank."""
 
@@ -101,11 +94,7 @@ ACCURACY = StepAccuracy(
     "mean values within 0.2 %; peaks and rms speeds are not valid, because they depend on the inertia of the pins",
     "mean values within 0.3 %, peak-to-peak values and rms speeds within 2 %",
 )
-"""Accuracy of MuJoCo runs, against half the step and against the planar solver.
-
-Moving pins chatter: the rms of the disc's speed of 20 lobes at 3000 rpm is 74, 84 and 78 mrad/s at 2.9, 1.4 and 1 us,
-where mean values agree within 0.01 %; the planar solver computes 73 and 81 mrad/s at 1 and 0.5 us.
-"""
+"""Accuracy of MuJoCo runs, against half the step and against the planar solver."""
 
 
 @dataclass(frozen=True)

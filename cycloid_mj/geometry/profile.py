@@ -48,6 +48,7 @@ class CycloidGear:
     pin_radius: float
 
     def __post_init__(self) -> None:
+        """Check that the numbers define a profile without loops."""
         if self.ring_teeth < 3:
             raise DesignError(f"ring_teeth = {self.ring_teeth} is too small: at least 3 ring teeth are required")
         for name in ("eccentricity", "pin_circle_radius", "pin_radius"):

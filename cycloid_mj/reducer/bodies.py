@@ -346,6 +346,7 @@ def _cam(design: Design, errors: Deviations, disc: int) -> Mating:
 
 
 def _holes(design: Design, errors: Deviations, disc: int, pins: Surfaces) -> Mating:
+    """Return the pairs of the holes of a disc and the output `pins`."""
     output = design.output
     numbered = tuple(_of_disc(design, name, disc) for name in names.all_numbered(names.HOLE, output.pins))
     radius, gear = output.hole_radius + design.clearance.output, _of_disc(design, names.GEAR, disc)

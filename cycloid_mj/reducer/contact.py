@@ -33,12 +33,8 @@ class ContactSettings:
     """Settings of contacts that a design file may leave open."""
 
     creep_share: float = 2e-3
-    """Creep speed over the orbital speed of the disc's centre, c w.
-
-    Friction below it is too small. Of six drives of 8 to 70 pins with plays up to 0.25 mm, at 3 % of the rated load and
-    100 rpm, and at 30 % and 1000 rpm, the efficiency is that of a tenth of it within 0.04 points; at five times it
-    within 0.25.
-    """
+    """Creep speed over the orbital speed of the disc's centre, c w; friction below it is too small. Efficiencies of six
+    drives differ by 0.04 points from those at a tenth of it, and by 0.25 at five times it."""
     slow_creep: float = 1e-4
     """Creep speed if the crank is at rest [m/s]."""
     hertz_reach: float = 0.3

@@ -75,10 +75,7 @@ def _mesh(rr: Any, piece: Piece) -> Any:
     """Return a piece as a mesh of Rerun."""
     mesh, colour = shade(piece.mesh), _bytes(piece.colour)
     return rr.Mesh3D(
-        vertex_positions=mesh.vertices,
-        vertex_normals=mesh.normals,
-        triangle_indices=mesh.faces,
-        albedo_factor=colour,
+        vertex_positions=mesh.vertices, vertex_normals=mesh.normals, triangle_indices=mesh.faces, albedo_factor=colour
     )
 
 

@@ -14,11 +14,7 @@ from cycloid_mj.reducer import Reducer
 CHORD_ERROR = 1e-5
 """Chord error of the meshes [m]."""
 
-COLOURS: dict[str, Colour] = {
-    **SOLID,
-    HOUSING: (0.68, 0.71, 0.75, 1.0),
-    "disc": (0.36, 0.62, 0.42, 0.25),
-}
+COLOURS: dict[str, Colour] = {**SOLID, HOUSING: (0.68, 0.71, 0.75, 1.0), "disc": (0.36, 0.62, 0.42, 0.25)}
 """Colours of the parts; the ring is lighter, as it is seen from inside, and the output disc is transparent."""
 
 

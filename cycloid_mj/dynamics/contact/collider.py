@@ -41,6 +41,7 @@ def _compile_pins(layout: Layout) -> Any:
 
     @cfunc(_SIGNATURE, cache=cacheable())
     def collide(model: int, data: int, out: int, geom1: int, geom2: int, margin: float) -> int:
+        """Write the contacts of two cylinders, and return their number."""
         priority = read_address(model + layout.geom_priority)
         role1, role2 = read_int(priority + 4 * geom1), read_int(priority + 4 * geom2)
         if role1 == _TEETH and role2 == _PIN:
@@ -64,6 +65,7 @@ def _compile_lobes(layout: Layout) -> Any:
 
     @cfunc(_SIGNATURE, cache=cacheable())
     def collide(model: int, data: int, out: int, geom1: int, geom2: int, margin: float) -> int:
+        """Write the contacts of two cylinders, and return their number."""
         priority = read_address(model + layout.geom_priority)
         role1, role2 = read_int(priority + 4 * geom1), read_int(priority + 4 * geom2)
         if role1 == _TEETH and role2 == _LOBE:

@@ -30,11 +30,7 @@ from cycloid_mj.dynamics.contact.forces import PairIndex, gather, pair_of
 from cycloid_mj.dynamics.contact.layout import discover_steps
 from cycloid_mj.dynamics.contact.library import answer, callback, function_address
 from cycloid_mj.dynamics.contact.memory import read_address, read_float, read_int, write_float
-from cycloid_mj.dynamics.contact.reference_correction import (
-    bind_multiplication,
-    correct_references,
-    multiply_jacobian,
-)
+from cycloid_mj.dynamics.contact.reference_correction import bind_multiplication, correct_references, multiply_jacobian
 from cycloid_mj.dynamics.contact.samples import (
     ACCELERATION_SUM,
     ITERATIONS,
@@ -128,6 +124,7 @@ class EachStep:
         impacts: Sequence[ImpactLaw] = (),
         orbits: Sequence[int] = (),
     ) -> None:
+        """Allocate the arrays of the run, and store their addresses in the user data."""
         self._model, self._data, self._index = model, data, index
         energies = data.energy.ctypes.data + 8 * np.arange(2)
         self._sources = np.array([*sources, *energies], dtype=np.int64)
@@ -249,6 +246,7 @@ def _compile_callback() -> Any:
 
     @cfunc(types.void(types.intp, types.intp, types.int32), cache=cacheable())
     def during_step(model: int, data: int, stage: int) -> None:
+        """Apply the law IMPACT, or end a step and take the following ones; a ``mjfSensor``."""
         if (stage != _LAST_STAGE and stage != _FIRST_STAGE) or read_int(model + layout.nuserdata) != 1:
             return
         address = int(read_float(read_address(data + layout.userdata)))

@@ -237,12 +237,7 @@ def _add_surface(
 
 
 def _add_slices(
-    spec: Any,
-    reducer: Reducer,
-    surface: ConvexSurface,
-    disc: int,
-    laws: Sequence[Laws],
-    weights: Mapping[str, float],
+    spec: Any, reducer: Reducer, surface: ConvexSurface, disc: int, laws: Sequence[Laws], weights: Mapping[str, float]
 ) -> None:
     """Add one class for each slice of a surface on a disc, with its contact physics, and its geoms at every place."""
     design, carriers, discs = reducer.design, reducer.mechanism.carriers, reducer.design.gear.discs

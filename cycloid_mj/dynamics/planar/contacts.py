@@ -104,13 +104,7 @@ class MatingSurfaces(NamedTuple):
 
 @njit
 def find(
-    system: System,
-    lobes: Array | None,
-    q: Array,
-    v: Array,
-    half: float,
-    scratch: Array,
-    contacts: Contacts,
+    system: System, lobes: Array | None, q: Array, v: Array, half: float, scratch: Array, contacts: Contacts
 ) -> int:
     """Write the contacts at a pose q and speeds v, where the pose is reached `half` a step [s] after its start.
 
@@ -183,14 +177,7 @@ def _find_lobes(
 
 @njit
 def _find_pins(
-    system: System,
-    contacts: Contacts,
-    count: int,
-    mating: MatingSurfaces,
-    ring: Pose,
-    q: Array,
-    v: Array,
-    half: float,
+    system: System, contacts: Contacts, count: int, mating: MatingSurfaces, ring: Pose, q: Array, v: Array, half: float
 ) -> int:
     """Write the contacts of a disc and all ring pins after `count` others, and return their new number.
 

@@ -391,11 +391,7 @@ def _condense_pins(system: System, equations: Equations) -> None:
 @njit
 def _product(m: Nine, x: float, y: float, z: float) -> tuple[float, float, float]:
     """Return the product of a matrix and a vector."""
-    return (
-        m[0] * x + m[1] * y + m[2] * z,
-        m[3] * x + m[4] * y + m[5] * z,
-        m[6] * x + m[7] * y + m[8] * z,
-    )
+    return (m[0] * x + m[1] * y + m[2] * z, m[3] * x + m[4] * y + m[5] * z, m[6] * x + m[7] * y + m[8] * z)
 
 
 @njit

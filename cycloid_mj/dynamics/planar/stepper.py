@@ -77,6 +77,7 @@ class Stepper:
     def __init__(
         self, system: System, timestep: float, places: Array, speeds: Array, every: int = 1, midpoint_pins: bool = False
     ) -> None:
+        """Start half a step before time 0, at the initial speeds."""
         self._system, self._timestep, self._every = system, timestep, every
         self._pin_span = 0.5 * timestep if midpoint_pins else timestep
         self._contacts, self._equations = allocate_contacts(system), allocate_equations(system)
@@ -143,6 +144,7 @@ def _compile_steps() -> Any:
         every: int,
         rows: Array,
     ) -> None:
+        """Take a step for each command, with one sample in `every` steps from step `due` on."""
         size, half = len(equations.right), 0.5 * timestep
         midpoint, predicted, q = np.empty_like(motion.v), np.empty_like(motion.v), np.empty_like(motion.q)
         sums, scratch = np.zeros_like(motion.peak), np.zeros((MAX_TOUCHES, STRIDE // 8))

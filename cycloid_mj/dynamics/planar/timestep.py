@@ -28,13 +28,11 @@ class PlanarStepSettings:
     max_step_for_accelerations: float = 5e-6
     """[s]: of runs that evaluate accelerations, without moving pins."""
     min_steps_per_swing: float = 5.5
-    """Time steps in a period of the oscillation on all contacts. At 33 us, against 1 us at the rated load, all mean
-    values of pin, nonpin, twodisc and printed agree to 0.001 %, peak-to-peak transmission errors to 0.5 %; rms speeds
-    of the disc are 12 % low with free pins and 1 to 3 % high without."""
+    """Time steps in a period of the oscillation on all contacts: mean values agree with those at 1 us to 0.001 %,
+    peak-to-peak transmission errors to 0.5 %."""
     min_steps_per_tooth: float = 16.0
-    """Time steps from tooth to tooth. Preset pin at 5000 rpm under the rated load, free, massless and fixed pins,
-    friction of the teeth 0.3, against 96 steps: at 16 steps mean values differ by 0.003 %, peak-to-peak transmission
-    errors by 0.3 %, rms speeds of the disc by 2 %; at 12 steps peak-to-peak values by 0.2 to 2.7 %."""
+    """Time steps from tooth to tooth: against 96 steps mean values differ by 0.003 %, peak-to-peak transmission errors
+    by 0.3 %; at 12 steps by up to 2.7 %."""
 
 
 SETTINGS = PlanarStepSettings()
@@ -82,10 +80,7 @@ def follows_pins(reducer: Reducer, seconds: float) -> bool:
 def _longest_that_follows_pins(reducer: Reducer) -> float:
     """Return the longest step [s] that resolves the motion of moving pins, as in MuJoCo runs.
 
-    Free pins of preset pin at the rated load, rms accelerations of disc centre and output up to 10 kHz and rms of the
-    disc's speed: MuJoCo at 0.25 us 1.584 m/s2, 50.0 rad/s2 and 1.95 mrad/s. Midpoint rule: 1.50 to 1.57, 48 to 49 and
-    1.92 to 1.94 at 0.1 to 0.5 us, 1.59, 50.0 and 2.02 at 2.5 us; beyond 7 us it diverges, with 144 pins from 1.5 times
-    this step on. Implicit Euler: 1.36, 48.4 and 1.85 at 0.05 us, 1.00, 32 and 1.71 at 25 us.
+    From 1.5 times this step on the midpoint rule may diverge; implicit Euler damps the motion at any step.
     """
     return min(step_limits(reducer, followed=True).values())
 
