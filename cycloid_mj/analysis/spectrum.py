@@ -88,7 +88,7 @@ class Orders(Presented):
 
 
 def periodic_orders(crank: Array, values: Array, base: float = 1.0, most: float = np.inf) -> Orders:
-    """Compute the orders of periodic values, over as many full cycles as there are.
+    """Compute the amplitudes of periodic values by order, over all full cycles.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def periodic_orders(crank: Array, values: Array, base: float = 1.0, most: float 
 
 
 def tapered_orders(angle: Array, values: Array, most: float = np.inf, base: float = 1.0) -> Orders | None:
-    """Compute the orders of logged values about their mean, over as many full cycles of a base as there are.
+    """Compute the amplitudes of logged values by order, over all full cycles of a base; the mean is subtracted.
 
     Parameters
     ----------
@@ -150,8 +150,8 @@ def tapered_orders(angle: Array, values: Array, most: float = np.inf, base: floa
     if cycles < 1:
         return None
     points = int(np.ceil(cycles / sampled * len(swept)))
-    places = _inverse(swept, cycles * np.arange(points) / points)
-    even = between_samples(values, places)
+    sample_numbers = _inverse(swept, cycles * np.arange(points) / points)
+    even = between_samples(values, sample_numbers)
     taper = np.hanning(points + 1)[:-1]
     amplitude = 2.0 * np.abs(np.fft.rfft(taper * (even - even.mean()), SPECTRUM.padding * points)) / np.sum(taper)
     order = base * np.arange(amplitude.size) / (SPECTRUM.padding * cycles)

@@ -46,7 +46,7 @@ def _pins_in_sockets(reducer: Reducer) -> Check:
 
 
 def _assembly_gap(reducer: Reducer) -> Check:
-    """Check the smallest gap with the disc where it fits best: parts that are pressed together run, but under load."""
+    """Check that the disc has a pose without overlap at every crank angle; parts that overlap run under load only."""
     poses = min(MAX_POSES, reducer.design.ring.teeth)
     room = min(best_fit(reducer, 2 * np.pi * pose / poses).room for pose in range(poses))
     got, limit = value_and_limit(room, "at least", 0.0, MICROMETRE)

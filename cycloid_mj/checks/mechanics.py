@@ -37,7 +37,10 @@ PLAUSIBLE = {"youngs_modulus": (0.5e9, 700e9), "density": (800.0, 20000.0), "poi
 
 
 def mechanical_rules(reducer: Reducer, has_shape: bool) -> Iterator[Rule | Check]:
-    """Yield the rules for all but the shape of disc and ring; those that depend on it only if it `has_shape`."""
+    """Yield the rules for output pins, shaft, clearances, materials and drive.
+
+    `has_shape` is true if disc and ring are feasible; some checks require that.
+    """
     design = reducer.design
     yield Rule(
         "output_pins",

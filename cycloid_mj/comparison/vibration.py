@@ -112,7 +112,7 @@ def _sampling(motion: Series) -> float:
 
 
 def _octaves(spectrum: Spectrum) -> tuple[OctaveBand, ...]:
-    """List the bands that lie entirely within the spectrum."""
+    """Compute the rms accelerations in all octave bands that lie entirely within the spectrum."""
     width = spectrum.frequency[1] - spectrum.frequency[0]
     bands = []
     for middle in OCTAVES:

@@ -129,16 +129,15 @@ def settling_law(
 def impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]], timestep: float) -> float:
     """Compute the ``impratio`` of a model with corrected references, from the laws of its discs.
 
-    The normal force has the added mass 1/R, friction has impratio/R, which acts on the tangential acceleration: below
-    the Coulomb limit friction is creep v + impratio/R dv/dt. At creep dt/2 it is centred in the step, like the damping;
-    with more, friction would lead the sliding. Every kind of pair has at least that, and at most the coupling
-    `FRICTION.max_coupling`.
+    Below the Coulomb limit friction is creep v + impratio/R dv/dt, with the added mass 1/R of the normal force. At
+    impratio/R = creep dt/2 it is centred in the step, like the damping; above, friction leads the sliding. The result
+    is the smallest value that reaches this for every kind of pair, and the coupling `FRICTION.max_coupling`.
     """
-    rubbing = [law for of_disc in laws for law in of_disc.values() if law.friction]
-    if not (rubbing and reducer.design.drive.speed):
+    sliding = [law for of_disc in laws for law in of_disc.values() if law.friction]
+    if not (sliding and reducer.design.drive.speed):
         return FRICTION.impratio
     least = [
-        max(law.friction**2 / FRICTION.max_coupling, 0.5 * law.creep * timestep / law.added_mass) for law in rubbing
+        max(law.friction**2 / FRICTION.max_coupling, 0.5 * law.creep * timestep / law.added_mass) for law in sliding
     ]
     return significant(max(least))
 

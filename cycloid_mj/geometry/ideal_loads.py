@@ -199,10 +199,10 @@ def line_contact_stiffness(
 def conformal_stiffness(force: float, length: float, modulus: float, play: float) -> float:
     """Secant stiffness [N/m] of a plain bearing, a shaft in a bore of nearly its own radius R.
 
-    The bore is an elastic bed as thick as the radius (assumed; Winkler's foundation, Johnson 1985, section 4.3): it
-    presses with E*/R times its depth. A shaft that is displaced by x = `play` + d is x cos(theta) - play deep up to the
-    angle theta_0 = acos(play/x), so F = E* L [x (theta_0 + sin theta_0 cos theta_0) - 2 play sin theta_0], and R is no
-    matter. The stiffness is F/d, at most pi/2 E* L. `force` F > 0 [N], `length` L [m], `modulus` E* [Pa], `play` [m].
+    The bore is an elastic bed as thick as the radius (assumed; Winkler's foundation, Johnson 1985, section 4.3): its
+    pressure is E*/R times its depth. A shaft that is displaced by x = `play` + d is x cos(theta) - play deep up to the
+    angle theta_0 = acos(play/x), so F = E* L [x (theta_0 + sin theta_0 cos theta_0) - 2 play sin theta_0], independent
+    of R. The stiffness is F/d, at most pi/2 E* L. `force` F > 0 [N], `length` L [m], `modulus` E* [Pa], `play` [m].
     """
     from scipy.optimize import brentq
 

@@ -279,7 +279,7 @@ def _bodies(design: Design, errors: Deviations) -> Iterator[Body]:
 
 
 def _ring(design: Design, errors: Deviations) -> tuple[Surfaces, list[Mating]]:
-    """Return the surfaces that mate with the teeth, and those that carry them if they move."""
+    """Return the surfaces of pins or lobes that mate with the teeth, and the pairs of moving pins with their seats."""
     ring, clearance = design.ring, design.clearance
     larger = np.tile(errors.pin_radius, ring.halves)
     radius, angles, departures = ring.pin_radius + larger, _ring_angles(ring), _pin_departures(ring, errors)

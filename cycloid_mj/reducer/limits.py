@@ -197,7 +197,10 @@ def _limits(reducer: "Reducer", mesh_gaps: Gaps, cams: Array, sides: int) -> tup
 
 
 def _aside(reducer: "Reducer", mesh_gaps: Gaps, pose: Array) -> Array:
-    """Return positions of pins that discs would cut, half-way from the deepest cut to the far side of the clearance."""
+    """Return the displacements of moving pins [m], shape (mates, 2), that avoid an overlap with the discs.
+
+    They are half-way from the deepest overlap to the far side of the clearance; 0 without an overlap.
+    """
     design = reducer.design
     if not design.ring.has_moving_pins:
         return np.zeros((design.ring.mates, 2))

@@ -85,7 +85,7 @@ class Reducer:
 
     @property
     def for_slices(self) -> "Reducer":
-        """Reducer `working_at` the larger of its rated torque and its own load.
+        """Reducer for mesh contact: `working_at` the larger of its rated torque and its own load.
 
         A bed of slices is softer at a small depth by itself, so its stiffness does not follow a small load. Its creep
         speed is that of the design, or `SLICES_CREEP`.

@@ -41,7 +41,7 @@ class _File:
         }
 
     def add(self, piece: Piece, points: Any, normals: Any, faces: Any) -> None:
-        """Add a mesh: points and normals (n, 3), 32-bit floats, and faces (m, 3), 32-bit integers."""
+        """Add the mesh of a piece: points and normals (n, 3), 32-bit floats, and faces (m, 3), 32-bit integers."""
         attributes = {"POSITION": self._accessor(points, "VEC3"), "NORMAL": self._accessor(normals, "VEC3")}
         indices = self._accessor(faces.ravel(), "SCALAR")
         number = len(self._of["meshes"])

@@ -101,7 +101,7 @@ def _log_forces(rr: Any, recording: Any, reducer: Reducer, time: Any, acting: Co
 
 
 def _layout(reducer: Reducer, topics: Mapping[str, tuple[str, ...]]) -> Any:
-    """Return the initial views."""
+    """Return the initial layout of the viewer: the mechanism, and plots of speeds, torques and peak force."""
     rrb = importlib.import_module("rerun.blueprint")
     entities = {name: f"/{SIGNALS}{topic}/{name}" for topic, names in topics.items() for name in names}
     speeds = tuple(planar_speeds(gear)[2] for gear in gears(reducer.design.gear.discs))

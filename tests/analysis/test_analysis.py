@@ -294,19 +294,19 @@ def settled_from(design: Design, settle: float | None = None) -> float:
 
 def test_the_start_up_is_left_out_but_never_more_than_half_of_the_hold():
     long = designed(turns=5)
-    assert settled_from(long) == near(window.SETTLING)
+    assert settled_from(long) == near(window.SETTLING.min_time)
     assert settled_from(long, 0.0) == 0.0
     assert settled_from(long, 0.02) == near(0.02)
     assert settled_from(long, 1e9) == near(DT * 900)  # 1800 samples, the last at 1799 DT
     loaded = designed("load.torque_nm=36.0", "load.rise_s=0.01", turns=5)
-    assert settled_from(loaded) == near(0.01 + window.SETTLING)
+    assert settled_from(loaded) == near(0.01 + window.SETTLING.min_time)
     ramped = designed("load.torque_nm=36.0", "load.rise_s=0.01", turns=5, ramp=0.05)
-    assert settled_from(ramped) == near(0.05 + window.SETTLING)
+    assert settled_from(ramped) == near(0.05 + window.SETTLING.min_time)
 
 
 def test_a_slow_drive_settles_over_a_share_of_its_turn():
     fast, slow = (override(PRESETS["pin"], [f"drive.speed_rpm={rpm}"]) for rpm in (-5000.0, 60.0))
-    assert window.settling(Reducer(fast)) == window.SETTLING
+    assert window.settling(Reducer(fast)) == window.SETTLING.min_time
     assert window.settling(Reducer(slow)) == near(1.0 / 8.0)
     time, ramp = np.linspace(0.0, 2.0, 2001), slow.drive.ramp
     assert time[window.in_hold(Reducer(slow), time)][0] == near(ramp + 1.0 / 8.0)

@@ -291,7 +291,7 @@ def _separation(profile: Teeth, arc_radius: float, gear: Pose, phase: float, hig
 
 @compiling.njit(inner=True)
 def lobe_touches(out: int, profile: Teeth, arc_radius: float, lobe: Pose, gear: Pose, margin: float) -> int:
-    """Write the contacts of the teeth and a lobe of the internal gear, with half a root on either side."""
+    """Write the contacts of the teeth with a lobe of the internal gear and the adjacent halves of two roots."""
     flank, ring, offset = profile.flank, profile.ring, profile.flank.offset
     # The gear in the lobe's frame: axis of the ring at the origin, lobe on +y.
     gx, gy = inwards(lobe, gear.x - lobe.x, gear.y - lobe.y)

@@ -80,7 +80,7 @@ def _rotate_angle(sine: float, cosine: float, angle: float) -> tuple[float, floa
 
 @njit(inline="always")
 def trochoid_start(x: float, y: float, curve: Trochoid) -> tuple[float, float, float]:
-    """Compute the parameter of the trochoid point at the distance of (x, y) from the gear centre, its sine and cosine.
+    """Compute a start for the foot point of (x, y): parameter [rad], sine and cosine of the point at its radius.
 
     On T(t), r^2 = E^2 + c^2 - 2 E c cos((N-1) t), and the polar angle is t - atan2(c sin, E - c cos) of that phase.
     Both invert in closed form; the sign of the phase is that of (N-1) times the polar angle.
@@ -150,7 +150,8 @@ def trochoid_foot(
 def trochoid_distance(x: float, y: float, curve: Trochoid) -> tuple[float, float, float, float]:
     """Compute the foot parameter, the signed distance and the outward normal of any point near the trochoid.
 
-    Starts in closed form; a point far from the curve, where that may lead to another foot, is searched.
+    Newton's method starts in closed form. Far from the curve, where it may find another foot point, it starts again
+    from the nearest point of a grid.
     """
     radius, eccentricity, teeth = curve
     start, st, ct = trochoid_start(x, y, curve)
@@ -183,7 +184,7 @@ def trochoid_curvature(t: float, curve: Trochoid) -> float:
 
 
 class Flank(NamedTuple):
-    """The gear's flanks, as ``flank_distance`` takes them.
+    """The disc's flanks.
 
     Attributes
     ----------
@@ -192,11 +193,11 @@ class Flank(NamedTuple):
     offset
         Distance of the flank from the trochoid, inwards [m].
     rotation
-        Angle by which each flank is turned towards the middle of its lobe [rad].
+        Rotation of each flank towards the middle of its lobe [rad].
     tip, tip_radius, valley, valley_radius
-        Where a turned flank ends, see ``modification.FlankEnds``; 0 where the rotation is.
+        Ends of a rotated flank, see ``modification.FlankEnds``; 0 without rotation.
     waves
-        How far the flank stands back, ``deviations.profile_error``: amplitudes of cos(k t) and sin(k t) [m] of the
+        Offset of the flank inwards, ``deviations.profile_error``: amplitudes of cos(k t) and sin(k t) [m] of the
         orders k = 1, 2, ... in a turn of the gear, shape (orders, 2).
     """
 
@@ -212,7 +213,7 @@ class Flank(NamedTuple):
 
 @njit
 def wave(t: float, waves: Array) -> tuple[float, float, float]:
-    """Compute how far waves stand back at the parameter t [rad], the slope of that [m/rad] and the slope's [m/rad2]."""
+    """Compute the inward offset by waves at the parameter t [rad] [m], and its first and second derivative."""
     back, slope, bend = 0.0, 0.0, 0.0
     sine, cosine = math.sin(t), math.cos(t)
     s, c = 0.0, 1.0
@@ -236,7 +237,7 @@ def _speed_squared(t: float, curve: Trochoid) -> float:
 
 @njit
 def _waved_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float]:
-    """Compute ``trochoid_distance`` for the curve that stands back from the trochoid by the waves w(t) of the flank.
+    """Compute ``trochoid_distance`` for the curve at the inward offset w(t) from the trochoid, the waves of the flank.
 
     At a point whose foot is at t the gap is wider by w(t). Its gradient, along which the contact pushes, is the normal
     less the tangent times w' over the rate at which the point moves along with its foot: the arc rate times one more
@@ -251,7 +252,7 @@ def _waved_distance(x: float, y: float, flank: Flank) -> tuple[float, float, flo
 
 
 @njit(inline="always")
-def _unturned_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float]:
+def _unrotated_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float]:
     if len(flank.waves) == 0:
         return trochoid_distance(x, y, flank.curve)
     return _waved_distance(x, y, flank)
@@ -267,13 +268,13 @@ def flank_curvature(t: float, flank: Flank) -> float:
 
 
 @njit
-def _turned_flank_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float, bool]:
+def _rotated_flank_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float, bool]:
     """Compute `flank_distance` for rotated flanks: the larger distance, or that of the corner where they meet."""
     s, c = math.sin(flank.rotation), math.cos(flank.rotation)
     # The flank before a tip, clockwise, is turned clockwise, that after it counter-clockwise.
     side = 1.0
-    t, distance, nx, ny = _unturned_distance(c * x - s * y, c * y + s * x, flank)
-    other = _unturned_distance(c * x + s * y, c * y - s * x, flank)
+    t, distance, nx, ny = _unrotated_distance(c * x - s * y, c * y + s * x, flank)
+    other = _unrotated_distance(c * x + s * y, c * y - s * x, flank)
     if other[1] > distance:
         side, s = -1.0, -s
         t, distance, nx, ny = other
@@ -295,8 +296,8 @@ def _turned_flank_distance(x: float, y: float, flank: Flank) -> tuple[float, flo
 def flank_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float, bool]:
     """Compute the distance of a point from the gear's flanks, beyond their offset; the point is near the trochoid.
 
-    With turned flanks the gear is what its profile has in common when turned to either side: the nearer way out is
-    the longer one, and where that leads to a part that is cut away, the corner where the flanks meet is nearest.
+    With rotated flanks the disc is the intersection of its profile rotated to either side: the larger of both distances
+    counts, and where its foot point is cut away, the distance of the corner between the flanks.
 
     Returns
     -------
@@ -310,9 +311,9 @@ def flank_distance(x: float, y: float, flank: Flank) -> tuple[float, float, floa
         Whether the nearest point is a corner.
     """
     if flank.rotation == 0.0:
-        t, distance, nx, ny = _unturned_distance(x, y, flank)
+        t, distance, nx, ny = _unrotated_distance(x, y, flank)
         return t, distance, nx, ny, False
-    return _turned_flank_distance(x, y, flank)
+    return _rotated_flank_distance(x, y, flank)
 
 
 @njit(inline="always")

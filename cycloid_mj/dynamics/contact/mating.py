@@ -108,7 +108,7 @@ def pin_on_teeth(
 def lobe_on_teeth(
     layout: Layout, model: int, data: int, out: int, teeth: int, geom: int, sign: float, margin: float
 ) -> int:
-    """Write the contacts of the teeth and a lobe of the internal gear, with half a root on either side."""
+    """Write the contacts of the teeth with a lobe of the internal gear and the adjacent halves of two roots."""
     lobe, gear, z = _pose(data, layout, geom), _pose(data, layout, teeth), _position(data, layout, teeth)[2]
     count = lobe_touches(out, _teeth(model, layout, teeth), _radius(model, layout, geom), lobe, gear, margin)
     for address in range(out, out + STRIDE * count, STRIDE):

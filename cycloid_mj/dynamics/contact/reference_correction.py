@@ -63,10 +63,9 @@ def between_speeds_and_forces(layout: StepLayout) -> Any:
 
 @compiling.njit(inner=True)
 def correct_references(layout: StepLayout, model: int, data: int) -> None:
-    """Correct the reference accelerations of all contacts of a model with exact contact; of any other, nothing.
+    """Correct the reference accelerations of all contacts; do nothing for models without exact contact.
 
-    `model` and `data` are addresses. Rows of ``efc_force``, which the solver computes after
-    this, serve as working memory.
+    `model` and `data` are addresses. ``efc_force``, which the solver computes later, serves as working memory.
     """
     if read_int(model + layout.nuserdata) != 1 or read_int(model + layout.nuser_geom) < USER_DATA:
         return
@@ -74,14 +73,14 @@ def correct_references(layout: StepLayout, model: int, data: int) -> None:
         return
     run = int(read_float(read_address(data + layout.userdata)))
     if run:
-        _account_for_circling(layout, model, data, step_state_at(run))
-    _take_off_lift(layout, model, data)
+        _correct_for_orbit(layout, model, data, step_state_at(run))
+    _remove_cone_lift(layout, model, data)
 
 
 @compiling.njit(inner=True)
-def _account_for_circling(layout: StepLayout, model: int, data: int, run: StepState) -> None:
-    """Correct the normal references of a run for the acceleration and the speed of discs that circle about the axis."""
-    _multiply_circling(layout, model, data, run, False)
+def _correct_for_orbit(layout: StepLayout, model: int, data: int, run: StepState) -> None:
+    """Correct the normal references for the orbit of the discs: their acceleration, and their speed in the middle."""
+    _multiply_orbit(layout, model, data, run, False)
     product, constants, references = (
         read_address(data + layout.efc_force),
         read_address(data + layout.efc_KBIP),
@@ -94,7 +93,7 @@ def _account_for_circling(layout: StepLayout, model: int, data: int, run: StepSt
             share = 1.0 - half * read_float(constants + 32 * row + 8)
             reference = references + 8 * row
             write_float(reference, read_float(reference) + share * read_float(product + 8 * row))
-    _multiply_circling(layout, model, data, run, True)
+    _multiply_orbit(layout, model, data, run, True)
     for k in range(read_int(data + layout.ncon)):
         row = read_int(first + layout.stride * k + layout.efc_address)
         if row >= 0:
@@ -103,10 +102,10 @@ def _account_for_circling(layout: StepLayout, model: int, data: int, run: StepSt
 
 
 @compiling.njit(inner=True)
-def _multiply_circling(layout: StepLayout, model: int, data: int, run: StepState, speeds: bool) -> None:
-    """Multiply the Jacobian by the accelerations of the circling discs, or by what the mean of two `speeds` lacks.
+def _multiply_orbit(layout: StepLayout, model: int, data: int, run: StepState, speeds: bool) -> None:
+    """Multiply the Jacobian by the accelerations of the orbiting discs, or by the error of their mean `speeds`.
 
-    The mean of the speeds half a step before and after a time falls short of the speed v then by (w dt)^2/6 v.
+    The mean of the speeds half a step before and after is smaller than the speed v by (w dt)^2/6 v.
     """
     half = read_float(run.half_timestep)
     for k in range(run.discs):
@@ -125,8 +124,8 @@ def _multiply_circling(layout: StepLayout, model: int, data: int, run: StepState
 
 
 @compiling.njit(inner=True)
-def _take_off_lift(layout: StepLayout, model: int, data: int) -> None:
-    """Lower the normal references of contacts that slide by what the convex cone lifts them by."""
+def _remove_cone_lift(layout: StepLayout, model: int, data: int) -> None:
+    """Lower the normal references of sliding contacts by the lift of the convex friction cone."""
     first, references = read_address(data + layout.contact), read_address(data + layout.efc_aref)
     accelerations = read_address(data + layout.efc_force)
     multiply_jacobian(model, data, accelerations, read_address(data + layout.qacc))

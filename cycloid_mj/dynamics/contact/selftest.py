@@ -66,7 +66,7 @@ def require_passed(part: str, trial: Callable[[], str]) -> None:
 
 
 def try_collider(address: int) -> str:
-    """Return the failure of the collider of pins and bores at an address, "" for none."""
+    """Test the collider of pins and bores at an address; return the failure, "" for none."""
     pin = f"{0.0} {1.0}" + " 0" * (USER_DATA - 2)
     gear = Trochoid(_RADIUS, _CRANK, float(_TEETH))
     flank = Flank(gear, _PIN + _CLEARANCE, 0.0, 0.0, 0.0, 0.0, 0.0, NO_WAVES)
@@ -107,7 +107,7 @@ def try_collider(address: int) -> str:
 
 
 def try_lift(address: int) -> str:
-    """Return the failure of the correction of sliding contacts (``mjcb_control``) at an address, "" for none.
+    """Test the correction of sliding contacts (``mjcb_control``) at an address; return the failure, "" for none.
 
     Feet at rest start to slide along the floor; they must press on it by their weights, as without friction.
     """

@@ -227,7 +227,7 @@ def _add_surface(
     weights: Mapping[str, float],
     settings: ConvexSettings,
 ) -> None:
-    """Add the meshes of a surface's slices, and its geoms: on some discs, or (disc 0 alone) on the housing."""
+    """Add the meshes of a surface's slices, and their geoms on `discs`; surfaces of the ring have disc 0 only."""
     for number, _ in enumerate(surface.slices):
         _add_stl(spec, f"{surface.key}_{number + 1}", stl_bytes(mesh(prism(surface, number))))
     for disc in discs:
@@ -259,9 +259,9 @@ def _add_slices(
         default = _sub_default(spec, names.of_disc(name, disc, copies))
         default.geom.type, default.geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, f"{surface.key}_{number + 1}"
         if rubs:
-            _meet_by_pair(default.pair, parameters)
+            _collide_by_pair(default.pair, parameters)
         else:
-            _meet_by_bits(default.geom, parameters, surface.name, part.width, disc)
+            _collide_by_bits(default.geom, parameters, surface.name, part.width, disc)
         classes.append(default)
     ahead = reducer.mechanism.phases[disc] / design.lobes if surface.name == names.TEETH else 0.0
     counts: dict[int, int] = {}
@@ -275,14 +275,14 @@ def _add_slices(
             spec.add_pair(classes[placement.slice], geomname1=name, geomname2=mates[called])
 
 
-def _meet_by_bits(geom: Any, parameters: SolverParameters, surface: str, width: float, disc: int) -> None:
+def _collide_by_bits(geom: Any, parameters: SolverParameters, surface: str, width: float, disc: int) -> None:
     geom.contype, geom.conaffinity = _bits(surface, width, disc)
     geom.priority = MESH_CONTACT.slice_priority if np.isfinite(width) else MESH_CONTACT.hull_priority
     geom.condim, geom.solref, geom.solimp = parameters.condim, parameters.solref, parameters.solimp
     geom.friction = [parameters.friction[0], 0.0, 0.0]
 
 
-def _meet_by_pair(pair: Any, parameters: SolverParameters) -> None:
+def _collide_by_pair(pair: Any, parameters: SolverParameters) -> None:
     pair.condim, pair.solref, pair.solimp = parameters.condim, parameters.solref, parameters.solimp
     pair.friction, pair.solreffriction = parameters.friction, parameters.solreffriction
     pair.margin, pair.gap = 0.0, 0.0

@@ -321,7 +321,7 @@ def _fill(contact: Contact, mating: MatingSurfaces, touch: Touch, sign: float, q
         contact.shaft_tangent = -touch.x * nx - touch.y * ny
     contact.friction, contact.creep = mating.law.friction, mating.law.creep
     speed, slip = speeds(contact, v)
-    force, slope, damping = _law(mating.law, touch.gap, touch.factor, speed, half)
+    force, slope, damping = _normal_force(mating.law, touch.gap, touch.factor, speed, half)
     if mating.disc >= 0:
         force += damping * _chord_excess(q, v, mating.disc, nx, ny, half)
     contact.force, contact.slope = force + slope * speed, slope
@@ -342,8 +342,11 @@ def _chord_excess(q: Array, v: Array, disc: int, nx: float, ny: float, half: flo
 
 
 @njit
-def _law(law: Any, gap: float, factor: float, speed: float, half: float) -> tuple[float, float, float]:
-    """Compute the normal force [N], which may be negative, its decrease per speed over half a step, and the damping."""
+def _normal_force(law: Any, gap: float, factor: float, speed: float, half: float) -> tuple[float, float, float]:
+    """Compute the normal force of a contact law [N], its decrease per speed over half a step, and its damping [N s/m].
+
+    The force may be negative.
+    """
     if law.impact == 0.0:
         stiffness = law.stiffness * factor
         return -stiffness * gap - law.damping * speed, stiffness * half + law.damping, law.damping
