@@ -18,14 +18,15 @@ from cycloid_mj.base.result import Curve, Quantity, quantity_frame
 from cycloid_mj.base.units import ARCMINUTE, RPM
 from cycloid_mj.design import PARTS, Design, Named, resolve
 from cycloid_mj.figures import figure, quantities, quantity, values_json
+from cycloid_mj.life.as_built import SETTINGS, has_tolerances
 from cycloid_mj.life.bearings import bearing_losses
 from cycloid_mj.life.duty import DutyPoint, constant_duty
 from cycloid_mj.life.item import RatedItem
-from cycloid_mj.life.items import rate_at_rated_load
+from cycloid_mj.life.items import rate, rate_at_rated_load
 from cycloid_mj.life.loading import solve_loading
 from cycloid_mj.life.no_load import GREASE
 from cycloid_mj.life.output_bearing import USUAL_CLEARANCE, output_bearings
-from cycloid_mj.life.rated import is_bearing_life, is_momentary, is_strength, rated_torque
+from cycloid_mj.life.rated import is_bearing_life, is_momentary, is_strength, rated_torque, weakest_torque
 from cycloid_mj.life.sheet_rows import environment, hysteresis, mounting, no_load_curves, torques_without_load
 from cycloid_mj.parts import body_solids, mass_properties, moving_masses, parts, turning_inertia
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
@@ -155,6 +156,7 @@ def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) 
         **({"Output bearing": _bearing(reducer)} if has_casing(reducer) else {}),
     }
     groups = {heading: _with_parts(reducer, group) for heading, group in groups.items()}
+    groups["Ratings"] += _toleranced(reducer, rated, life)
     groups["Mass and size"] = _mass(reducer)
     groups["Lubrication and environment"] = environment(reducer)
     if has_casing(reducer):
@@ -254,6 +256,29 @@ def _ratings(
             note="motor torque times the ratio (drive.torque_nm); figures below are at this torque",
         ),
         Quantity("input_speed", "Rated input speed", abs(speed) / RPM, "rpm", note="of the crank"),
+    )
+
+
+def _toleranced(reducer: Reducer, torque: float, life: float) -> tuple[Quantity, ...]:
+    """Return rated and momentary torque of parts within the tolerances of the design; empty without tolerances.
+
+    They are those of the weakest item by its law, from the rating at a torque [N m].
+    """
+    design = reducer.design
+    if not has_tolerances(design):
+        return ()
+    rating = rate(design, constant_duty(torque, design.drive.speed), life, parts="toleranced")
+    stops = [item for item in rating.items.values() if is_momentary(item.key)]
+    others = [item for item in rating.items.values() if item.decisive and not is_momentary(item.key)]
+    limits = weakest_torque(others, torque, life), weakest_torque(stops, 2.0 * torque, life)
+    percentile = f"{SETTINGS.percentile:g} % percentile of {SETTINGS.samples} samples"
+    rows = (
+        ("rated_torque_toleranced", "Rated torque, toleranced parts", *min(limits, key=lambda pair: pair[0])),
+        ("momentary_torque_toleranced", "Momentary torque, toleranced parts", *limits[1]),
+    )
+    return tuple(
+        Quantity(key, name, limit, "N m", note=f"{percentile}; limited by {item.name}")
+        for key, name, limit, item in rows
     )
 
 

@@ -287,3 +287,12 @@ def test_rows_without_seals_and_of_perfect_parts_say_so(sheet) -> None:
     assert "perfect" not in rows["mass"].note
     faulty = Reducer(override(sheet.design, {"errors.pin_position_um": 1.0}))
     assert faulty.parts_text == "with the errors of the design"
+
+
+@pytest.mark.slow
+def test_tolerances_lower_the_torques_of_the_sheet() -> None:
+    rows = told(datasheet(Reducer(override(PIN, {"tolerance.pin_position": "normal 1"}))))
+    for kind in ("rated", "momentary"):
+        toleranced = rows[f"{kind}_torque_toleranced"]
+        assert toleranced.value < rows[f"{kind}_torque"].value
+        assert "95 % percentile of 200 samples" in toleranced.note
