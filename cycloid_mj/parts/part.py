@@ -2,9 +2,8 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from itertools import islice
 
-from cycloid_mj.parts.contour import Contour, with_matching_circles
+from cycloid_mj.parts.contour import Contour
 from cycloid_mj.parts.curve import Curve
 from cycloid_mj.parts.prism import Prism, Solid
 
@@ -52,14 +51,8 @@ class Part:
     density: float
 
     def solid(self, chord_error: float) -> Solid:
-        """Return the part as prisms of polygons; see `Stretch.prism` and `with_matching_circles`."""
-        contours = [contour for stretch in self.stretches for contour in (stretch.outline, *stretch.holes)]
-        matched = iter(with_matching_circles(contours, chord_error))
-        stretches = [
-            replace(stretch, outline=next(matched), holes=tuple(islice(matched, len(stretch.holes))))
-            for stretch in self.stretches
-        ]
-        return Solid(self.name, tuple(stretch.prism(chord_error) for stretch in stretches), self.density)
+        """Return the part as prisms of polygons; see `Stretch.prism`."""
+        return Solid(self.name, tuple(stretch.prism(chord_error) for stretch in self.stretches), self.density)
 
     def sections(self, splines: int) -> tuple[PartSection, ...]:
         """Return the part as curves; see `Stretch.section`."""
