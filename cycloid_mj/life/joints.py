@@ -149,6 +149,8 @@ def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
     joints, screwed = drive_joints(reducer, casing(reducer)), screwed_joints(reducer)
     dowelled = {joint: _dowel_torque(reducer, joint) for joint in joints if joint.kind is JointKind.DOWELLED}
     by_face = {frozenset(joint.parts): torque for joint, torque in dowelled.items()}
+    clamp = next((each for each in screwed if {*each.joint.parts} == {MOTOR_COVER, OUTPUT_COVER}), None)
+    on_ring = _clamping_torque(reducer, clamp) if clamp else 0.0
     for each in screwed:
         parts = each.joint.parts
         through_ring = (MOTOR_COVER, names.HOUSING, OUTPUT_COVER) if {*parts} == {MOTOR_COVER, OUTPUT_COVER} else parts
@@ -166,7 +168,8 @@ def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
             )
     for joint, torque in dowelled.items():
         (part,) = joint.bought
-        clamped = max((each.torque for each in screwed if {*joint.parts} <= {*each.joint.parts}), default=0.0)
+        own = [each.torque for each in screwed if {*joint.parts} <= {*each.joint.parts}]
+        clamped = max(own, default=on_ring if names.HOUSING in joint.parts else 0.0)
         friction = f"; screws transmit {clamped:.3g} N m by friction" if clamped else ""
         yield _item(
             _slug(joint),
@@ -176,16 +179,14 @@ def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
             "n F r, F least of shear, pi d^2/4 x 896 MPa (ASME B18.8.2), and yield of the hole, d s R_e (Roloff/Matek)",
             f"{len(part.origins)} x {part.designation}{friction}",
         )
-    if clamp := next((each for each in screwed if {*each.joint.parts} == {MOTOR_COVER, OUTPUT_COVER}), None):
+    if clamp:
         ring = [torque for joint, torque in dowelled.items() if names.HOUSING in joint.parts]
         yield _clamped_ring(reducer, torques.ring, clamp, max(ring, default=0.0))
 
 
 def _clamped_ring(reducer: Reducer, torque: float, clamp: ScrewedJoint, positive: float) -> RatedItem:
     """Rate a ring that is clamped between covers whose screws stand outside of it."""
-    design = reducer.design
-    radius = 0.5 * (design.ring_root_radius + design.housing.outer_radius)
-    limit = strength.friction_torque(clamp.count, clamp.preload, radius)
+    limit = _clamping_torque(reducer, clamp)
     dowels = f"; dowels transmit {positive:.3g} N m" if positive else ""
     return _item(
         "joint_ring",
@@ -194,9 +195,15 @@ def _clamped_ring(reducer: Reducer, torque: float, clamp: ScrewedJoint, positive
         max(limit, positive),
         "T = n F mu r (VDI 2230, R2/2)",
         f"assumed: the rims of the covers stand back, so that {clamp.designation} clamp the ring with "
-        f"{1e-3 * clamp.preload:.3g} kN each at a mean radius of {1e3 * radius:.3g} mm, friction "
+        f"{1e-3 * clamp.preload:.3g} kN each at its mean radius, friction "
         f"{strength.FRICTION_INTERFACE:g}{dowels}",
     )
+
+
+def _clamping_torque(reducer: Reducer, clamp: ScrewedJoint) -> float:
+    """Compute the torque at which a ring slips that screws outside of it clamp at its mean radius [N m]."""
+    radius = 0.5 * (reducer.design.ring_root_radius + reducer.design.housing.outer_radius)
+    return strength.friction_torque(clamp.count, clamp.preload, radius)
 
 
 def _screwed(reducer: Reducer, sizes: Casing, joint: Joint) -> ScrewedJoint:
