@@ -35,22 +35,8 @@ from cycloid_mj.parts.export.drive import has_casing
 from cycloid_mj.parts.export.joint import BoughtPart, Joint, JointKind
 from cycloid_mj.parts.export.joints import FLANGE_CLASS, LOAD, MOTOR, USUAL_CLASS, drive_joints
 from cycloid_mj.parts.export.printing import part_material
+from cycloid_mj.parts.joint_strength import JOINTS
 from cycloid_mj.reducer import Reducer
-
-PLASTIC_PRELOAD = 0.5
-"""Share of the force that threads and faces of a plastic withstand once, which they keep as a preload (assumed)."""
-
-METAL_SHEAR, PLASTIC_SHEAR = 0.6, 1.0 / math.sqrt(3.0)
-"""Shear over tensile strength of metals (VDI 2230, 5.5.5: 0.60 to 0.70), over yield strength of plastics (Mises)."""
-
-THREAD_FRICTION_SPREAD = (0.10, 0.16)
-"""Range of the friction of threads and heads, oiled to plain (VDI 2230, A5, classes A and B)."""
-
-PIN_ROUGHNESS, HOLE_ROUGHNESS = 2e-6, 4e-6
-"""Mean depths Rz of ground pins and reamed holes [m] (ISO 8734 has Ra 0.8 um at most; Rz assumed)."""
-
-WALL_RATIO = 2.0
-"""Outside diameter of the wall around a pressed-in pin over that of the pin (assumed, as in DIN 7190)."""
 
 GLUE_SOURCE = "pi d l tau r, tau 25 N/mm2 at 23 °C (ISO 10123); half of it at about 120 °C"
 
@@ -116,7 +102,7 @@ class ScrewedJoint:
         """Tightening torque of that preload [N m]."""
         return self.tightening_for(self.preload)
 
-    def tightening_for(self, preload: float, friction: float = strength.FRICTION_THREAD) -> float:
+    def tightening_for(self, preload: float, friction: float = JOINTS.thread_friction) -> float:
         """Compute the tightening torque [N m] of a preload [N]."""
         return self.thread.tightening_torque(preload, _mean_head(self.thread), friction)
 
@@ -141,7 +127,7 @@ def screwed_joints(reducer: Reducer) -> tuple[ScrewedJoint, ...]:
     """Return the screwed joints of a drive with covers."""
     sizes = casing(reducer)
     joints = drive_joints(reducer, sizes)
-    return tuple(_screwed(reducer, sizes, joint) for joint in joints if joint.kind is JointKind.SCREWED)
+    return tuple(_make_screwed_joint(reducer, sizes, joint) for joint in joints if joint.kind is JointKind.SCREWED)
 
 
 def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
@@ -196,7 +182,7 @@ def _clamped_ring(reducer: Reducer, torque: float, clamp: ScrewedJoint, positive
         "T = n F mu r (VDI 2230, R2/2)",
         f"assumed: the rims of the covers stand back, so that {clamp.designation} clamp the ring with "
         f"{1e-3 * clamp.preload:.3g} kN each at its mean radius, friction "
-        f"{strength.FRICTION_INTERFACE:g}{dowels}",
+        f"{JOINTS.interface_friction:g}{dowels}",
     )
 
 
@@ -206,7 +192,7 @@ def _clamping_torque(reducer: Reducer, clamp: ScrewedJoint) -> float:
     return strength.friction_torque(clamp.count, clamp.preload, radius)
 
 
-def _screwed(reducer: Reducer, sizes: Casing, joint: Joint) -> ScrewedJoint:
+def _make_screwed_joint(reducer: Reducer, sizes: Casing, joint: Joint) -> ScrewedJoint:
     """Return the strength of a screwed joint; the classes of screws of motor and load, not in the bill, are assumed."""
     screw = next((part for part in joint.bought if "thread" in dict(part.dimensions)), None)
     centres = np.array(screw.origins)[:, :2] if screw else np.atleast_2d(joint.holes[0][1][0])
@@ -228,8 +214,8 @@ def _preload_limit(each: ScrewedJoint) -> ScrewLimit:
     preload = each.thread.usual_preload(strength.PROOF_STRESS[each.property_class])
     torque = strength.friction_torque(each.count, preload, each.radius)
     tightened = each.tightening_for(1.0)
-    smooth, rough = (tightened / each.tightening_for(1.0, friction) for friction in THREAD_FRICTION_SPREAD)
-    slippery, dry = (friction / strength.FRICTION_INTERFACE for friction in strength.FRICTION_SPREAD)
+    smooth, rough = (tightened / each.tightening_for(1.0, friction) for friction in JOINTS.thread_friction_spread)
+    slippery, dry = (friction / JOINTS.interface_friction for friction in JOINTS.interface_friction_spread)
     return ScrewLimit(
         "slip",
         "slip",
@@ -237,7 +223,7 @@ def _preload_limit(each: ScrewedJoint) -> ScrewLimit:
         torque,
         "T = n F mu r, F = 0.7 R_p A_s (VDI 2230, R2/2, R13)",
         f"{each.designation} on a circle of {2e3 * each.radius:.4g} mm, {1e-3 * preload:.3g} kN each; assumed: "
-        f"friction {strength.FRICTION_INTERFACE:g} of the faces and {strength.FRICTION_THREAD:g} of threads and heads; "
+        f"friction {JOINTS.interface_friction:g} of the faces and {JOINTS.thread_friction:g} of threads and heads; "
         f"{torque * rough * slippery:.3g} to {torque * smooth * dry:.3g} N m at 0.10 to 0.20 and 0.16 to 0.10",
     )
 
@@ -277,7 +263,11 @@ def _thread_limit(
     each: ScrewedJoint, part: str, material: Material, insert: stock.Insert | None, engaged: float
 ) -> ScrewLimit:
     """Return the limit by stripped threads, or by inserts pulled out of a plastic."""
-    shear = PLASTIC_SHEAR * material.yield_strength if material.is_plastic else METAL_SHEAR * material.tensile_strength
+    shear = (
+        JOINTS.plastic_shear * material.yield_strength
+        if material.is_plastic
+        else JOINTS.metal_shear * material.tensile_strength
+    )
     if insert:
         force = strength.pull_out_force(insert.hole, insert.length, shear)
         what, source = "pull-out of the inserts", "F = pi D l tau around an insert"
@@ -300,7 +290,7 @@ def _thread_limit(
 
 def _permanent(material: Material) -> float:
     """Return the share of a short-time strength that may stay as a preload."""
-    return PLASTIC_PRELOAD if material.is_plastic else 1.0
+    return JOINTS.plastic_preload if material.is_plastic else 1.0
 
 
 def _creep_note(material: Material) -> str:
@@ -327,15 +317,17 @@ def _rate_crank(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
     bore = motor_bore(reducer, sizes)
     if bore:
         radius, low, high = bore
-        yield _glued("joint_motor_shaft", "motor shaft in the crank, glued", torques.crank, 2.0 * radius, high - low)
+        yield _rate_glued_shaft(
+            "joint_motor_shaft", "motor shaft in the crank, glued", torques.crank, 2.0 * radius, high - low
+        )
     for joint in drive_joints(reducer, sizes):
         if joint.kind is JointKind.KEYED:
-            yield _keyed(reducer, joint, torques.crank, shaft)
+            yield _rate_key(reducer, joint, torques.crank, shaft)
         elif joint.kind is JointKind.GLUED and names.SHAFT in joint.parts:
-            yield _glued("joint_cams", f"{joint.name}, glued", torques.crank, joint.diameter, joint.length)
+            yield _rate_glued_shaft("joint_cams", f"{joint.name}, glued", torques.crank, joint.diameter, joint.length)
 
 
-def _glued(key: str, name: str, torque: float, diameter: float, length: float) -> RatedItem:
+def _rate_glued_shaft(key: str, name: str, torque: float, diameter: float, length: float) -> RatedItem:
     """Rate a glued joint of a shaft [m]."""
     limit = 0.5 * diameter * strength.glued_force(diameter, length)
     note = (
@@ -344,7 +336,7 @@ def _glued(key: str, name: str, torque: float, diameter: float, length: float) -
     return _item(key, name, torque, limit, GLUE_SOURCE, note)
 
 
-def _keyed(reducer: Reducer, joint: Joint, torque: float, shaft: float) -> RatedItem:
+def _rate_key(reducer: Reducer, joint: Joint, torque: float, shaft: float) -> RatedItem:
     """Rate the side pressure of a parallel key."""
     (part,) = joint.bought
     sizes = dict(part.dimensions)
@@ -436,13 +428,13 @@ def _pressed_pin(
     fit = strength.PressFit(
         2.0 * radius,
         length,
-        WALL_RATIO * 2.0 * radius,
+        JOINTS.wall_ratio * 2.0 * radius,
         (hub.youngs_modulus, hub.poisson),
         (pin.youngs_modulus, pin.poisson),
     )
     loose, tight = (-clearance for clearance in reversed(fits.clearances(fit_code(PIN_FIT), 2.0 * radius)))
     middle, *ends = (
-        strength.effective_interference(value, HOLE_ROUGHNESS, PIN_ROUGHNESS)
+        strength.effective_interference(value, JOINTS.hole_roughness, JOINTS.pin_roughness)
         for value in (0.5 * (loose + tight), loose, tight)
     )
     strongest = fit.yield_pressure(hub.yield_strength) * _permanent(hub)
@@ -456,7 +448,7 @@ def _pressed_pin(
         "Lame, p = Z/(d K), T = mu p pi d^2 l/2 (DIN 7190-1)",
         f"{PIN_FIT}, mean interference less smoothing {1e6 * middle:.3g} um: {1e-6 * at_middle:.3g} MPa; "
         f"{fit.torque(at_loose):.3g} to {fit.torque(at_tight):.3g} N m over the zones; friction "
-        f"{strength.FRICTION_INTERFACE:g} (assumed)",
+        f"{JOINTS.interface_friction:g} (assumed)",
     )
 
 

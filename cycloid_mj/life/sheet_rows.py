@@ -2,9 +2,11 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
+from cycloid_mj.base.array import Array
 from cycloid_mj.base.result import Curve, Quantity
 from cycloid_mj.base.units import ARCMINUTE, RPM
 from cycloid_mj.figures import quantity
@@ -24,20 +26,27 @@ from cycloid_mj.statics.friction_path import Losses, course_along
 from cycloid_mj.statics.sheet import Sheet
 from cycloid_mj.statics.springs import turn_evenly
 
-COLD, WARM = 20.0, 60.0
-"""Temperatures of the torque without load [°C]: that of a workshop, and the case temperature that makers allow."""
 
-LOOP_END = 0.01
-"""Torque at which the ends of the hysteresis loop are read, over the nominal torque: at 0 weight moves loose parts."""
+@dataclass(frozen=True)
+class RowSettings:
+    """Conditions of the rows."""
 
-LOOP_SHARES = np.array([0.0, 0.5, 1.0, 0.5, LOOP_END, -0.5, -1.0, -0.5, -LOOP_END])
-"""Torque path of the hysteresis loop over the nominal torque; its ends are the rows `LOOP_ENDS`."""
+    cold: float = 20.0
+    warm: float = 60.0
+    """Temperatures of the torque without load [°C]: a workshop, and the case temperature that makers allow."""
+    loop_end: float = 0.01
+    """Torque at which the ends of the hysteresis loop are read, over the nominal: at 0 weight moves loose parts."""
+    loop_angles: int = 4
+    speed_shares: tuple[float, ...] = (0.1, 0.25, 0.5, 0.75, 1.0, 1.5)
+    """Points of the curve of the torque without load, over the design's speed."""
 
-LOOP_ENDS, LOOP_ANGLES = (4, 8), 4
-"""Rows of the path after each load, and number of crank angles."""
+    @property
+    def loop(self) -> Array:
+        """Torque path of the hysteresis loop over the nominal torque; its ends are the rows 4 and 8."""
+        return np.array([0.0, 0.5, 1.0, 0.5, self.loop_end, -0.5, -1.0, -0.5, -self.loop_end])
 
-SPEED_SHARES = (0.1, 0.25, 0.5, 0.75, 1.0, 1.5)
-"""Points of the curve of the torque without load, over the design's speed."""
+
+SETTINGS = RowSettings()
 
 RADIAL_RUN_OUTS = ((18, 10), (30, 13), (50, 15), (80, 20), (120, 25), (180, 30), (250, 40))
 """ISO 492:2014, normal class, K_ia: largest bore [mm] and radial run-out of an inner ring [um]."""
@@ -47,9 +56,9 @@ def hysteresis(reducer: Reducer) -> Quantity:
     """Compute the turn of the output between both ends of a loop, after loads of plus and minus the nominal torque."""
     torque = reducer.design.rated_torque
     widths = []
-    for crank in turn_evenly(reducer, LOOP_ANGLES):
-        rows, turns = course_along(reducer, torque * LOOP_SHARES, float(crank), Losses())
-        first, second = np.interp(LOOP_ENDS, rows, turns)
+    for crank in turn_evenly(reducer, SETTINGS.loop_angles):
+        rows, turns = course_along(reducer, torque * SETTINGS.loop, float(crank), Losses())
+        first, second = np.interp((4.0, 8.0), rows, turns)
         widths.append(abs(first - second) / ARCMINUTE)
     note = f"after loads of +-{torque:.4g} N m, crank locked, with the backlash; friction of the contacts only"
     return Quantity("hysteresis_loss", "Hysteresis loss", float(np.mean(widths)), "arcmin", note=note)
@@ -62,8 +71,8 @@ def torques_without_load(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...
         quantity(reducer, key).value
         for key in ("no_load_torque_nm", "starting_torque_nm", "back_driving_torque_free_nm")
     )
-    cold, warm = (no_load_torque(reducer, speed, temperature) for temperature in (COLD, WARM))
-    start = no_load_torque(reducer, 0.0, COLD)
+    cold, warm = (no_load_torque(reducer, speed, temperature) for temperature in (SETTINGS.cold, SETTINGS.warm))
+    start = no_load_torque(reducer, 0.0, SETTINGS.cold)
     efficiency = 0.01 * static.quantities["back_driving_efficiency"].value
     driven = back + start.total * design.reduction / efficiency if efficiency > 0.0 else math.nan
     included = "with seals, grease, bearings"
@@ -86,12 +95,12 @@ def _range(contacts: float, torque: NoLoadTorque) -> str:
 def no_load_curves(reducer: Reducer) -> tuple[Curve, ...]:
     """Compute the torque on the crank without load over its speed, cold and warm."""
     design = reducer.design
-    speeds = np.array(SPEED_SHARES) * abs(design.drive.speed)
+    speeds = np.array(SETTINGS.speed_shares) * abs(design.drive.speed)
     contacts = np.array(
         [quantity(reducer.but(drive={"speed": float(speed)}), "no_load_torque_nm").value for speed in speeds]
     )
     curves = []
-    for temperature in (COLD, WARM):
+    for temperature in (SETTINGS.cold, SETTINGS.warm):
         idle = np.array([no_load_torque(reducer, float(speed), temperature).total for speed in speeds])
         name = f"{temperature:g} °C"
         panel = "No-load torque"

@@ -7,23 +7,39 @@ Roloff/Matek, Maschinenelemente, 24th ed., for pins. All values are in SI; stren
 import math
 from dataclasses import dataclass
 
-FRICTION_INTERFACE, FRICTION_THREAD = 0.15, 0.12
-"""Assumed coefficients of friction: of clamped faces and press fits, and of threads and heads (VDI 2230, A5 and A6)."""
 
-FRICTION_SPREAD = (0.10, 0.20)
-"""Range of the friction of clamped faces, steel and aluminium, degreased to dry (VDI 2230, A6)."""
+@dataclass(frozen=True)
+class JointSettings:
+    """Assumed frictions and strengths of joints, with their sources."""
 
-UTILISATION = 0.7
-"""Preload over the yield force of the stress area: what a torque wrench reaches without yield, with its scatter."""
+    interface_friction: float = 0.15
+    interface_friction_spread: tuple[float, float] = (0.10, 0.20)
+    """Friction of clamped faces and press fits, and its range, degreased to dry (VDI 2230, A6)."""
+    thread_friction: float = 0.12
+    thread_friction_spread: tuple[float, float] = (0.10, 0.16)
+    """Friction of threads and heads, and its range, oiled to plain (VDI 2230, A5, classes A and B)."""
+    utilisation: float = 0.7
+    """Preload over the yield force of the stress area: what a torque wrench reaches without yield, with its scatter."""
+    dowel_shear: float = 896e6
+    """Shear strength of hardened dowels [Pa], 130 000 psi (ASME B18.8.2)."""
+    glue_strength: float = 25e6
+    """Shear strength of an anaerobic retaining compound on steel at 23 °C [Pa] (ISO 10123)."""
+    metal_shear: float = 0.6
+    plastic_shear: float = 1.0 / math.sqrt(3.0)
+    """Shear over tensile strength of metals (VDI 2230, 5.5.5: 0.60 to 0.70), over yield strength of plastics."""
+    plastic_preload: float = 0.5
+    """Share of the force that threads and faces of a plastic withstand once, which they keep as a preload (assumed)."""
+    pin_roughness: float = 2e-6
+    hole_roughness: float = 4e-6
+    """Mean depths Rz of ground pins and reamed holes [m] (ISO 8734 has Ra 0.8 um at most; Rz assumed)."""
+    wall_ratio: float = 2.0
+    """Outside diameter of the wall around a pressed-in pin over that of the pin (assumed)."""
+
+
+JOINTS = JointSettings()
 
 PROOF_STRESS = {"8.8": 640e6, "10.9": 940e6, "12.9": 1100e6}
 """ISO 898-1:2013, table 3: property class -> stress at 0.2 % [Pa]; 640 MPa up to M16."""
-
-DOWEL_SHEAR = 896e6
-"""Shear strength of hardened dowels [Pa], 130 000 psi (ASME B18.8.2)."""
-
-GLUE_STRENGTH = 25e6
-"""Shear strength of an anaerobic retaining compound on steel at 23 °C [Pa] (ISO 10123)."""
 
 
 @dataclass(frozen=True)
@@ -48,17 +64,19 @@ class Thread:
         core = self.diameter - 17.0 / 12.0 * math.sqrt(0.75) * self.pitch
         return 0.5 * (self.pitch_diameter + core)
 
-    def largest_preload(self, proof: float, friction: float = FRICTION_THREAD, utilisation: float = 0.9) -> float:
+    def largest_preload(
+        self, proof: float, friction: float = JOINTS.thread_friction, utilisation: float = 0.9
+    ) -> float:
         """Compute the largest assembly preload [N] at a proof stress [Pa], with torsion of the shank (R8/1)."""
         slope = self.pitch / (math.pi * self.pitch_diameter) + 1.155 * friction
         torsion = 1.5 * self.pitch_diameter / self._stress_diameter * slope
         return self.stress_area * utilisation * proof / math.sqrt(1.0 + 3.0 * torsion**2)
 
     def usual_preload(self, proof: float) -> float:
-        """Compute the preload [N] of `UTILISATION`."""
-        return UTILISATION * proof * self.stress_area
+        """Compute the preload [N] of `JointSettings.utilisation`."""
+        return JOINTS.utilisation * proof * self.stress_area
 
-    def tightening_torque(self, preload: float, head: float, friction: float = FRICTION_THREAD) -> float:
+    def tightening_torque(self, preload: float, head: float, friction: float = JOINTS.thread_friction) -> float:
         """Compute the tightening torque [N m] of a preload [N]; `head` is the mean diameter under the head (R13)."""
         lever = 0.16 * self.pitch + friction * (0.58 * self.pitch_diameter + 0.5 * head)
         return preload * lever
@@ -78,7 +96,7 @@ def head_pressure(preload: float, bearing: float, hole: float) -> float:
     return preload / (0.25 * math.pi * (bearing**2 - hole**2))
 
 
-def friction_torque(screws: int, preload: float, radius: float, friction: float = FRICTION_INTERFACE) -> float:
+def friction_torque(screws: int, preload: float, radius: float, friction: float = JOINTS.interface_friction) -> float:
     """Compute the torque [N m] at which a face clamped by screws on a circle [m] slips (R2/2)."""
     return screws * preload * friction * radius
 
@@ -88,12 +106,12 @@ def pull_out_force(diameter: float, length: float, shear: float) -> float:
     return math.pi * diameter * length * shear
 
 
-def glued_force(diameter: float, length: float, shear: float = GLUE_STRENGTH) -> float:
+def glued_force(diameter: float, length: float, shear: float = JOINTS.glue_strength) -> float:
     """Compute the force [N] that a glued cylindrical joint transmits along its surface."""
     return math.pi * diameter * length * shear
 
 
-def dowel_force(diameter: float, depth: float, yield_strength: float, shear: float = DOWEL_SHEAR) -> float:
+def dowel_force(diameter: float, depth: float, yield_strength: float, shear: float = JOINTS.dowel_shear) -> float:
     """Compute the force [N] that a dowel transmits: shear of its section, or yield of a hole of some depth [m].
 
     Roloff/Matek 9.15 and 9.16: tau = F/A, p = F/(d s).
@@ -142,11 +160,11 @@ class PressFit:
         """Compute the pressure [Pa] at which the bore of the hub yields: (1 - Q^2) R_e/sqrt(3)."""
         return (1.0 - (self.diameter / self.outside) ** 2) * yield_strength / math.sqrt(3.0)
 
-    def force(self, pressure: float, friction: float = FRICTION_INTERFACE) -> float:
+    def force(self, pressure: float, friction: float = JOINTS.interface_friction) -> float:
         """Compute the axial force [N] that a joint pressure [Pa] transmits."""
         return friction * pressure * math.pi * self.diameter * self.length
 
-    def torque(self, pressure: float, friction: float = FRICTION_INTERFACE) -> float:
+    def torque(self, pressure: float, friction: float = JOINTS.interface_friction) -> float:
         """Compute the torque [N m] that a joint pressure [Pa] transmits."""
         return 0.5 * self.diameter * self.force(pressure, friction)
 
