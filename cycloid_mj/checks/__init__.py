@@ -13,6 +13,7 @@ from itertools import chain
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.checks.assembly import assembly_checks
 from cycloid_mj.checks.body import balance_rules, body_rules
+from cycloid_mj.checks.casing import casing_checks
 from cycloid_mj.checks.check import Check, Checks
 from cycloid_mj.checks.limit import Limit
 from cycloid_mj.checks.margin import margin_rules
@@ -63,7 +64,7 @@ def check(design: Named) -> Checks:
         return Checks(sound)
     margins = evaluate(reducer, margin_rules(reducer))
     quality = (*disc_checks(reducer), *margins, *tolerance_checks(reducer), *strength_checks(reducer))
-    return Checks((*sound, *quality))
+    return Checks((*sound, *quality, *casing_checks(reducer)))
 
 
 def soundness(reducer: Reducer) -> tuple[Check, ...]:

@@ -44,6 +44,11 @@ def socket_half_angle(design: Design) -> float:
     return arc_half_angle(design, design.ring.pin_radius + design.clearance.pin_socket)
 
 
+def is_drawn(design: Design) -> bool:
+    """Return whether the parts are drawn as they are, in one ring: not those of closed sockets."""
+    return design.ring.halves == 1 and not (design.ring.has_sockets and design.ring.socket == "closed")
+
+
 def require_drawn(design: Design, what: str) -> None:
     """Raise an error if closed sockets do not support a feature (`what`) that uses the drawn parts.
 

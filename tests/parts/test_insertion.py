@@ -10,7 +10,7 @@ from cycloid_mj.parts.export import assembly_order, casing, insertion, places
 from cycloid_mj.parts.export.insertion import DOWN, Blockage, Move, blockages, moves
 from cycloid_mj.reducer import Reducer
 
-NAMES = (*PRESETS, *sorted(path.stem for path in FOLDER.glob("*-*.toml")))
+NAMES = (*PRESETS, *sorted(path.stem for path in FOLDER.glob("*.toml")))
 
 
 def drive(name):

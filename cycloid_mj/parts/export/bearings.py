@@ -36,8 +36,8 @@ def shaft_bearing(reducer: Reducer) -> stock.StockBearing | None:
 def cam_seat(reducer: Reducer) -> float:
     """Return the radius of the cam in its bearing [m], or in the disc if it slides there.
 
-    Where no bearing in stock fits, rollers that touch each other fill the bore of the disc, which is their outer ring
-    (``contact.cam_rollers``), if they leave a cam around the shaft.
+    Where no bearing in stock fits, rollers that touch each other fill the bore of the disc, which is their outer ring:
+    ``contact.cam_rollers``, or thinner ones that leave half of the room for the cam around the shaft.
     """
     gear, bought = reducer.design.gear, cam_bearing(reducer)
     if bought:
@@ -45,7 +45,9 @@ def cam_seat(reducer: Reducer) -> float:
     ratio = math.sin(math.pi / reducer.design.contact.cam_rollers)
     raceway = gear.bore_radius * (1.0 - ratio) / (1.0 + ratio)
     thinnest = gear.eccentricity + reducer.design.shaft.radius
-    return raceway if gear.bearing == "rolling" and raceway > thinnest else gear.bore_radius
+    if gear.bearing != "rolling" or thinnest >= gear.bore_radius:
+        return gear.bore_radius
+    return raceway if raceway > thinnest else 0.5 * (thinnest + gear.bore_radius)
 
 
 def roller_bore(reducer: Reducer) -> float:

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 
 from cycloid_mj.base import names
 from cycloid_mj.base.units import MILLIMETRES
-from cycloid_mj.parts.accuracy import SAME_LENGTH
 from cycloid_mj.parts.export.casing import Casing, is_plastic
 from cycloid_mj.parts.export.insertion import blockages
 from cycloid_mj.parts.export.joint import JointKind
@@ -21,7 +20,7 @@ def broken_rules(reducer: Reducer, sizes: Casing) -> Iterator[str]:
     not bolted to a cover that turns.
     """
     for gap in running_gaps(reducer, sizes):
-        if gap.distance < sizes.play - SAME_LENGTH:
+        if not gap.keeps(sizes.play):
             yield (
                 f"{gap.part} and {gap.other} move against each other but are only {MILLIMETRES * gap.distance:.3g} mm "
                 f"apart; {MILLIMETRES * sizes.play:g} mm are needed: please report this design"

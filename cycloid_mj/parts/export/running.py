@@ -69,6 +69,10 @@ class RunningGap:
     distance: float
     axial: bool
 
+    def keeps(self, play: float) -> bool:
+        """Return whether it is at least the axial play [m], or across the axis, where parts are located, open."""
+        return self.distance >= (play - SAME_FACE if self.axial else SAME_FACE)
+
 
 def running_gaps(reducer: Reducer, sizes: Casing) -> tuple[RunningGap, ...]:
     """Measure the smallest distance of each two parts of different bodies; not positive: they touch.

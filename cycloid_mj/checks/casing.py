@@ -1,0 +1,36 @@
+"""Check of the drive around a mechanism: the rules of its joints."""
+
+from collections.abc import Iterator
+
+from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.checks.check import Check
+from cycloid_mj.parts.export.casing import casing_or_none
+from cycloid_mj.parts.export.rules import broken_rules
+from cycloid_mj.parts.export.running import running_gaps
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.sockets import is_drawn
+
+
+def casing_checks(reducer: Reducer) -> Iterator[Check]:
+    """Yield the check of the joints of a drive, if covers, bearings and screws fit the mechanism."""
+    if not is_drawn(reducer.design):
+        return
+    sizes, _ = casing_or_none(reducer)
+    if sizes is None:
+        return
+    broken = tuple(broken_rules(reducer, sizes))
+    play = f"{MILLIMETRES * sizes.play:g} mm"
+    least = min(gap.distance for gap in running_gaps(reducer, sizes) if gap.axial)
+    yield Check(
+        name="joints",
+        passed=not broken,
+        got=broken[0] if broken else f"axial play of discs, pins and crank of {play} at each end",
+        limit=f"every rule of a joint: parts that move are {play} apart, and each can be put in by the steps",
+        why="covers, bearings, screws and dowels must fit, and turn when the screws are tight",
+        remedy="; ".join(broken),
+        severity="warning",
+        key="drive with covers",
+        value=MILLIMETRES * least,
+        bound=MILLIMETRES * sizes.play,
+        unit="mm",
+    )
