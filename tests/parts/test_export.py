@@ -194,7 +194,9 @@ def test_dxf_sockets_and_shaft_are_arcs_and_lines() -> None:
     outline = np.concatenate([curve_points(arc)[:-1] for arc in arcs])
     (body,) = parts(Reducer(PIN), 1e-8)["housing"].prisms
     assert area_moments(outline).area * 1e-6 == pytest.approx(area_moments(body.holes[0]).area, rel=2e-6)
-    assert {entity.dxf.layer for entity in shaft} == {"journal", "counterweight", "inner_journal", "cam"}
+    layers = {entity.dxf.layer for entity in shaft}
+    assert {"journal", "counterweight", "inner_journal", "cam"} <= layers
+    assert {layer.split(" z ")[0] for layer in layers} == {"journal", "counterweight", "inner_journal", "cam"}
     half_disc = np.concatenate([curve_points(entity)[:-1] for entity in shaft.query('*[layer=="counterweight"]')])
     assert area_moments(half_disc).area == pytest.approx(np.pi / 2.0 * (30.0**2 + 8.0**2), rel=1e-4)
 
@@ -544,13 +546,16 @@ def test_svg_has_the_outlines_of_the_polylines_in_millimetres(name: str) -> None
         assert root.attrib["height"] == f"{height:.6f}mm"
         loops = svg_polygons(content)
         space = read_dxf(polylines.files[f"{Path(file).stem}.dxf"])
-        assert len(loops) == len(space)
-        for loop, entity in zip(loops, space, strict=True):
+        starts = np.array([loop[0] for loop in loops])
+        assert len(np.unique(np.round(starts, 6), axis=0)) <= len(space) <= len(loops)  # DXF has each loop once
+        for entity in space:
             if entity.dxftype() == "CIRCLE":
-                expected = entity.dxf.center[0] + entity.dxf.radius, entity.dxf.center[1]
-                assert loop[0] == pytest.approx(expected, abs=1e-6)
+                expected = np.array([entity.dxf.center[0] + entity.dxf.radius, entity.dxf.center[1]])
+                assert np.linalg.norm(starts - expected, axis=1).min() < 1e-6
             else:
-                assert loop == pytest.approx(np.array(entity.get_points("xy")), abs=1e-6)
+                points = np.array(entity.get_points("xy"))
+                alike = [loop for loop in loops if len(loop) == len(points)]
+                assert any(np.abs(loop - points).max() < 1e-6 for loop in alike)
         inside = np.concatenate(loops)
         assert (inside >= (x, -y - height)).all()
         assert (inside <= (x + width, -y)).all()

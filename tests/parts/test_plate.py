@@ -87,7 +87,7 @@ BOUGHT = {
     "pin": {"pin": 36, "output_pin": 8, "output_roller": 8, "cam_bearing": 1, "shaft_bearing": 2, "bolt": 6},
     "nonpin": {"output_pin": 8, "output_roller": 8, "cam_bearing": 1, "shaft_bearing": 2, "bolt": 6},
     "sleeved": {
-        **{"sleeve": 36, "pressed_pin": 36, "output_pin": 8, "output_roller": 8, "cam_bearing": 1},
+        **{"pin": 36, "pressed_pin": 36, "output_pin": 8, "output_roller": 8, "cam_bearing": 1},
         **{"shaft_bearing": 2, "bolt": 6},
     },
     "plastic": {"shaft_bearing": 2},
@@ -136,7 +136,7 @@ def test_the_plate_has_what_is_made_and_the_bill_all_of_it(laid: tuple[str, Desi
         assert found.counts == ON_PLATE[name]
     if name in BOUGHT:
         assert {item.item: item.count for item in items if item.made_or_bought == "bought"} == BOUGHT[name]
-    listed = {"pin" if item.item == "sleeve" else item.item: item.count for item in items}
+    listed = {item.item: item.count for item in items}
     assert {part: count for part, count in listed.items() if part in found.counts} == found.counts
     assert len({item.item for item in items}) == len(items)
 
@@ -198,7 +198,8 @@ def test_output_pins_that_are_bought_fill_their_bores_and_reach_through_the_disc
     assert lines["output_pin"].designation == "ISO 8734 - 5 x 45 - A"
     assert lines["output_pin"].fit == "m6 in N7, cut to 43 mm"
     assert lines["output_roller"].size == "outside diameter 9 x bore 5 x length 25 mm"
-    assert (lines["pin"].size, lines["pin"].material) == ("diameter 7 x length 25 mm", "bearing steel")
+    assert (lines["pin"].size, lines["pin"].material) == ("diameter 7 x length 70 mm", "bearing steel")
+    assert lines["pin"].fit.endswith("cut to 25 mm")
     assert lines["shaft_bearing"].size == "outside diameter 24 x bore 12 x length 6 mm"
     assert (lines["shaft_bearing"].designation, lines["shaft_bearing"].fit) == ("61901", "H7 outside, j5 on the crank")
     for name in ("output", "output_2"):
@@ -300,7 +301,7 @@ def test_the_command_writes_plate_and_bill(tmp_path: Path, capsys: pytest.Captur
         "offset",
         "80.0000",
         "bill of materials",
-        "diameter 4.5 x length 10 mm",
+        "diameter 4.5 x length 70 mm",
         "made or bought",
     ):
         assert words in shown
@@ -366,12 +367,12 @@ def test_thin_walls_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     reducer = Reducer(made_by_printing(Requirement(15, 0.075, 1.0, process="printed")))
     sizes = casing(reducer)
     laid = plate(reducer, CHORD_ERROR, 0.0, sizes)
-    assert not list(print_warnings(reducer, laid, CHORD_ERROR, sizes))
+    assert not list(print_warnings(reducer, laid.hanging, CHORD_ERROR, sizes))
     monkeypatch.setattr("cycloid_mj.parts.export.printable.MIN_PRINTED_WALL", 2e-3)
-    assert any("output_cover has a wall of" in text for text in print_warnings(reducer, laid, CHORD_ERROR, sizes))
-    assert not list(
-        print_warnings(Reducer(DESIGNS["pin"]), plate(Reducer(DESIGNS["pin"]), CHORD_ERROR), CHORD_ERROR, None)
+    assert any(
+        "output_cover has a wall of" in text for text in print_warnings(reducer, laid.hanging, CHORD_ERROR, sizes)
     )
+    assert not list(print_warnings(Reducer(DESIGNS["pin"]), {}, CHORD_ERROR, None))
 
 
 def cup(hole: float) -> Solid:

@@ -61,7 +61,7 @@ def layers_of(sections: Sequence[Section], threads: Sequence[DrilledThread] = ()
     """Return the loops of sections by layer, each loop once from its lowest to its highest end.
 
     A layer has the name of a section, or where several heights share the name ``z low to high`` [mm]. Tapped holes
-    have the thread before.
+    have the thread before, and holes within a stretch of a crank the name of the stretch.
     """
     heights: dict[str, set[tuple[float, float]]] = {}
     spans: dict[tuple[str, object], list[tuple[float, float]]] = {}
@@ -73,14 +73,16 @@ def layers_of(sections: Sequence[Section], threads: Sequence[DrilledThread] = ()
             loops[key] = loop
             spans.setdefault(key, []).append((section.z0, section.z1))
     layers: dict[str, list[Loop]] = {}
+    named = len(heights) > 1  # stretches with names of their own, as those of a crank
     for key, ends in spans.items():
         name, loop = key[0], loops[key]
-        thread = next((f"{one.words} " for one in threads if _is_drilled(loop, one)), "")
-        prefix = thread + (f"{name} " if len(heights) > 1 and not thread else "")
+        thread = next((one.words for one in threads if _is_drilled(loop, one)), "")
+        whole = _joined(list(heights[name]))
         for low, high in _joined(ends):
-            one_height = len(heights[name]) == 1 and not thread
-            layer = name if one_height else f"{prefix}z {MILLIMETRES * low:.1f} to {MILLIMETRES * high:.1f}"
-            layers.setdefault(layer, []).append(loop)
+            prefix = thread or (name if named else "")
+            at_height = f"z {MILLIMETRES * low:.1f} to {MILLIMETRES * high:.1f}"
+            plain = not thread and (len(heights[name]) == 1 or (named and (low, high) in whole))
+            layers.setdefault(name if plain else f"{prefix} {at_height}".strip(), []).append(loop)
     return list(layers.items())
 
 
