@@ -238,7 +238,7 @@ class Roller:
 
 
 @dataclass(frozen=True)
-class Key:
+class StockKey:
     """A parallel key: designation, width, height and length, depths of its keyways in shaft and hub [m]."""
 
     designation: str
@@ -333,14 +333,14 @@ def free_pin(diameter: float, reach: float, play: float) -> Roller | None:
     return Roller(designation, "+-1 um", diameter, longest * MM, count, reach / count - 2.0 * play)
 
 
-def key_for(shaft: float, reach: float) -> Key | None:
+def key_for(shaft: float, reach: float) -> StockKey | None:
     """Find the longest parallel key for a shaft [m] within a reach [m] along it; None if none is in stock."""
     for above, up_to, width, height, in_shaft, in_hub, shortest, longest in _rows(_KEYS, 8):
         if above < round(shaft / MM, 6) <= up_to:
             lengths = [one for one in _KEY_LENGTHS if shortest <= one <= min(longest, reach / MM + 1e-6)]
             if lengths:
                 sizes = (round(value * MM, 9) for value in (width, height, lengths[-1], in_shaft, in_hub))
-                return Key(f"DIN 6885 - B {width:g} x {height:g} x {lengths[-1]}", *sizes)
+                return StockKey(f"DIN 6885 - B {width:g} x {height:g} x {lengths[-1]}", *sizes)
     return None
 
 

@@ -49,7 +49,7 @@ GLUE_FIT = "H7/g6, retaining compound"
 class CamKey:
     """The key of all cams: the bought key, its angle from +x at the crank angle 0 [rad], and its ends along z [m]."""
 
-    bought: stock.Key
+    bought: stock.StockKey
     angle: float
     low: float
     high: float

@@ -29,7 +29,7 @@ class DrilledThread:
     radius: float
 
 
-class Section(Protocol):
+class LoopSection(Protocol):
     """A section of a part with closed loops, from `z0` to `z1` [m]."""
 
     @property
@@ -48,7 +48,9 @@ class Section(Protocol):
 Loop = tuple[Curve, ...] | Array | Circle
 
 
-def dxf_bytes(sections: Sequence[Section], threads: Iterable[DrilledThread] = (), arcs: float | None = None) -> bytes:
+def dxf_bytes(
+    sections: Sequence[LoopSection], threads: Iterable[DrilledThread] = (), arcs: float | None = None
+) -> bytes:
     """Encode the sections of a part as DXF [mm], by `layers_of`; equal sections give equal bytes.
 
     `arcs` is the tolerance [m] within which arcs replace splines; None: splines.
@@ -57,7 +59,7 @@ def dxf_bytes(sections: Sequence[Section], threads: Iterable[DrilledThread] = ()
     return encode_layers((name, chain.from_iterable(_shapes(loop, arcs) for loop in loops)) for name, loops in layers)
 
 
-def layers_of(sections: Sequence[Section], threads: Sequence[DrilledThread] = ()) -> list[tuple[str, list[Loop]]]:
+def layers_of(sections: Sequence[LoopSection], threads: Sequence[DrilledThread] = ()) -> list[tuple[str, list[Loop]]]:
     """Return the loops of sections by layer, each loop once from its lowest to its highest end.
 
     A layer has the name of a section, or where several heights share the name ``z low to high`` [mm]. Tapped holes

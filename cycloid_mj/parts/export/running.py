@@ -71,7 +71,7 @@ class RunningGap:
 
     def keeps(self, play: float) -> bool:
         """Return whether it is at least the axial play [m], or across the axis, where parts are located, open."""
-        return self.distance >= (play - SAME_FACE if self.axial else SAME_FACE)
+        return self.distance >= (play - SAME_LENGTH if self.axial else SAME_LENGTH)
 
 
 def running_gaps(reducer: Reducer, sizes: Casing) -> tuple[RunningGap, ...]:
