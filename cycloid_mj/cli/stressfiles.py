@@ -67,7 +67,7 @@ def outcome_of(studies: "Sequence[StressStudy]", place: Destination, figures: Se
             )
             for one in findings
             for part in one.parts
-            if not part.refinement.converged
+            if not part.refinement.is_converged
         ],
         tables=[*_tables(findings), *_claim_tables(judged)],
         notes=[*_notes(findings), *_claim_notes(judged, any(one.references for one in findings))],

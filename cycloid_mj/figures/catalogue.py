@@ -80,7 +80,7 @@ def figure(key: str, needs: Collection[Need] = frozenset(Need), reducer: Reducer
 
 
 def _proposals(key: str, needs: Collection[Need], reducer: Reducer | None) -> str:
-    """Return similar keys as the end of a message."""
+    """Return the end of an error message: keys similar to an unknown one."""
     there = [
         name
         for name, row in _BY_ANY_NAME.items()

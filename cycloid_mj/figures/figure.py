@@ -18,7 +18,7 @@ Compute = Callable[[Reducer], float]
 
 
 class Need(StrEnum):
-    """What a figure is computed from, by increasing cost."""
+    """Sources of figures, by increasing cost."""
 
     GEOMETRY = "geometry"
     """Dimensions and materials: milliseconds."""

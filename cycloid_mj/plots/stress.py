@@ -57,7 +57,7 @@ def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
         peak = maxima.bulk_peak
         top.plot(np.degrees(peak.angle), peak.stress / MEGAPASCAL, "o", markersize=3.5, **look)
         bottom.plot(degrees, maxima.contact / MEGAPASCAL, **look)
-        if published := each.published(part):
+        if published := each.published_limit(part):
             top.axhline(published / MEGAPASCAL, color=_color(number), **RANGE)
     top.set_title(f"Largest bulk stress of {TITLES[part]} (von Mises, away from contacts)")
     bottom.set_title("Largest stress below a contact (von Mises, by Hertz)")
@@ -67,7 +67,7 @@ def maxima_figure(findings: Sequence[StressFindings], part: str) -> Figure:
         crank_axis(panel, np.concatenate([np.degrees(maxima.angle) for _, _, maxima in studies]))
     top.set_xlabel("")
     entries: Entries = [(f"{each.design}, {each.load:g} N m", {"color": _color(number)}) for number, each, _ in studies]
-    if any(each.published(part) for _, each, _ in studies):
+    if any(each.published_limit(part) for _, each, _ in studies):
         entries.append(("range of Hsieh 2014", {"color": GREY, **RANGE}))
     figure.legend(handles=keys(*entries), loc="outside lower center", ncols=len(entries))
     return figure

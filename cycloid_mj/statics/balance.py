@@ -10,7 +10,7 @@ from cycloid_mj.base.compiling import announce_compilation
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.powers import Powers
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.jam import JAM_FRICTION, friction_limit
+from cycloid_mj.statics.jam import JAM, friction_limit
 from cycloid_mj.statics.kernel import RESIDUAL_RTOL, KernelSprings, Residual, balance
 from cycloid_mj.statics.springs import Springs, springs_of
 from cycloid_mj.statics.structure import wind_up
@@ -103,7 +103,7 @@ def _solve_ring_output(reducer: Reducer, springs: Springs, torque: float | Array
     """Solve for equilibrium under a torque on the ring [N m].
 
     The carrier supports ``(torque - friction_torque) / (1 + 1 / lobes)``. The friction torque is the power of the
-    losses over the speed; it depends on the contact forces and is found by a secant iteration.
+    losses over the speed; it depends on the contact forces, and a secant iteration determines it.
     """
     settings = RING_TORQUE
     speed, parts = float(reducer.member.against_ring(reducer.design.drive.speed)), 1.0 + 1.0 / reducer.design.lobes
@@ -171,15 +171,15 @@ def require_balance(residual: Residual, contacts: KernelSprings, load: Array) ->
     if not contacts.rubbing.size:
         raise RunError(f"{failed}; {remedy}")
     limit = friction_limit(contacts, residual.angle, load[residual.angle])
-    if limit < JAM_FRICTION:
+    if limit < JAM.max_friction:
         near = "; close to this limit, forces are many times the load" * (limit >= 1.0)
         raise RunError(
             "no static equilibrium: friction jams the drive under this load, whatever the torque on the crank (without "
             f"clearance, equilibrium exists only up to {limit:.0%} of the friction{near}); lower friction.*"
         )
     raise RunError(
-        f"{failed}; friction does not explain it: without clearance, equilibrium exists up to {JAM_FRICTION:.0%} of "
-        f"it; {remedy}"
+        f"{failed}; friction does not explain it: without clearance, equilibrium exists up to "
+        f"{JAM.max_friction:.0%} of it; {remedy}"
     )
 
 

@@ -6,9 +6,9 @@ times the ratio, the rotation that of the crank over the ratio, and the geometry
 left out there: it presses parts that rest in their clearances onto the cam, which carries them around without effect on
 a shaft.
 
-A sticking surface is a tangential spring, `STICKING_STIFFNESS` times as stiff as its contact. Constant friction builds
-up over a travel, as that of a seal or a bearing (Dahl 1976): its limits are distributed over elements that slip in
-turn, so that from rest it grows as 1 - exp(-rotation/travel).
+A sticking surface is a tangential spring, much stiffer than its contact. Constant friction builds up over a travel, as
+that of a seal or a bearing (Dahl 1976): its limits are distributed over elements that slip in turn, so that from rest
+it grows as 1 - exp(-rotation/travel).
 """
 
 import math
@@ -28,20 +28,33 @@ from cycloid_mj.statics.structure import wind_up
 
 Held = Literal["crank", "output"]
 
-STICKING_STIFFNESS = 20.0
-"""Tangential stiffness of a sticking surface over the normal stiffness of its contact."""
 
-UNLOADING_STIFFNESS = 1.0
-"""Additional stiffness of a lossy material during unloading, over its own: glassy plastics at most double theirs."""
+@dataclass(frozen=True)
+class FrictionSettings:
+    """Friction elements of surfaces and seals, and rows of a path.
 
-SEAL_ELEMENTS = 8
-"""Elements of constant friction."""
+    Attributes
+    ----------
+    sticking_stiffness
+        Tangential stiffness of a sticking surface over the normal stiffness of its contact.
+    unloading_stiffness
+        Additional stiffness of a lossy material during unloading, over its own: glassy plastics at most double theirs.
+    seal_elements
+        Elements of constant friction.
+    min_travel
+        Smallest travel over which constant friction builds up [rad].
+    max_rows
+        Largest number of rows of a path with jumps, per point of the path.
+    """
 
-MIN_TRAVEL = 1e-6
-"""Smallest travel over which constant friction builds up [rad]."""
+    sticking_stiffness: float = 20.0
+    unloading_stiffness: float = 1.0
+    seal_elements: int = 8
+    min_travel: float = 1e-6
+    max_rows: int = 4
 
-MAX_ROWS = 4
-"""Largest number of rows of a path with jumps, per point of the path."""
+
+_SETTINGS = FrictionSettings()
 
 
 @dataclass(frozen=True)
@@ -103,7 +116,7 @@ def course_along(
     path = np.repeat(springs.load(0.0), len(torque), axis=0)
     path[:, -1] = torque / radius
     rubbing = rubbing_of(still, springs.contacts, crank, losses, held)
-    most = len(path) * (1 if math.isinf(reach) else MAX_ROWS)
+    most = len(path) * (1 if math.isinf(reach) else _SETTINGS.max_rows)
     z, when = np.zeros((most, path.shape[1])), np.zeros(most)
     with announce_compilation():
         left, rows = follow_path(springs.contacts, rubbing, path, reach * radius, when, z)
@@ -122,9 +135,9 @@ def rubbing_of(reducer: Reducer, springs: KernelSprings, crank: float, losses: L
     """
     design = reducer.design
     mesh_gaps = arc_gaps(reducer, [crank])
-    contacts, discs = mesh_gaps.kind.size, springs.cam_place.shape[1]
+    contacts, discs, seals_count = mesh_gaps.kind.size, springs.cam_place.shape[1], _SETTINGS.seal_elements
     radius, teeth, bore = springs.radius, design.ring.teeth, design.gear.bore_radius
-    slip = np.zeros((contacts + discs + SEAL_ELEMENTS, springs.slope.shape[2]))
+    slip = np.zeros((contacts + discs + seals_count, springs.slope.shape[2]))
     slip[:contacts] = mesh_gaps.slip_slope[0]
     cams, seals = slice(contacts, contacts + discs), slice(contacts + discs, None)
     slip[range(contacts, contacts + discs), range(2, 3 * discs, 3)] = bore / radius
@@ -138,25 +151,25 @@ def rubbing_of(reducer: Reducer, springs: KernelSprings, crank: float, losses: L
         design.tooth_pair: design.mesh_friction
     }
     stiffness = np.concatenate([springs.stiffness[0], np.full(discs, springs.cam_stiffness)])
-    drag = np.full(SEAL_ELEMENTS, losses.drag / radius / SEAL_ELEMENTS)
+    drag = np.full(seals_count, losses.drag / radius / seals_count)
     lossy = losses.material * (np.arange(len(slip)) < contacts + discs)
     return Rubbing(
         slip=slip,
         coefficient=np.array(
-            [*(friction[kind] for kind in mesh_gaps.kind), *[friction["cam"]] * discs, *[0.0] * SEAL_ELEMENTS]
+            [*(friction[kind] for kind in mesh_gaps.kind), *[friction["cam"]] * discs, *[0.0] * seals_count]
         ),
         drag=drag,
-        stick=np.concatenate([STICKING_STIFFNESS * stiffness, drag / (radius * slip_turns(losses.travel))]),
+        stick=np.concatenate([_SETTINGS.sticking_stiffness * stiffness, drag / (radius * slip_turns(losses.travel))]),
         loss=lossy,
-        backing=np.concatenate([UNLOADING_STIFFNESS * stiffness, np.zeros(SEAL_ELEMENTS)]) * (lossy > 0.0),
+        backing=np.concatenate([_SETTINGS.unloading_stiffness * stiffness, np.zeros(seals_count)]) * (lossy > 0.0),
     )
 
 
-def slip_turns(travel: float, count: int = SEAL_ELEMENTS) -> Array:
+def slip_turns(travel: float, count: int = _SETTINGS.seal_elements) -> Array:
     """Compute the rotations at which the elements of constant friction slip [rad], shape (count,).
 
     Friction that grows as 1 - exp(-x/travel) is that of elements whose limits are distributed as x exp(-x/travel).
     """
     from scipy.special import gammaincinv
 
-    return np.asarray(max(travel, MIN_TRAVEL) * gammaincinv(2.0, (np.arange(count) + 0.5) / count))
+    return np.asarray(max(travel, _SETTINGS.min_travel) * gammaincinv(2.0, (np.arange(count) + 0.5) / count))

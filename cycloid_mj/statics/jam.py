@@ -1,29 +1,44 @@
 """Jamming by friction, decided for parts without clearance."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.statics.kernel import KernelSprings
 
-FRICTION_STEP = 0.01
-"""Step of the friction in the continuation, as a share of the design's friction."""
 
-JAM_FRICTION = 1.1
-"""Multiple of the friction up to which parts without clearance must have an equilibrium; otherwise friction jams them.
+@dataclass(frozen=True)
+class JamFrictionSettings:
+    """Settings of the natural-parameter continuation in the friction of parts without clearance (`friction_limit`).
 
-Forces grow as 1/(1 - friction/limit), tenfold at this limit: clearance and deflection move the contacts, and the limit,
-by the remaining tenth. Of 18 random drives with clearances of 0.6 to 208 um, all have an equilibrium at 1 and 100 % of
-the rated torque if the limit is 1.03 times their friction; if it is 0.97 times, 4 jam under the rated torque, and if it
-is 0.9 times, 8.
-"""
+    Attributes
+    ----------
+    max_friction
+        Multiple of the friction up to which parts without clearance must have an equilibrium; otherwise friction jams
+        them. Forces grow as 1/(1 - friction/limit), tenfold at this limit: clearance and deflection move the contacts,
+        and the limit, by the remaining tenth. Of 18 random drives with clearances of 0.6 to 208 um, all have an
+        equilibrium at 1 and 100 % of the rated torque if the limit is 1.03 times their friction; if it is 0.97 times,
+        4 jam under the rated torque, and if it is 0.9 times, 8.
+    step
+        Step of the friction, as a share of the design's friction.
+    max_residual
+        Largest residual of an equilibrium, relative to the load.
+    max_displacement
+        Largest displacement of a disc of an equilibrium, relative to the deflection of a cam under the load.
+    """
 
-MAX_RESIDUAL, MAX_DISPLACEMENT = 1e-6, 1000.0
-"""Largest residual relative to the load, and displacement of a disc relative to the deflection of a cam under the load,
-of an equilibrium: close to the limit, forces grow as 1/(1 - friction/limit)."""
+    max_friction: float = 1.1
+    step: float = 0.01
+    max_residual: float = 1e-6
+    max_displacement: float = 1000.0
+
+
+JAM = JamFrictionSettings()
 
 
 def friction_limit(springs: KernelSprings, k: int, load: Array) -> float:
-    """Compute the largest multiple of the friction, up to `JAM_FRICTION`, at which parts without clearance balance.
+    """Compute the largest multiple of the friction, up to `JAM.max_friction`, at which parts without clearance balance.
 
     The load is (u,) [N] at crank angle number `k`. Each contact is a linear unilateral spring in its ideal pose, each
     cam a linear spring about its axis: a system that is homogeneous in displacements and load, so that friction alone
@@ -44,11 +59,11 @@ def friction_limit(springs: KernelSprings, k: int, load: Array) -> float:
         return np.asarray(rest / scale)
 
     z, limit = np.zeros(load.size), 0.0
-    for friction in FRICTION_STEP * np.arange(round(JAM_FRICTION / FRICTION_STEP) + 1):
+    for friction in JAM.step * np.arange(round(JAM.max_friction / JAM.step) + 1):
         balanced = root(residual, z, args=(friction,), method="lm")
         if (
-            np.abs(balanced.fun).max() > MAX_RESIDUAL
-            or np.abs(balanced.x[:-1].reshape(-1, 3)[:, :2]).max() > MAX_DISPLACEMENT
+            np.abs(balanced.fun).max() > JAM.max_residual
+            or np.abs(balanced.x[:-1].reshape(-1, 3)[:, :2]).max() > JAM.max_displacement
         ):
             break
         z, limit = balanced.x, float(friction)

@@ -32,9 +32,6 @@ ELEMENTS = 3
 SHARES = (1e-3, 0.003, 0.01, 0.03, 0.06, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 1.0)
 """Torques relative to the largest, at which the rotation without friction is solved; it is interpolated linearly."""
 
-SLOPE = 1e-6
-"""Torque across the backlash, relative to the largest, so that the torque is unique at every rotation."""
-
 
 class SlipElements(NamedTuple):
     """Slipping springs in parallel (Jenkin elements): limits [N m] and stiffness [N m/rad], shape (n,)."""
@@ -116,7 +113,8 @@ def _curve(reducer: Reducer, most: float, crank: float) -> LockedCurve:
     sides = [loads(still, springs, way * falling, follow=True).output_turn[::-1] for way in (-1.0, 1.0)]
     # the line through the two smallest torques extrapolates to the point where the contacts close
     stops = [side[0] - (side[1] - side[0]) * shares[0] / (shares[1] - shares[0]) for side in sides]
-    torque = most * np.concatenate([-shares[::-1], [-SLOPE, SLOPE], shares])
+    # a small torque across the backlash, so that the torque is unique at every rotation
+    torque = most * np.concatenate([-shares[::-1], [-1e-6, 1e-6], shares])
     turn = np.concatenate([sides[0][::-1], [stops[0], stops[1]], sides[1]])
     return LockedCurve(torque, np.maximum.accumulate(turn))
 

@@ -33,11 +33,11 @@ def preloaded(design: Named) -> Design:
         return design
     from scipy.optimize import brentq
 
-    def turned(angle: float) -> Design:
+    def rotate_halves(angle: float) -> Design:
         return design.but(ring={"preload": angle, "preload_torque": 0.0})
 
     def missing(angle: float) -> float:
-        return halves_torque(Reducer(turned(angle))) - torque
+        return halves_torque(Reducer(rotate_halves(angle))) - torque
 
     high = ARCMINUTE
     try:
@@ -45,13 +45,13 @@ def preloaded(design: Named) -> Design:
             high *= 2.0
             if high > MAX_ANGLE:
                 raise RunError(f"the torque at {MAX_ANGLE / ARCMINUTE:g} arcmin is less")
-        found = float(brentq(missing, 1e-6 * ARCMINUTE, high, rtol=1e-4))
+        angle = float(brentq(missing, 1e-6 * ARCMINUTE, high, rtol=1e-4))
     except RunError as error:
         raise DesignError(
             f"{design.name}: no preload angle produces ring.preload_torque_nm = {torque:g}: {error}; "
             "use a smaller torque, or set ring.preload_arcmin instead"
         ) from error
-    return turned(found)
+    return rotate_halves(angle)
 
 
 def halves_torque(reducer: Reducer) -> float:

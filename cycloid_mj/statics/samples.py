@@ -183,20 +183,26 @@ def solve_samples(
     list of SampleFigures
         Figures under each torque; NaN for samples without equilibrium, for example because errors jam the parts.
     """
-    design = reducer.design
-    bare = design.model_copy(update={"errors": Errors(), "modification": Modification()})
-    crank = np.linspace(0.0, reducer.mesh_turn, angles, endpoint=False)
-    springs = springs_of(Reducer(bare), crank, friction)
+    bare = Reducer(reducer.design.model_copy(update={"errors": Errors(), "modification": Modification()}))
+    springs = springs_of(bare, np.linspace(0.0, reducer.mesh_turn, angles, endpoint=False), friction)
+    out = _solve(bare, springs, samples, reducer.share * np.array(torques), threads)
+    out[~(out[..., -1] <= RESIDUAL_RTOL)] = np.nan
+    solved, share, twist = [], reducer.share, wind_up(reducer)
+    for torque, values in zip(torques, out, strict=True):
+        figures = SampleFigures(*values[:, :-1].T.copy())
+        output = {"output_mean": share * figures.output_mean + twist * torque}
+        solved.append(replace(figures, **output, output_range=share * figures.output_range))
+    return solved
+
+
+def _solve(bare: Reducer, springs: Springs, samples: Samples, torques: Array, threads: int) -> Array:
+    """Return the kernel's figures of samples of a reducer without errors, shape (torques, samples, `FIGURES`)."""
     orders = np.flatnonzero(np.any(samples.waves != 0.0, axis=(0, 2))) + 1
-    effects, deviations, of = (
-        _effects(Reducer(bare), springs, orders),
-        _sample_deviations(Reducer(bare), springs, samples, orders),
-        reducer.share,
-    )
+    effects, deviations = _effects(bare, springs, orders), _sample_deviations(bare, springs, samples, orders)
+    load = np.array([springs.load(torque) for torque in torques])
+    out = np.zeros((len(torques), len(samples), FIGURES))
     # samples take different times, and a job can be stopped between chunks
     bounds = np.linspace(0, len(samples), min(8 * threads, len(samples)) + 1).astype(int).tolist()
-    load = np.array([springs.load(of * torque) for torque in torques])
-    out = np.zeros((len(torques), len(samples), FIGURES))
 
     def solve_chunk(first: int, last: int) -> None:
         given = springs.contacts, effects, deviations, load
@@ -214,13 +220,7 @@ def solve_samples(
     else:
         with announce_compilation(), ThreadPoolExecutor(threads) as pool:
             list(pool.map(solve_chunk, bounds[:-1], bounds[1:]))
-    out[~(out[..., -1] <= RESIDUAL_RTOL)] = np.nan
-    solved, twist = [], wind_up(reducer)
-    for torque, found in zip(torques, out, strict=True):
-        seen = SampleFigures(*found[:, :-1].T.copy())
-        turned = {"output_mean": of * seen.output_mean + twist * torque, "output_range": of * seen.output_range}
-        solved.append(replace(seen, **turned))
-    return solved
+    return out
 
 
 def backlash(counter_clockwise: SampleFigures, clockwise: SampleFigures) -> Array:
@@ -237,6 +237,7 @@ def _effects(reducer: Reducer, springs: Springs, orders: Integers) -> Effects:
     side = np.sign(_of_own_disc(contacts, contacts.slope)[:, :teeth, 2])
 
     def effect(slopes: Array) -> Array:
+        """Compute the effects (k, n, 4) on distances or shifts, from their gradients."""
         slope = _of_own_disc(contacts, slopes)
         moved = np.zeros((*slope.shape[:2], 4))
         moved[:, :teeth, :2] = -slope[:, :teeth, :2]

@@ -9,12 +9,16 @@ import numpy.typing as npt
 from cycloid_mj.base.array import Array
 from cycloid_mj.geometry import kinematics
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.reducer.gaps import arc_gaps, cam_places, ideal_motion
+from cycloid_mj.reducer.gaps import Gaps, arc_gaps, cam_places, ideal_motion
 from cycloid_mj.statics import kernel
 from cycloid_mj.statics.friction import rubbing
 
 POSES = 61
 """Default number of crank angles over a turn."""
+
+
+_SAME_IN_GAPS = ("disc", "distance", "slope", "shift", "shift_slope", "bend", "twist", "phase")
+"""Attributes that the springs of the kernel have from `Gaps`."""
 
 
 @dataclass(frozen=True)
@@ -102,46 +106,44 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
     own_force = np.stack([body_force(reducer, crank, phase) for phase in reducer.phases], axis=1)
     crank = reducer.member.against_ring(crank)
     speed, reducer = float(reducer.member.against_ring(reducer.design.drive.speed)), reducer.at_rated_load
-    mesh_gaps, cams, motion = arc_gaps(reducer, crank), cam_places(reducer, crank), ideal_motion(reducer, crank) * speed
+    mesh_gaps, motion = arc_gaps(reducer, crank), ideal_motion(reducer, crank) * speed
     teeth = int(np.sum(mesh_gaps.kind == reducer.design.tooth_pair))
-    curvature = mesh_gaps.relative_curvature[:, :teeth]
-    holding = np.array(reducer.contacts["output"].series)
-    output = np.broadcast_to(np.repeat(holding, reducer.design.output.pins), (crank.size, mesh_gaps.kind.size - teeth))
-    radius = reducer.design.output.pin_circle_radius
-    drag = math.copysign(reducer.design.friction_of("cam"), speed) * reducer.design.gear.bore_radius / radius
-    bending = _bending(reducer)
+    contacts = _kernel_springs(reducer, mesh_gaps, teeth, cam_places(reducer, crank))
+    if friction:
+        arm = reducer.design.gear.bore_radius / contacts.radius
+        cam_rubbing = math.copysign(reducer.design.friction_of("cam"), speed) * arm
+        contacts = contacts._replace(rubbing=rubbing(reducer, mesh_gaps, motion), cam_rubbing=cam_rubbing)
     return Springs(
         crank=crank,
         teeth=teeth,
-        contacts=kernel.KernelSprings(
-            radius=radius,
-            disc=mesh_gaps.disc,
-            turning=mesh_gaps.kind == reducer.design.tooth_pair,
-            room=(mesh_gaps.room + mesh_gaps.play)[0],
-            distance=mesh_gaps.distance,
-            slope=mesh_gaps.slope,
-            shift=mesh_gaps.shift,
-            shift_slope=mesh_gaps.shift_slope,
-            bend=mesh_gaps.bend,
-            twist=mesh_gaps.twist,
-            phase=mesh_gaps.phase,
-            trochoid=(
-                reducer.design.ring.pin_circle_radius,
-                reducer.design.gear.eccentricity,
-                float(reducer.design.ring.teeth),
-            ),
-            stiffness=np.concatenate([tooth_stiffness(reducer, curvature), output], axis=1),
-            cam_place=cams,
-            cam_clearance=reducer.design.clearance.cam,
-            cam_stiffness=reducer.contacts["cam"].stiffness,
-            rubbing=rubbing(reducer, mesh_gaps, motion) if friction else np.zeros((0, *mesh_gaps.slope.shape[1:])),
-            cam_rubbing=drag if friction else 0.0,
-            bending=bending,
-            pins=0 if bending is None else reducer.design.output.pins,
-        ),
-        curvature=curvature,
+        contacts=contacts,
+        curvature=mesh_gaps.relative_curvature[:, :teeth],
         body_force=own_force,
         slip=np.einsum("mnu,mu->mn", mesh_gaps.slip_slope, motion),
+    )
+
+
+def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, teeth: int, cams: Array) -> kernel.KernelSprings:
+    """Return the springs of gaps and cams without friction."""
+    design, bending = reducer.design, _bending(reducer)
+    series = np.repeat(np.array(reducer.contacts["output"].series), design.output.pins)
+    output = np.broadcast_to(series, (len(cams), series.size))
+    stiffness = tooth_stiffness(reducer, mesh_gaps.relative_curvature[:, :teeth])
+    same = {name: getattr(mesh_gaps, name) for name in _SAME_IN_GAPS}
+    return kernel.KernelSprings(
+        radius=design.output.pin_circle_radius,
+        turning=mesh_gaps.kind == design.tooth_pair,
+        room=(mesh_gaps.room + mesh_gaps.play)[0],
+        trochoid=(design.ring.pin_circle_radius, design.gear.eccentricity, float(design.ring.teeth)),
+        stiffness=np.concatenate([stiffness, output], axis=1),
+        cam_place=cams,
+        cam_clearance=design.clearance.cam,
+        cam_stiffness=reducer.contacts["cam"].stiffness,
+        rubbing=np.zeros((0, *mesh_gaps.slope.shape[1:])),
+        cam_rubbing=0.0,
+        bending=bending,
+        pins=0 if bending is None else design.output.pins,
+        **same,
     )
 
 

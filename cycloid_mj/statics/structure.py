@@ -94,7 +94,7 @@ def crank_flexibility(reducer: Reducer) -> Array:
 
 
 def structure_text(reducer: Reducer) -> str:
-    """Describe the assumed structure."""
+    """Describe which parts of the structure are elastic, with their stiffness."""
     if reducer.design.structure == "rigid":
         return "shafts, discs, output and housing are rigid; only contacts are elastic"
     given = [part for part in TWISTING if getattr(reducer.design.springs, part)]

@@ -11,7 +11,7 @@ A part is meshed and factorised once. Each crank angle is a right-hand side::
 ``part_grid(design, part, settings, focus)``
     ``part`` is "gear", "ring", "output", "pin_1" (plane stress, in the frame of its solid; 3-D where
     ``settings.solid``), or "shaft" (3-D).
-    ``focus`` refines around given contacts: rows (x, y, edge length) [m].
+    ``focus`` refines around contacts: rows (x, y, edge length) [m].
 ``solve(design, grid, loads)``
     ``bulk_stress`` (k,) [Pa] is the largest von Mises stress farther than ``bulk_distance`` [m] from all loaded
     patches (and from the sharp inner corners of the shaft), ``bulk_place`` (k, d) its position.

@@ -64,9 +64,9 @@ class LoadCase:
 
 
 def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
-    """Factorise a part under patches and its mass.
+    """Factorise a part, and prepare its loads: pressure patches of the contacts, weight and inertia.
 
-    A moment that is carried elsewhere is the support's: the output's load torque acts at its hub.
+    The supports carry the load torque of the output, which acts at its hub.
     """
     put = patches(grid if grid.section is None else grid.section.grid, loads)
     pressed = put.loads if grid.section is None else _extrude_loads(grid.section, loads)

@@ -140,7 +140,7 @@ def extrude_section(section: Grid, levels: Array, filled: Mask, loaded: Sequence
 
 
 def _lift(at: Integers, share: Array, unknowns: int) -> Any:
-    """Return the operator (n, n2), sparse, that spreads loads on the section's nodes over heights in given shares."""
+    """Return the sparse operator (n, 2 n2) from loads on section nodes to the solid, by each height's `share`."""
     everywhere = np.flatnonzero((at >= 0).all(axis=0))
     rows = 3 * at[:, everywhere, np.newaxis] + np.arange(2)
     columns = np.broadcast_to(2 * everywhere[:, np.newaxis] + np.arange(2), rows.shape)

@@ -129,7 +129,7 @@ def solve(
     case = part_case(reducer, grid, loads)
     answers = list(_answers(case))
     apart = distances_of(grid, case)
-    del case  # its factor: beside it the operators would be the peak of memory
+    del case  # its factor: with it the operators would be the peak of memory
     operators, material = recovery(grid), material_of(reducer, grid.part)
     return _maxima(grid, loads, apart, distance, answers, lambda moved: stresses(operators, moved, material))
 
@@ -155,7 +155,7 @@ class LoadedPart:
 
 def assemble_part(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadedPart:
     """Factorise a part under its loads; raises as ``solve``."""
-    operators = recovery(grid)  # first: beside the factor its own needs would be the peak of memory
+    operators = recovery(grid)  # first: with the factor its own needs would be the peak of memory
     case = part_case(reducer, grid, loads)
     return LoadedPart(grid, loads, material_of(reducer, grid.part), operators, case, distances_of(grid, case))
 
@@ -220,11 +220,11 @@ def _maxima(
 
 
 def by_corner(part: LoadedPart, index: int, distance: float) -> tuple[tuple[float, float], ...]:
-    """Vary how far the bulk keeps off sharp corners, at the crank angle of an index, by `CORNER_DISTANCES`.
+    """Compute the bulk stress with other distances from sharp corners, at the crank angle of an index.
 
-    The result is each distance from them [m] and the largest von Mises stress [Pa] of what lies beyond it, and beyond
-    `distance` [m] of narrow patches; empty where the part has no such corners. A bulk that stays is one that the corner
-    has no part in; one that does not is the edge of what was left out.
+    Returns pairs of the distance from corners [m], by `CORNER_DISTANCES`, and the largest von Mises stress [Pa] beyond
+    it and beyond `distance` [m] of narrow patches; none if the part has no such corners. A stress that varies with the
+    distance belongs to the corner, not to the bulk.
     """
     grid = part.grid
     if not len(grid.keep_off):

@@ -20,14 +20,14 @@ ASSUMPTIONS = (
     "the turn is the last one of the run: where it begins the gear has turned on by one lobe, and the output with it; "
     "stress that goes with the output pins may step there",
     "linear elasticity; the shaft, and the output's disc and pins as one body, in 3-D; gear, ring and pin 1 in plane "
-    "stress over the face width, or in 3-D where asked for, with their forces even over it; of several discs each is a "
+    "stress over the face width, or in 3-D if requested, with their forces even over it; of several discs each is a "
     "part, ring and pin 1 are as wide as all of them, and on shaft and output each disc's forces act in its plane",
     "loads quasi-static: the logged contact forces of each instant, gravity, and inertia; no stress waves",
     "each force acts on an elliptical patch of Hertz's half width, at most 60 deg of the thinner cylinder: so wide is "
     "the cam in its bore (as in a roller bearing's loaded half); its contact stress is that of the most loaded roller",
     "the force of one lobe of the internal gear, a sum of up to three contact lines, acts as one",
-    "the free parts, gear and pin 1, have the acceleration that their forces give them (d'Alembert)",
-    "the housing is held at the circles that its bolts clamp, or all round outside (housing.support); the output disc "
+    "the free parts, gear and pin 1, have the acceleration of their forces (d'Alembert)",
+    "the housing is fixed at the circles that its bolts clamp, or all round outside (housing.support); the output disc "
     "at a hub of the shaft's radius; the shaft in two bearings that press and do not pull (shaft.mounting)",
     "fillets are not in the grids: their stress is the nominal one, of beam theory, times the notch factor of a "
     "shoulder by DIN 743-2; output rollers hand their force on to the core pins over 60 deg to each side",
@@ -101,7 +101,7 @@ class Refinement:
         return change / largest if largest > 0.0 else 0.0
 
     @property
-    def converged(self) -> bool:
+    def is_converged(self) -> bool:
         """True if the refinement changes the maxima by less than `MAX_CHANGE`."""
         return self.change < MAX_CHANGE
 
@@ -114,7 +114,7 @@ class Refinement:
             "change": self.change,
             "scatter_rms": self.scatter,
             "bound": MAX_CHANGE,
-            "holds": self.converged,
+            "holds": self.is_converged,
         }
 
 
@@ -298,7 +298,7 @@ class StressFindings:
         """Return the findings of a part."""
         return next(each for each in self.parts if each.part == part)
 
-    def published(self, part: str) -> float | None:
+    def published_limit(self, part: str) -> float | None:
         """Compute the stress that a paper's figure of this part stays below [Pa], if this is its load."""
         reference = self.references.get(part)
         return reference.below if reference and reference.load == self.load else None

@@ -38,7 +38,7 @@ class PartLoads:
     half_width: Array
     """Half width of each patch on the part [m], shape (k, m): Hertz's, or that of a conformal contact."""
     pressure: Array
-    """Hertz's peak pressure of the line contact in each patch that bears most [Pa], shape (k, m)."""
+    """Hertz's peak pressure of the most loaded line contact in each patch [Pa], shape (k, m)."""
     strip: Array
     """Half width of that line contact [m], shape (k, m)."""
     hertz: Mask
@@ -146,7 +146,7 @@ def _motion(turn: Turn, part: str, pushed: Action) -> dict[str, Array]:
         spin_rate = (pushed.moment + turn["crank_torque"]) / (_inertia_about_axis(body) + rotor)
         torque = turn["crank_torque"] - rotor * spin_rate
         return moved | {"spin": turn["crank_speed"] - about, "spin_rate": spin_rate, "torque": torque}
-    if not turn.reducer.mechanism.body(part).joints:  # it is held
+    if not turn.reducer.mechanism.body(part).joints:  # it is fixed
         return moved | {"torque": -pushed.moment}
     spin_rate = (pushed.moment + turn["load_torque"]) / _inertia_about_axis(body)
     return moved | {"spin": turn["output_speed"], "spin_rate": spin_rate, "torque": turn["load_torque"]}
@@ -162,6 +162,6 @@ def require_part(reducer: Reducer, part: str) -> None:
     if part not in part_names(reducer):
         reason = ""
         if reducer.design.ring.has_sleeves and part in ("ring", "pin_1"):
-            reason = " whose stress could be told (sleeved pins are held beside the gear, out of its plane)"
+            reason = " whose stress can be computed (sleeved pins are supported next to the disc, out of its plane)"
         names = ", ".join(part_names(reducer))
         raise UsageError(f"the design {reducer.design.name!r} has no part {part!r}{reason}. Available: {names}")

@@ -54,7 +54,7 @@ class CrankSeats(Section):
     hub_seat: float = _length("width of the bearing in the output's hub")
     housing_seat: float = _length("width of the bearing in the housing")
     cam_seat: float = _length("width of the ring on the cam")
-    post: float = _length("length of the thin stretch beside that ring, on the housing's side")
+    post: float = _length("length of the thin stretch next to that ring, on the housing's side")
     post_diameter: float = _length("its diameter")
 
 
@@ -123,8 +123,8 @@ def studs_compliance(reducer: Reducer, studs: StudSeats, loads: PartLoads) -> di
             f"[studs] of the mounts needs two plates and one disc; {design.name} has {design.gear.discs} disc(s) and "
             f'output.support = "{output.support}". Remove [studs], or set output.support=both_ends'
         )
-    give, share, across = stud_stiffness(reducer, studs)
-    work = give * np.mean(np.sum(loads.force**2, axis=(1, 2))) / design.load.torque**2
+    compliance, share, across = stud_stiffness(reducer, studs)
+    work = compliance * np.mean(np.sum(loads.force**2, axis=(1, 2))) / design.load.torque**2
     rotation = share**2 / (output.pins * across * output.pin_circle_radius**2) if studs.far_plate_free else 0.0
     return {"studs": float(work), "far_plate": rotation}
 
@@ -141,16 +141,16 @@ def stud_stiffness(reducer: Reducer, studs: StudSeats) -> tuple[float, float, fl
         that plate per displacement of it [N/m].
     """
     design, width = reducer.design, reducer.design.gear.face_width
-    # along the pin: seat, gap, disc, gap, seat; what is held, what is loaded
+    # along the pin: seat, gap, disc, gap, seat; supported, and loaded
     steps = np.repeat(np.array([studs.far_seat, AXIAL_GAP, width, AXIAL_GAP, studs.near_seat]) / SLICES, SLICES)
-    held, loaded = (np.repeat(where, SLICES) * steps for where in ((1, 0, 0, 0, 1), (0, 0, 1, 0, 0)))
+    supported, loaded = (np.repeat(where, SLICES) * steps for where in ((1, 0, 0, 0, 1), (0, 0, 1, 0, 0)))
     nodes = steps.size + 1
     stiffness = np.zeros((2 * nodes, 2 * nodes))
     for position, step in enumerate(steps):
         rows = slice(2 * position, 2 * position + 4)
         stiffness[rows, rows] += _beam_element(reducer, step)
     modulus = design.material_of("housing").youngs_modulus
-    spring, load = (_to_nodes(item) for item in (modulus * held, loaded / width))
+    spring, load = (_to_nodes(item) for item in (modulus * supported, loaded / width))
     stiffness[np.arange(0, 2 * nodes, 2), np.arange(0, 2 * nodes, 2)] += spring
     far = np.where(np.arange(nodes) <= SLICES, spring, 0.0)
     moved, pushed = np.linalg.solve(stiffness, np.stack([_displacement_loads(load), _displacement_loads(far)], axis=1))[

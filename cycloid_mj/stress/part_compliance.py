@@ -78,6 +78,6 @@ def _seats_work(reducer: Reducer, loads: PartLoads) -> Array:
     far, near = (0.5 * sum(seat) for seat in seats)
     planes = np.array(reducer.design.gear.disc_planes)
     on_near = (planes - far) / (near - far)
-    give = [1.0 / (reducer.design.material_of("housing").youngs_modulus * (end - begin)) for begin, end in seats]
+    compliance = [1.0 / (reducer.design.material_of("housing").youngs_modulus * (end - begin)) for begin, end in seats]
     carried = [np.einsum("d,kdx->kx", share, loads.force) for share in (1.0 - on_near, on_near)]
-    return np.asarray(sum(item * np.sum(force**2, axis=1) for item, force in zip(give, carried, strict=True)))
+    return np.asarray(sum(item * np.sum(force**2, axis=1) for item, force in zip(compliance, carried, strict=True)))

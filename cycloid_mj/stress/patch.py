@@ -141,7 +141,7 @@ def _nearest_arc(edges: _Edges, edge: Integers, xi: Array, place: Array) -> Arra
 
 
 def _edges(grid: Grid) -> _Edges:
-    """Return the edges of outlines under points at arc lengths."""
+    """Collect the edges of all outlines with contacts, with their arc lengths."""
     nodes = np.concatenate(grid.loops)
     positions = grid.points[nodes]
     gauss, weight = np.polynomial.legendre.leggauss(4)

@@ -68,10 +68,10 @@ def stresses_at_points(operators: Recovery, displacements: Array, material: Mate
 
     By Hooke's law; in the plane this is plane stress.
     """
-    return np.moveaxis(_at_points(operators, displacements, material, np.float64), 1, 0)
+    return np.moveaxis(_point_stresses(operators, displacements, material, np.float64), 1, 0)
 
 
-def _at_points(operators: Recovery, displacements: Array, material: Material, precision: type) -> Array:
+def _point_stresses(operators: Recovery, displacements: Array, material: Material, precision: type) -> Array:
     """Compute the stress components (p, components, c) at the quadrature points."""
     dimension, columns = operators.points.shape[1], displacements.shape[1]
     moved = displacements.reshape(-1, dimension * columns)
@@ -94,7 +94,7 @@ def stresses(operators: Recovery, displacements: Array, material: Material) -> A
 
     In single precision, right to some 1e-6 of the largest nearby, in half of the time.
     """
-    at_points = _at_points(operators, displacements, material, np.float32)
+    at_points = _point_stresses(operators, displacements, material, np.float32)
     nodal = operators.fit @ at_points.reshape(len(at_points), -1)
     return np.ascontiguousarray(np.moveaxis(nodal.reshape(len(nodal), *at_points.shape[1:]), 1, 0))
 

@@ -161,6 +161,7 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     turns = section_turns(grid.points, shaft.stations)
 
     def response(block: Integers) -> Response:
+        """Sum the unit loads at some angles, and open the pads in tension."""
         some = shares[:, block]
         freed = np.column_stack(
             [solve_open_pads(pads, compliance, pressed) for pressed in (pads.press.T @ (moved @ some)).T]

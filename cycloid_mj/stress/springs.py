@@ -81,7 +81,7 @@ class PartSprings:
         rows.append(("of that, the contacts", 1e3 * self.contacts, "left to statics"))
         return Table(
             f"{self.design.name}: {self.text} by its parts",
-            ("part", "turn of the output per torque [mrad/(N m)]", "held by"),
+            ("part", "turn of the output per torque [mrad/(N m)]", "spring"),
             tuple(rows),
         )
 
@@ -113,11 +113,11 @@ def part_springs(reducer: Reducer, mounts: Mounts | None = None) -> PartSprings:
     ]
     contacts = float(np.mean(series)) - wind_up(still)
     twist, stiffness = twisting_compliance(still), twisting_stiffness(still)
-    gives = {"carrier": twist["carrier"], "shaft": twist["shaft"], "housing": 0.0}
+    compliance = {"carrier": twist["carrier"], "shaft": twist["shaft"], "housing": 0.0}
     for part, item in parts.items():
-        gives[SPRING_OF_PART[_kind(part)]] += item
-    gives["carrier"] = max(gives["carrier"] - contacts, twist["carrier"])
-    springs = {part: stiffness[part] * twist[part] / gives[part] for part in TWISTING}
+        compliance[SPRING_OF_PART[_kind(part)]] += item
+    compliance["carrier"] = max(compliance["carrier"] - contacts, twist["carrier"])
+    springs = {part: stiffness[part] * twist[part] / compliance[part] for part in TWISTING}
     design = still.design.but(name=f"{still.design.name}-springs"[:64], springs=springs)
     return PartSprings(design, parts, contacts, limits)
 

@@ -325,7 +325,7 @@ def notches_of(reducer: Reducer, loads: PartLoads, stress: PartStress) -> tuple[
 def _variants(
     reducer: Reducer, part: str, settings: StudySettings, loads: PartLoads, stress: PartStress
 ) -> tuple[tuple[str, float], ...]:
-    """List the part's largest bulk stress [Pa] under its other supports, at some crank angles and the same loads."""
+    """Compute the largest bulk stress [Pa] of a part with its other supports, by name, at some crank angles."""
     if part not in SUPPORTS:
         return ()
     key, choices = SUPPORTS[part]

@@ -170,7 +170,7 @@ def _notes(studies: Mapping[str, IdleStress]) -> tuple[str, ...]:
     from cycloid_mj.stress.findings import ASSUMPTIONS
 
     parts = [(name, part) for name, each in studies.items() for part in each.study.findings.parts]
-    rough = [f"{name} {part.part}" for name, part in parts if not part.refinement.converged]
+    rough = [f"{name} {part.part}" for name, part in parts if not part.refinement.is_converged]
     missed = [
         f"{name} {part} {each.by_force[part].residual:.2g} MPa" for name, each in studies.items() for part in ORDER
     ]

@@ -485,8 +485,8 @@ def test_only_the_papers_own_designs_are_judged_and_only_without_load():
     assert PAPER.stress_claims([SimpleNamespace(design=wider, findings=paper)]) == ()
     assert {part["reference"] for part in own["parts"]} == {None}
     assert {part["part"]: part["reference"]["below_mpa"] for part in paper.as_json()["parts"]}["shaft"] == 160.0
-    assert (paper.published("shaft"), replace(paper, load=36.68).published("shaft")) == (160e6, None)
-    assert (paper.published("output"), other.published("shaft")) == (None, None)
+    assert (paper.published_limit("shaft"), replace(paper, load=36.68).published_limit("shaft")) == (160e6, None)
+    assert (paper.published_limit("output"), other.published_limit("shaft")) == (None, None)
 
 
 def test_a_preset_is_of_the_paper_under_any_load_and_another_design_is_not():
@@ -499,8 +499,8 @@ def test_a_preset_is_of_the_paper_under_any_load_and_another_design_is_not():
 
 def test_refinement_holds_below_its_bound():
     assert made_part("gear", [1.0, 2.0]).refinement.change == pytest.approx(0.02)
-    assert made_part("gear", [1.0, 2.0]).refinement.converged
-    assert not Refinement((1, 2), np.zeros(1), np.array([[1.04], [1.0]])).converged
+    assert made_part("gear", [1.0, 2.0]).refinement.is_converged
+    assert not Refinement((1, 2), np.zeros(1), np.array([[1.04], [1.0]])).is_converged
     idle = Refinement((1, 2), np.zeros(1), np.zeros((2, 1)))
     assert (idle.change, idle.scatter) == (0.0, 0.0)
 
