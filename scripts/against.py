@@ -190,13 +190,7 @@ TRIALS = (
 
 @contextmanager
 def laid_out(revision: str) -> Iterator[Path]:
-    """Check out a revision of this repository in a temporary folder, and yield the folder.
-
-    Raises
-    ------
-    SystemExit
-        Git does not know the revision.
-    """
+    """Check out a revision of this repository in a temporary folder, and yield it; exit for an unknown revision."""
     packed = subprocess.run(["git", "archive", revision, "cycloid_mj"], cwd=ROOT, capture_output=True, check=False)
     if packed.returncode:
         sys.exit(f"no revision {revision} here: {packed.stderr.decode().strip().splitlines()[-1]}")
@@ -207,13 +201,7 @@ def laid_out(revision: str) -> Iterator[Path]:
 
 
 def run_trial(tree: Path, trial: Trial, further: tuple[str, ...], out: Path) -> Ended:
-    """Run a trial's command in a tree, with further words, its files into a folder.
-
-    Raises
-    ------
-    SystemExit
-        The command failed.
-    """
+    """Run a trial's command in a tree, with further words, its files into a folder; exit if it fails."""
     program, *flags = trial.words
     into = ("--out", str(out)) if trial.logged else ()
     if program.startswith("import"):

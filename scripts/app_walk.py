@@ -1,9 +1,9 @@
-"""Walk through the designer's page as somebody does who has never seen it, and take a picture of each step.
+"""Use the designer's page as a new user does, by mouse and keyboard alone, and take a picture of each step.
 
     python scripts/app_walk.py [--out docs/app] [--width 1400] [--scheme light]
 
-Needs Chromium. It asks for a printed 15:1 actuator of 60 mm that carries 2 N m, is told what is the most and what would
-do it, takes a way out, and goes on to the drive's figures: with the mouse and the keyboard alone.
+Needs Chromium. The steps: require a printed 15:1 actuator of 60 mm that carries 2 N m; read the refusal with the
+largest possible torque and the remedies; choose a remedy, then a drive; read its figures.
 """
 
 import argparse
@@ -71,11 +71,11 @@ def walk(page: Tab, address: str, shown: Shown) -> float:
         page.type(value)
     shown("1-asked")
     page.key("Enter")
-    page.wait("document.querySelector('.ways button')", "what goes is told", 400.0)
-    page.wait("[...document.querySelectorAll('.way')].find(e => /mm/.test(e.innerText))", "a size would do it", 400.0)
+    page.wait("document.querySelector('.ways button')", "the remedies", 400.0)
+    page.wait("[...document.querySelectorAll('.way')].find(e => /mm/.test(e.innerText))", "a remedy by size", 400.0)
     shown("2-refused")
     page.click(".way", "mm")
-    page.wait("document.querySelector('.drives button')", "drives that hold it", 400.0)
+    page.wait("document.querySelector('.drives button')", "drives that carry it", 400.0)
     shown("3-drives")
     page.click(".drives .first button")
     page.wait("!document.querySelector('#start').open", "the form closes")

@@ -2,7 +2,7 @@
 
     python scripts/benchmark.py                        # every table
     python scripts/benchmark.py loop log --quick       # some, from fewer passes
-    python scripts/benchmark.py asked --quick          # requirements on commands, and their costs
+    python scripts/benchmark.py requirements --quick   # requirements on commands, and their costs
     python scripts/benchmark.py --json benchmark.json  # every pass of every table, for a machine
     python scripts/benchmark.py against REVISION       # whole runs of this tree and of another revision, in turn
 
@@ -26,27 +26,12 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+import costs
 import mujoco
 import numba
 import numpy as np
 from against import TRIALS, compare, difference, laid_out, loops, of_the_log
-from asked import asked_table
-from passes import (
-    FIXED,
-    FREE,
-    KINDS,
-    NONPIN,
-    WARM,
-    Case,
-    bare_cost,
-    command_cost,
-    example,
-    logged_cost,
-    loop_cost,
-    own_cost,
-    run_cost,
-    second_cost,
-)
+from cost_limits import limits_table
 from sweeping import sweep_table
 
 from cycloid_mj.base.engine.engine import cores
@@ -72,7 +57,7 @@ FREE_PINS = {
 }
 """Numbers of free pins over which the cost of a step is to grow nearly as they do."""
 
-EXUDYN = {FIXED: (5.0, 15.0), FREE: (247.0,)}
+EXUDYN = {costs.FIXED: (5.0, 15.0), costs.FREE: (247.0,)}
 """CPU time of a simulated second in Exudyn 1.13.6 at its best known settings [s], one core, as published.
 
 Fixed pins: a contact of the user's own, compiled, least and most. Free pins: its own contact.
@@ -97,10 +82,10 @@ def ratio(row: Row, over: str, under: str) -> Row:
 def loop_table(passes: int) -> Table:
     """Step loop against MuJoCo's own work; us per step."""
     table: Table = {}
-    for kind in KINDS:
+    for kind in costs.KINDS:
         for load in (0.0, 36.0):
-            case = example(kind, load, 20_000)
-            rows = [(loop_cost(*case), *own_cost(*case)) for _ in range(passes)]
+            case = costs.example(kind, load, 20_000)
+            rows = [(costs.loop_cost(*case), *costs.own_cost(*case)) for _ in range(passes)]
             row = {name: [values[k] for values in rows] for k, name in enumerate(("loop", "MuJoCo", "narrow phase"))}
             row["Python"] = [loop - own - narrow for loop, own, narrow in rows]
             table[f"{kind}, {load:g} N m"] = row | ratio(row, "loop", "MuJoCo")
@@ -110,14 +95,14 @@ def loop_table(passes: int) -> Table:
 def log_table(passes: int) -> Table:
     """Log at 10 kHz: steps without Python, with samples, and with the log of them; us per step."""
     table: Table = {}
-    for kind in (FREE, NONPIN):
+    for kind in (costs.FREE, costs.NONPIN):
         for load in (0.0, 36.0):
-            case = example(kind, load, 30_000 if kind == FREE else 100_000)
+            case = costs.example(kind, load, 30_000 if kind == costs.FREE else 100_000)
             row = in_turn(
                 passes,
-                bare=lambda case=case: bare_cost(*case)[0],  # type: ignore[misc]
-                sampled=partial(loop_cost, *case),
-                logged=partial(logged_cost, *case),
+                bare=lambda case=case: costs.bare_cost(*case)[0],  # type: ignore[misc]
+                sampled=partial(costs.loop_cost, *case),
+                logged=partial(costs.logged_cost, *case),
             )
             ratios = ratio(row, "sampled", "bare") | ratio(row, "logged", "sampled")
             table[f"{kind}, {load:g} N m"] = row | ratios
@@ -127,12 +112,12 @@ def log_table(passes: int) -> Table:
 def mesh_table(passes: int) -> Table:
     """Exact profiles against convex meshes of them in MuJoCo's own collision; us per step of 1 us."""
 
-    def cost(case: Case) -> float:
-        return bare_cost(*case, warm=100)[0]
+    def cost(case: costs.Case) -> float:
+        return costs.bare_cost(*case, warm=100)[0]
 
     table: Table = {}
-    for kind in KINDS:
-        design, profile = example(kind, 36.0, 0, "drive.hold_s=6e-4", "load.rise_s=1e-4")
+    for kind in costs.KINDS:
+        design, profile = costs.example(kind, 36.0, 0, "drive.hold_s=6e-4", "load.rise_s=1e-4")
         mesh = reducer_model(Reducer(design), "mesh")
         row = in_turn(passes, profile=partial(cost, (design, profile)), mesh=partial(cost, (design, mesh)))
         table[f"{kind}, 36 N m"] = row | ratio(row, "mesh", "profile")
@@ -144,17 +129,17 @@ def teeth_table(passes: int) -> Table:
     table: Table = {}
     for teeth, fit in TEETH.items():
         changes = [f"ring.teeth={teeth}", *(f"{name}={value}" for name, value in fit.items())]
-        costs = {kind: partial(loop_cost, *example(kind, 36.0, 10_000, *changes)) for kind in KINDS}
-        table[f"{teeth} teeth"] = in_turn(passes, **costs)
+        cases = {kind: partial(costs.loop_cost, *costs.example(kind, 36.0, 10_000, *changes)) for kind in costs.KINDS}
+        table[f"{teeth} teeth"] = in_turn(passes, **cases)
     return table
 
 
 def threads_table(passes: int) -> Table:
-    """As many independent runs at once, in threads, as there are cores, against one: wall [s] and CPU time.
+    """Independent runs in threads, as many as cores, compared with a single run: wall time [s] and CPU time.
 
-    What needs no Python at all, hashing, tells how much of the cores there is to have; at 10 us a sample is ten steps.
-    Wall times are right on an idle machine alone. CPU times, us per step of a thread, tell what threads take from each
-    other's caches and cores; what they wait for Python is in the wall times only.
+    Hashing needs no Python and shows how much of the cores is available; at 10 us a sample is ten steps. Wall times
+    require an idle machine. CPU times, us per step of a thread, include the effect of threads on each other's caches,
+    but no waiting for Python.
     """
 
     def hashing() -> float:
@@ -164,9 +149,11 @@ def threads_table(passes: int) -> Table:
 
     zeros = bytes(10**9)
     works: dict[str, Callable[[], float]] = {
-        FREE: partial(loop_cost, *example(FREE, 36.0, 10_000)),
-        NONPIN: partial(loop_cost, *example(NONPIN, 36.0, 60_000)),
-        f"{NONPIN}, 10 us": partial(run_cost, *example(NONPIN, 36.0, 0, OWN_STEP, "drive.hold_s=0.6")),
+        costs.FREE: partial(costs.loop_cost, *costs.example(costs.FREE, 36.0, 10_000)),
+        costs.NONPIN: partial(costs.loop_cost, *costs.example(costs.NONPIN, 36.0, 60_000)),
+        f"{costs.NONPIN}, 10 us": partial(
+            costs.run_cost, *costs.example(costs.NONPIN, 36.0, 0, OWN_STEP, "drive.hold_s=0.6")
+        ),
         "hashing": hashing,
     }
     table: Table = {}
@@ -189,9 +176,9 @@ def together(runs: int, work: Callable[[], float]) -> tuple[float, float]:
 def command_table(passes: int) -> Table:
     """``cycloid-mj simulate`` as a process, compile caches warm: wall and CPU time [s], peak memory [MB]."""
     table: Table = {}
-    for kind in (FREE, NONPIN):
+    for kind in (costs.FREE, costs.NONPIN):
         for samples in (2, 500):
-            rows = [command_cost(KINDS[kind][0], samples) for _ in range(passes + 1)][1:]
+            rows = [costs.command_cost(costs.KINDS[kind][0], samples) for _ in range(passes + 1)][1:]
             table[f"{kind}, {samples} samples"] = {
                 name: [values[k] for values in rows] for k, name in enumerate(("wall", "CPU", "memory"))
             }
@@ -200,7 +187,10 @@ def command_table(passes: int) -> Table:
 
 def _lasting(steps: int, timestep: float) -> tuple[str, str]:
     """Return the changes for a run of some time steps [s] after the warm-up, which ends at its 100th sample."""
-    return f"drive.hold_s={(WARM + steps) * timestep!r}", f"settings.log_rate_hz={100.0 / (WARM * timestep)!r}"
+    return (
+        f"drive.hold_s={(costs.WARM + steps) * timestep!r}",
+        f"settings.log_rate_hz={100.0 / (costs.WARM * timestep)!r}",
+    )
 
 
 def scaling_table(passes: int) -> Table:
@@ -209,14 +199,14 @@ def scaling_table(passes: int) -> Table:
     Thinner pins are lighter, as their radius squared, and take a step shorter as their radius. The exponent is that of
     the cost from the fewest pins on.
     """
-    costs = {}
+    cases = {}
     for teeth, fit in FREE_PINS.items():
         step = fit.get("ring.pin_radius_mm", 2.25) / 2.25
         changes = {"ring.teeth": teeth, "settings.timestep_us": step, **fit, "load.rise_s": 5e-4}
         words = [f"{name}={value!r}" for name, value in changes.items()]
-        case = example(FREE, 36.0, 0, *words, *_lasting(5_000, 1e-6 * step))
-        costs[str(teeth)] = partial(loop_cost, *case)
-    row = in_turn(passes, **costs)
+        case = costs.example(costs.FREE, 36.0, 0, *words, *_lasting(5_000, 1e-6 * step))
+        cases[str(teeth)] = partial(costs.loop_cost, *case)
+    row = in_turn(passes, **cases)
     first = next(iter(FREE_PINS))
     table: Table = {}
     for name, values in row.items():
@@ -243,17 +233,17 @@ def solvers_table(passes: int) -> Table:
     table: Table = {}
     for name, (preset, *changes) in cases.items():
         design = override(PRESETS[preset], [*own, *changes])
-        row = in_turn(passes, **{solver: partial(second_cost, solver, design) for solver in solvers})
+        row = in_turn(passes, **{solver: partial(costs.second_cost, solver, design) for solver in solvers})
         table[name] = row | ratio(row, "mujoco", "planar")
     first = next(iter(FREE_PINS))
     for teeth, fit in FREE_PINS.items():
         words = [f"ring.teeth={teeth}", *(f"{key}={value!r}" for key, value in fit.items())]
         design = override(PRESETS["pin"], [*own, loaded, *words])
-        table[f"{teeth} free pins"] = in_turn(passes, planar=partial(second_cost, "planar", design))
+        table[f"{teeth} free pins"] = in_turn(passes, planar=partial(costs.second_cost, "planar", design))
         if teeth > first:
             wider, least = math.log(teeth / first), table[f"{first} free pins"]["planar"]
-            costs = zip(table[f"{teeth} free pins"]["planar"], least, strict=True)
-            table[f"{teeth} free pins"]["exponent"] = [math.log(cost / fewest) / wider for cost, fewest in costs]
+            pairs = zip(table[f"{teeth} free pins"]["planar"], least, strict=True)
+            table[f"{teeth} free pins"]["exponent"] = [math.log(cost / fewest) / wider for cost, fewest in pairs]
     return table
 
 
@@ -263,17 +253,17 @@ def discs_table(passes: int) -> Table:
     The preset twodisc at its own step, 58 N m a disc; the paper's designs, all their parts rigid, at 36 N m a disc.
     """
     table: Table = {}
-    for name in ("twodisc", *KINDS):
-        one, two = (partial(loop_cost, *_of_discs(name, discs)) for discs in (1, 2))
+    for name in ("twodisc", *costs.KINDS):
+        one, two = (partial(costs.loop_cost, *_of_discs(name, discs)) for discs in (1, 2))
         row = in_turn(passes, **{"1 disc": one, "2 discs": two})
         table[name] = row | ratio(row, "2 discs", "1 disc")
     return table
 
 
-def _of_discs(name: str, discs: int) -> Case:
+def _of_discs(name: str, discs: int) -> costs.Case:
     """Return a case with so many discs; the preset turns slowly, so that a sample each 100 steps sees every tooth."""
-    if name in KINDS:
-        return example(name, 36.0 * discs, 10_000, f"gear.discs={discs}")
+    if name in costs.KINDS:
+        return costs.example(name, 36.0 * discs, 10_000, f"gear.discs={discs}")
     step = float(build(PRESETS[name]).model.opt.timestep)
     run = ["drive.ramp_s=0", "drive.speed_rpm=100", f"settings.timestep_us={1e6 * step!r}", *_lasting(10_000, step)]
     design = override(PRESETS[name], [f"gear.discs={discs}", f"load.torque_nm={58 * discs}", *run])
@@ -287,9 +277,9 @@ def exudyn_table(passes: int) -> Table:
     """
     table: Table = {}
     for kind, published in EXUDYN.items():
-        step = float(example(kind, 36.0, 0, OWN_STEP)[1].model.opt.timestep)
-        case = example(kind, 36.0, 0, OWN_STEP, *_lasting(20_000, step))
-        here = [loop_cost(*case) / (1e6 * step) for _ in range(passes)]
+        step = float(costs.example(kind, 36.0, 0, OWN_STEP)[1].model.opt.timestep)
+        case = costs.example(kind, 36.0, 0, OWN_STEP, *_lasting(20_000, step))
+        here = [costs.loop_cost(*case) / (1e6 * step) for _ in range(passes)]
         row = {"here": here, "Exudyn": list(published)}
         table[kind] = row | {"Exudyn / here": [cost / statistics.median(here) for cost in published]}
     return table
@@ -303,8 +293,8 @@ def against_table(revision: str, passes: int) -> Table:
     table: Table = {}
     with laid_out(revision) as other:
         for name, (here, there) in loops(other, passes).items():
-            costs = {"this tree": here, revision: there}
-            table[f"1 s of {name}"] = costs | ratio(costs, revision, "this tree")
+            times = {"this tree": here, revision: there}
+            table[f"1 s of {name}"] = times | ratio(times, revision, "this tree")
         show(table)
         for trial in TRIALS:
             ours, theirs, rows = compare(trial, other, passes)
@@ -335,7 +325,7 @@ SECTIONS: dict[str, Callable[[int], Table]] = {
     "threads": threads_table,
     "command": command_table,
     "sweep": sweep_table,
-    "asked": asked_table,
+    "requirements": limits_table,
 }
 
 

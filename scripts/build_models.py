@@ -1,7 +1,7 @@
 """Make the folders models/pin, models/nonpin and models/twodisc with their READMEs, byte for byte.
 
-With --pictures, the pictures are rendered, too (OpenGL off-screen is needed; their bytes depend on the machine). What
-the READMEs tell of other methods is measured by scripts/measure_models.py.
+With --pictures, the pictures are rendered, too (OpenGL off-screen is needed; their bytes depend on the machine). The
+figures of other methods in the READMEs are measured by scripts/measure_models.py.
 """
 
 import json
@@ -32,11 +32,6 @@ MODELLED = ("pin", "nonpin")
 def at_step(name: str) -> Design:
     """Look up a preset, with the time step of its folder."""
     return override(PRESETS[name], [f"settings.timestep_us={STEPS_US[name]}"])
-
-
-def designs() -> dict[str, Design]:
-    """Collect the designs that models are made of."""
-    return {name: at_step(name) for name in MODELLED}
 
 
 def two_discs() -> Design:
@@ -207,8 +202,8 @@ def main(arguments: list[str]) -> int:
     plain = read_measurements(PLAIN)
     manifests = {}
     print(written("twodisc", two_disc_files()))
-    for name, design in designs().items():
-        generated = files(name, design, plain)
+    for name in MODELLED:
+        generated = files(name, at_step(name), plain)
         folder = written(name, generated)
         manifests[name] = json.loads(generated[MANIFEST])
         if "--pictures" in arguments:

@@ -19,13 +19,7 @@ LINTS = (
 
 
 def tests(room: str | None) -> tuple[str, ...]:
-    """List the command that runs all tests, or those of a room.
-
-    Raises
-    ------
-    SystemExit
-        There is no such room.
-    """
+    """List the command that runs all tests, or those of a room; exit for an unknown room."""
     if room is None:
         return ("pytest", "-n", "2", "--dist", "worksteal")
     rooms = sorted(path.name for path in (ROOT / "tests").iterdir() if any(path.glob("test_*.py")))

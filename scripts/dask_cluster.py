@@ -25,6 +25,7 @@ class Cluster:
     """
 
     def __init__(self, folder: Path, workers: int = 2, path: tuple[Path, ...] = ()) -> None:
+        """Start the scheduler and the workers, and wait for the scheduler's file."""
         self._file = folder / "scheduler.json"
         self._path = os.pathsep.join(map(str, (ROOT, *path)))
         self.scheduler = self._start("scheduler", "--port", "0", "--no-dashboard")

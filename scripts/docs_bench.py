@@ -113,11 +113,11 @@ def rubbing() -> dict[str, Any]:
     fits["0, output"] = cm.calibrate(drawn, loops, RUBBING, "output")
     rows: dict[str, Any] = {}
     for held, calibration in fits.items():
-        told, ends = calibration.as_json(), stops(Reducer(calibration.design), calibration.fitted.bench.crank)
+        content, ends = calibration.as_json(), stops(Reducer(calibration.design), calibration.fitted.bench.crank)
         rows[held] = {
-            "parameters": told["parameters"],
+            "parameters": content["parameters"],
             "play": math.degrees(ends[1] - ends[0]),
-            "shares": [loop["residual_share"] for loop in told["loops"]],
+            "shares": [loop["residual_share"] for loop in content["loops"]],
         }
     losses = [
         {"meaning": one.meaning, "shares": list(one.shares), "values": one.values}
@@ -182,10 +182,8 @@ def fit_table(content: Mapping[str, Any]) -> str:
         for key, one in pin["parameters"].items()
     ]
     for name, key in (("", "shares"), (", no torque offset", "shares_without_offset")):
-        for place, loop in enumerate(("play loop", "stiffness loop")):
-            rows.append(
-                (f"rms, {loop}, share of its height{name}", *(f"{one[key][place]:.1%}" for one in (pin, nonpin)))
-            )
+        for loop, *shares in zip(("play loop", "stiffness loop"), pin[key], nonpin[key], strict=True):
+            rows.append((f"rms, {loop}, share of its height{name}", *map("{:.1%}".format, shares)))
     return markdown_table(("", "Baseline (95 %)", "Twin (95 %)"), rows)
 
 
@@ -210,21 +208,20 @@ def predicted_table(content: Mapping[str, Any]) -> str:
     for key, label in FIGURES.items():
         models = _number(pin["model"][key]["value"]), _number(nonpin["predicted"][key])
         rows.append((label, _interval(pin["measured"][key]), *models, _interval(nonpin["measured"][key])))
-    for place, loop in enumerate(("play loop", "stiffness loop")):
-        own, other = pin["predicted_shares"][place], nonpin["predicted_shares"][place]
-        rows.append((f"rms, {loop}, share of its height", "", f"{own:.1%}", f"{other:.1%}", ""))
+    shares = zip(("play loop", "stiffness loop"), pin["predicted_shares"], nonpin["predicted_shares"], strict=True)
+    rows += ((f"rms, {loop}, share of its height", "", f"{own:.1%}", f"{other:.1%}", "") for loop, own, other in shares)
     return markdown_table(("", "Baseline, measured", "Baseline, fitted", "Twin, predicted", "Twin, measured"), rows)
 
 
 def parts_table(content: Mapping[str, Any]) -> str:
     """Return the compliance of each part by finite elements, and their stiffness together."""
-    told = [content[kind] for kind in LOOPS]
+    drives = [content[kind] for kind in LOOPS]
     rows = [
-        (label, *(_number(1e3 * one["parts"][key]) if key in one["parts"] else "" for one in told))
+        (label, *(_number(1e3 * drive["parts"][key]) if key in drive["parts"] else "" for drive in drives))
         for key, label in PARTS.items()
     ]
-    rows.append(("sum", *(_number(1e3 * sum(one["parts"].values())) for one in told)))
-    stiffness = [{"value": 1.0 / sum(one["parts"].values()), "ci95": one["interval"]} for one in told]
+    rows.append(("sum", *(_number(1e3 * sum(drive["parts"].values())) for drive in drives)))
+    stiffness = [{"value": 1.0 / sum(drive["parts"].values()), "ci95": drive["interval"]} for drive in drives]
     rows.append(("stiffness, predicted (limits of the modulus) [N m/rad]", *map(_interval, stiffness)))
     return markdown_table(("Rotation of the output per torque [mrad/(N m)]", "Ring pins", "Internal gear"), rows)
 
@@ -242,14 +239,10 @@ def rubbing_table(content: Mapping[str, Any]) -> str:
 def losses_table(content: Mapping[str, Any]) -> str:
     """Return how far each kind of losses misses the loops."""
     names = {"friction": "friction", "material_loss": "material loss"}
-    rows = [
-        (
-            one["meaning"],
-            ", ".join(f"{name} {one['values'][key]:.2g}" for key, name in names.items() if key in one["values"]),
-            *(f"{share:.1%}" for share in one["shares"]),
-        )
-        for one in content["rubbing"]["losses"]
-    ]
+    rows = []
+    for losses in content["rubbing"]["losses"]:
+        values = [f"{name} {losses['values'][key]:.2g}" for key, name in names.items() if key in losses["values"]]
+        rows.append((losses["meaning"], ", ".join(values), *map("{:.1%}".format, losses["shares"])))
     return markdown_table(("Losses", "Fitted", "Rms, play loop", "Rms, large loop"), rows)
 
 

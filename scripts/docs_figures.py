@@ -84,11 +84,15 @@ PAPER_PICTURES = ("speed", "path", "velocity", "pin", "torque")
 
 MEASURES = ("backlash", "lost-motion", "te", "torque", "efficiency", "loads")
 PRESETS = ("pin", "nonpin")
-
-
+TUTORIAL = (
+    "docs/tutorial.md#printed",
+    *(f"docs/tutorial/{name}.png" for name in ("review", "tolerance", "exploded", "joint")),
+)
 DOORS = ("print", "design", "robot")
 FILM_PROBES = ("run massless", "look of the animation")
 RUNS, PRINTED_PROBES = ("run free", "run nonpin"), ("printed drive's loops", "printed drive's shaft")
+MODEL_PROBES = ("statics pin", "statics nonpin", *RUNS)
+PAPER_PROBES = (*MODEL_PROBES, "numbers of the paper")
 
 
 def _script(name: str, *words: str) -> tuple[str, ...]:
@@ -106,7 +110,7 @@ ARTEFACTS: Mapping[str, Artefact] = {
     "report": Artefact(
         ("models/report.png",),
         {name: Step((*CLI, "simulate", "--design", name, *LOADED, "--out", "{out}", "--quiet")) for name in PRESETS},
-        ((PYTHON, "scripts/picture.py", "report", "{pin}/pin.mcap", "{nonpin}/nonpin.mcap"),),
+        (_script("picture", "report", "{pin}/pin.mcap", "{nonpin}/nonpin.mcap"),),
         ("run free", "run nonpin", "words of the report"),
         0.2,
     ),
@@ -120,28 +124,19 @@ ARTEFACTS: Mapping[str, Artefact] = {
     "doors": Artefact(
         tuple(f"docs/doors/{door}.png" for door in DOORS), {}, (_script("picture", "doors"),), ("statics pin",), 0.1
     ),
-    "tutorial": Artefact(
-        (
-            "docs/tutorial.md#printed",
-            *(f"docs/tutorial/{name}.png" for name in ("review", "tolerance", "exploded", "joint")),
-        ),
-        {},
-        ((PYTHON, "scripts/tutorial.py"),),
-        ("drive of the tutorial",),
-        3.0,
-    ),
+    "tutorial": Artefact(TUTORIAL, {}, (_script("tutorial"),), ("drive of the tutorial",), 3.0),
     "app": Artefact(
         tuple(f"docs/app/{name}.png" for name in ("1-asked", "2-refused", "3-drives", "4-designed")),
-        {"walk": Step((PYTHON, "scripts/app_walk.py", "--out", "{out}"))},
-        ((PYTHON, "scripts/picture.py", "walk", "{walk}"),),
+        {"walk": Step(_script("app_walk", "--out", "{out}"))},
+        (_script("picture", "walk", "{walk}"),),
         ("files of the app",),
         1.5,
     ),
     "validation": Artefact(
         ("docs/data/validation.csv",),
         {"validate": Step((*CLI, "validate", "--json", "--quiet"), stdout=True)},
-        ((PYTHON, "scripts/docs_validation.py", "{validate}"),),
-        ("statics pin", "statics nonpin", "run free", "run nonpin"),
+        (_script("docs_validation", "{validate}"),),
+        MODEL_PROBES,
         1.5,
     ),
     "solvers": Artefact(("docs/data/solvers.csv",), {}, (_script("docs_solvers", "--run"),), RUNS, 10.0),
@@ -155,32 +150,29 @@ ARTEFACTS: Mapping[str, Artefact] = {
     "measured": Artefact(
         ("tests/data/measured.json",),
         {f"{design}-{measure}": _measure(measure, design) for design in PRESETS for measure in MEASURES},
-        ((PYTHON, "scripts/docs_measured.py", "{}"),),
-        ("statics pin", "statics nonpin", "run free", "run nonpin"),
+        (_script("docs_measured", "{}"),),
+        MODEL_PROBES,
         3.0,
     ),
     "compared": Artefact(
         ("tests/data/compared.json",),
         {"compare": Step((*CLI, "compare", *PRESETS, "--json", "--out", "{out}.figures", "--force"), stdout=True)},
-        ((PYTHON, "scripts/docs_measured.py", "--compared", "{compare}"),),
+        (_script("docs_measured", "--compared", "{compare}"),),
         ("run free", "run nonpin"),
         3.0,
     ),
     "paper": Artefact(
         ("tests/data/reproduce.json", *(f"docs/paper/{name}.png" for name in PAPER_PICTURES)),
         {"reproduce": Step((*CLI, "reproduce", "--quick", "--out", "{out}"))},
-        (
-            (PYTHON, "scripts/docs_results.py", "{reproduce}"),
-            (PYTHON, "scripts/docs_measured.py"),
-        ),
-        ("statics pin", "statics nonpin", "run free", "run nonpin", "numbers of the paper"),
+        (_script("docs_results", "{reproduce}"), _script("docs_measured")),
+        PAPER_PROBES,
         6.0,
     ),
     "authors": Artefact(
         ("tests/data/authors.json",),
         {"authors": Step((*CLI, "reproduce", "--quick", "--as-the-authors", "--out", "{out}"))},
-        ((PYTHON, "scripts/docs_results.py", "{authors}"),),
-        ("statics pin", "statics nonpin", "run free", "run nonpin", "numbers of the paper"),
+        (_script("docs_results", "{authors}"),),
+        PAPER_PROBES,
         8.0,
     ),
 }
@@ -372,19 +364,13 @@ def _digest(name: str) -> str:
 
 
 def write(name: str, artefact: Artefact) -> None:
-    """Write an artefact and its stamp; steps whose output is there from before are not done again.
-
-    Raises
-    ------
-    subprocess.CalledProcessError
-        A command failed.
-    """
+    """Write an artefact and its stamp; repeat no step that has output. CalledProcessError if one fails."""
     scratch = SCRATCH / name
-    begun = scratch / "probes.json"
-    if not begun.exists() or list_changes(artefact, json.loads(begun.read_text(encoding="utf-8"))):
+    probed = scratch / "probes.json"
+    if not probed.exists() or list_changes(artefact, json.loads(probed.read_text(encoding="utf-8"))):
         shutil.rmtree(scratch, ignore_errors=True)
         scratch.mkdir(parents=True)
-        begun.write_text(json.dumps({probe: dict(probe_values(probe)) for probe in artefact.probes}), encoding="utf-8")
+        probed.write_text(json.dumps({probe: dict(probe_values(probe)) for probe in artefact.probes}), encoding="utf-8")
     for key, step in artefact.steps.items():
         out = scratch / key
         if not out.exists():

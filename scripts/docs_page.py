@@ -19,21 +19,9 @@ MARK = "<!-- {word} of {name}: {script} writes what stands here -->"
 
 
 def replace_sections(page: str, sections: Mapping[str, str], script: str) -> str:
-    """Return the text of a page with its generated sections replaced.
+    """Return the text of a page with its generated sections replaced by others, by the names in their marks.
 
-    Parameters
-    ----------
-    page
-        Text of the page.
-    sections
-        New text of each section, by the name in its marks.
-    script
-        Path of the calling script from the root of the repository, as the marks name it.
-
-    Raises
-    ------
-    ValueError
-        The page lacks the marks of a section.
+    `script` is the calling script as the marks name it. Raise ValueError if the page lacks the marks of a section.
     """
     for name, text in sections.items():
         begin, end = (MARK.format(word=word, name=name, script=script) for word in ("Begin", "End"))

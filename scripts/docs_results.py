@@ -112,6 +112,7 @@ def load(condition: Mapping[str, float]) -> str:
 
 
 def _row(claim: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return a claim as a row of the table for download."""
     error, rated = claim["numerical_error"], claim["at_rated_load"]
     unit = "" if error["unit"] == "1" else f" {error['unit']}"
     error_text = f"{error['value']:.2g}{unit} ({error['source']})" if error["value"] is not None else error["source"]
@@ -124,17 +125,11 @@ def _row(claim: Mapping[str, Any]) -> tuple[str, ...]:
 def errata(entries: Sequence[Mapping[str, Any]]) -> str:
     """Return the errata: printed and corrected, with the relative errors of both against a proof."""
     head = ("Eq.", "Printed", "Correct", "Error as printed", "Error corrected", "Compared with")
-    rows = [
-        (
-            entry["equation"],
-            entry["printed"],
-            entry["right"],
-            "none" if entry["harmless"] else f"{entry['printed_error']:.2g}",
-            _upper_bound(entry["right_error"]),
-            entry["proof"],
-        )
-        for entry in entries
-    ]
+    rows = []
+    for entry in entries:
+        printed = "none" if entry["harmless"] else f"{entry['printed_error']:.2g}"
+        texts = (entry["equation"], entry["printed"], entry["right"], printed)
+        rows.append((*texts, _upper_bound(entry["right_error"]), entry["proof"]))
     return markdown_table(head, rows)
 
 
@@ -145,9 +140,8 @@ def _upper_bound(error: float) -> str:
 
 def hypothesis_csv(content: Mapping[str, Any]) -> str:
     """Return the tables of `--as-the-authors` as one CSV text, each behind a line with its title."""
-    return csv_text(
-        line for table in content["tables"] for line in ([table["title"]], table["columns"], *table["rows"])
-    )
+    tables = content["tables"]
+    return csv_text(line for table in tables for line in ([table["title"]], table["columns"], *table["rows"]))
 
 
 def claims_csv(content: Mapping[str, Any]) -> str:

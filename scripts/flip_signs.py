@@ -70,18 +70,19 @@ def flips(path: Path) -> Iterator[Flip]:
     for line in content.splitlines(keepends=True):
         starts.append(starts[-1] + len(line))
 
-    def at(line: int, column: int) -> int:
-        return starts[line - 1] + column
+    def begin(node: ast.expr) -> int:
+        return starts[node.lineno - 1] + node.col_offset
+
+    def end(node: ast.expr) -> int:
+        return starts[(node.end_lineno or 0) - 1] + (node.end_col_offset or 0)
 
     for node in ast.walk(ast.parse(content)):
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
-            first, last = at(node.lineno, node.col_offset), at(node.operand.lineno, node.operand.col_offset)
+            first, last = begin(node), begin(node.operand)
         elif isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub):
-            first = at(node.left.end_lineno or 0, node.left.end_col_offset or 0)
-            last = at(node.right.lineno, node.right.col_offset)
+            first, last = end(node.left), begin(node.right)
         elif isinstance(node, ast.AugAssign) and isinstance(node.op, ast.Add | ast.Sub):
-            first = at(node.target.end_lineno or 0, node.target.end_col_offset or 0)
-            last = at(node.value.lineno, node.value.col_offset)
+            first, last = end(node.target), begin(node.value)
         else:
             continue
         place = next(i for i in range(first, last) if content[i : i + 1] in (b"+", b"-"))
@@ -163,7 +164,7 @@ class Trial:
 
     @classmethod
     def start(cls, flip: Flip | None, file: str) -> "Trial":
-        """Fork the process."""
+        """Fork a process that tests the flip."""
         pipe, tell = os.pipe()
         child = os.fork()
         if not child:

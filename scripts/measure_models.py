@@ -49,29 +49,19 @@ def agreement() -> list[dict[str, Any]]:
 
 def _run(name: str, load: float, contact: Contact, timestep_us: float) -> dict[str, Any]:
     """Run a preset under a load [N m] by a kind of contact; return its mean figures and its cost."""
-    changes = [
-        "drive.ramp_s=0.0",
-        f"drive.hold_s={HOLD}",
-        f"load.torque_nm={load}",
-        f"settings.timestep_us={timestep_us}",
-    ]
-    design = override(PRESETS[name], changes)
+    changes = ("drive.ramp_s=0.0", f"drive.hold_s={HOLD}", f"load.torque_nm={load}")
+    design = override(PRESETS[name], [*changes, f"settings.timestep_us={timestep_us}"])
     compiled = reducer_model(Reducer(design), contact)
     start = time.process_time()
     run = simulate(design, compiled)
     seconds = time.process_time() - start
     findings = analyze(run, settle=SETTLED)
-    settled = run.select(run.time >= SETTLED)
+    settled, speed = run.select(run.time >= SETTLED), findings.gear_speed
     return {
-        "design": name,
-        "load_nm": load,
-        "contact": contact,
-        "timestep_us": timestep_us,
+        **{"design": name, "load_nm": load, "contact": contact, "timestep_us": timestep_us},
         "gear_transmission_error_arcsec": round(findings.gear_transmission_error.mean_arcsec, 2),
         "output_transmission_error_arcsec": round(findings.output_transmission_error.mean_arcsec, 2),
-        "gear_speed_rms_error_percent": round(
-            100.0 * findings.gear_speed.rms_error_rad_s / abs(findings.gear_speed.theory_rad_s), 3
-        ),
+        "gear_speed_rms_error_percent": round(100.0 * speed.rms_error_rad_s / abs(speed.theory_rad_s), 3),
         "crank_torque_nm": round(findings.power.crank_torque_nm, 4),
         "cam_force_n": round(float(np.mean(np.hypot(settled["cam_force_x"], settled["cam_force_y"]))), 1),
         "us_per_step": round(1e6 * seconds / schedule(Reducer(design)).steps, 1),

@@ -361,7 +361,7 @@ def inertia_about_axis(body: Any) -> float:
     return float(axes.reshape(3, 3)[2] ** 2 @ body.inertia)
 
 
-def judged(motion: Motion, lobes: int) -> tuple[float, float, float, float]:
+def judge(motion: Motion, lobes: int) -> tuple[float, float, float, float]:
     """Compute mean and peak-to-peak transmission error [arcsec], rms error of the gear's speed [rad/s], efficiency."""
     half = slice(len(motion.crank) // 2, None)
     crank, gear, speed, torque = (values[half] for values in (motion.crank, motion.gear, motion.speed, motion.torque))
@@ -395,7 +395,7 @@ def main() -> None:
         except Exception as problem:  # Exudyn's solver gives up: the other rows go on
             print(f"{name:32}{type(problem).__name__}: {problem}", flush=True)
             continue
-        mean, swing, rms, efficiency = judged(motion, lobes)
+        mean, swing, rms, efficiency = judge(motion, lobes)
         print(f"{name:32}{motion.cpu:10.3g}{mean:10.3f}{swing:10.3f}{rms:11.4f}{efficiency:12.4f}", flush=True)
 
 

@@ -1,12 +1,12 @@
-"""Ask `cycloid-mj design new` for random drives, and hold each answer to its own data sheet.
+"""Size random drives by `cycloid-mj design new`, and compare each with its own data sheet.
 
     python scripts/requirements_grid.py [--seed 1] [--count 40] [--thorough]
 
-Requirements from 5:1 to 120:1, 30 to 300 mm, 0.2 to 500 N m, of all processes, with up to two wishes more; evenly
-spread (Sobol's points, scrambled by the seed). Each is asked for by its flags. The written drive is to pass
-`design check`, and its rated torque and life are to meet what was asked. Of a refusal, the most that goes and a way out
-are asked for in their turn, by the flags that are told; `--thorough` asks for all ways and looks at all drives of a
-shortlist. Forty take some 8 minutes of CPU; the exit code is 1 where one fails.
+Requirements from 5:1 to 120:1, 30 to 300 mm, 0.2 to 500 N m, of all processes, with up to two further ones, are spread
+evenly by the points of Sobol, scrambled by the seed. A written drive has to pass `design check`, and its rated torque
+and life have to meet the requirement. After a refusal, the largest possible torque and a remedy are tried with the
+flags that the command suggests; `--thorough` tries all remedies and all drives of a shortlist. Forty requirements take
+8 minutes of CPU time. The exit code is 1 if one fails.
 """
 
 import argparse
@@ -16,7 +16,7 @@ import os
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import redirect_stderr, redirect_stdout, suppress
 from dataclasses import dataclass
 from io import StringIO
@@ -49,32 +49,25 @@ class GridSettings:
     torques: tuple[float, float] = (0.2, 500.0)
     """Ratios, diameters [m] and torques [N m] between which requirements are drawn."""
     max_cpu: float = 10.0
-    """CPU time of an answer [s] that a user is asked to wait at most."""
+    """Largest acceptable CPU time of an answer [s]."""
     rtol: float = 0.06
-    """Relative: how near the shortlist is to be to the data sheet, which looks at thrice as many crank angles."""
+    """Relative tolerance of the shortlist's torque against the data sheet's, by three times as many crank angles."""
     range_interval: int = 8
     range: int = 6
-    """Every so many requirements a range of ratios is asked for, so wide."""
+    """Number of requirements from one with a range of ratios to the next, and width of such a range."""
 
 
 GRID = GridSettings()
 
 KINDS: tuple[Process, ...] = ("steel", "printed", "steel", "milled")
 
-FLAGS = {
-    "diameter": "--diameter-mm",
-    "torque": "--torque-nm",
-    "process": "--process",
-    "life": "--life-h",
-    "speed": "--speed-rpm",
-    "discs": "--discs",
-    "length": "--length-mm",
-    "backlash": "--backlash-arcmin",
-    "material": "--material",
-    "clearance": "--clearance-um",
-    "fit": "--fit",
+FLAGS: Mapping[str, tuple[str, float]] = {
+    **{"diameter": ("--diameter-mm", 1e3), "torque": ("--torque-nm", 1.0), "process": ("--process", 1.0)},
+    **{"life": ("--life-h", 1.0), "speed": ("--speed-rpm", 1.0 / RPM), "discs": ("--discs", 1.0)},
+    **{"length": ("--length-mm", 1e3), "backlash": ("--backlash-arcmin", 1.0), "material": ("--material", 1.0)},
+    **{"clearance": ("--clearance-um", 1e6), "fit": ("--fit", 1.0)},
 }
-"""Values of a requirement -> their flags."""
+"""Flags of the values of a requirement, with the factors to their units."""
 
 ALWAYS = ("diameter", "torque", "process")
 NUMBERS = ("--diameter-mm", "--torque-nm", "--life-h", "--speed-rpm", "--length-mm", "--backlash-arcmin")
@@ -96,11 +89,11 @@ WISHES: tuple[Callable[[Requirement, float], dict[str, Any]], ...] = (
 """Further requirements besides ratio, diameter, torque and process."""
 
 
-def drawn(count: int, seed: int) -> list[Requirement]:
+def draw_requirements(count: int, seed: int) -> list[Requirement]:
     """Draw requirements, each size evenly by its logarithm; larger drives are asked for more torque.
 
-    A quarter has no wish more, a half one, a quarter two, as far as these go together. With one seed, fewer are the
-    first of more.
+    A quarter has no further wish, a half one, a quarter two, as far as these go together. With the same seed, a smaller
+    number yields the first of a larger one.
     """
     points = qmc.Sobol(7, seed=seed).random_base2(math.ceil(math.log2(max(count, 1))))
     grid = []
@@ -125,29 +118,16 @@ def _even(low: float, high: float, share: float) -> float:
 def flags(asked: Requirement, ratios: int = 0) -> dict[str, str]:
     """Return the flags of `design new`, and their values, that ask for a requirement, or for a range of ratios."""
     usual = Requirement(asked.ratio, asked.diameter, asked.torque)
-    values: dict[str, object] = {
-        "diameter": 1e3 * asked.diameter,
-        "torque": asked.torque,
-        "process": asked.process,
-        "life": asked.life,
-        "speed": asked.speed / RPM,
-        "discs": asked.discs or "auto",
-        "length": 1e3 * asked.length,
-        "backlash": asked.backlash,
-        "material": asked.material,
-        "clearance": 1e6 * asked.clearance,
-        "fit": asked.fit,
-    }
-    told = {
-        FLAGS[key]: f"{value:.10g}" if isinstance(value, float) else str(value)
-        for key, value in values.items()
-        if key in ALWAYS or getattr(asked, key) != getattr(usual, key)
-    }
-    told |= {"--ratio-range": f"{asked.ratio}:{asked.ratio + ratios}"} if ratios else {"--ratio": str(asked.ratio)}
-    return told | ({"--custom": ""} if asked.custom else {})
+    values = {}
+    for key, (flag, factor) in FLAGS.items():
+        value = getattr(asked, key)
+        if key in ALWAYS or value != getattr(usual, key):
+            values[flag] = f"{factor * value:.10g}" if isinstance(value, float) else str(value or "auto")
+    values |= {"--ratio-range": f"{asked.ratio}:{asked.ratio + ratios}"} if ratios else {"--ratio": str(asked.ratio)}
+    return values | ({"--custom": ""} if asked.custom else {})
 
 
-def answer_to(asked: dict[str, str]) -> tuple[dict[str, Any], str]:
+def size(asked: dict[str, str]) -> tuple[dict[str, Any], str]:
     """Run `design new --json` with some flags; return its output, or nothing and its error."""
     words = [word for flag, value in asked.items() for word in ((flag,) if flag == "--custom" else (flag, value))]
     out, err = StringIO(), StringIO()
@@ -156,10 +136,10 @@ def answer_to(asked: dict[str, str]) -> tuple[dict[str, Any], str]:
     return (json.loads(out.getvalue()) if out.getvalue() else {}), err.getvalue()
 
 
-def faults(told: dict[str, Any], asked: dict[str, str]) -> Iterator[str]:
+def faults(drive: dict[str, Any], asked: dict[str, str]) -> Iterator[str]:
     """Yield the requirements that a written drive does not fulfil, by `design check` and its own data sheet."""
-    design = load(Path(told["file"]))
-    reducer, figures = Reducer(design), told["figures"]
+    design = load(Path(drive["file"]))
+    reducer, figures = Reducer(design), drive["figures"]
     wanted = {flag: float(value) for flag, value in asked.items() if flag in NUMBERS}
     yield from (str(item) for item in check(design) if item.severity == "error" and not item.passed)
     yield from (str(item) for item in life_checks(reducer) if not item.passed)
@@ -169,7 +149,7 @@ def faults(told: dict[str, Any], asked: dict[str, str]) -> Iterator[str]:
     if rated < wanted["--torque-nm"]:
         yield f"its rated torque is {rated:.4g} N m"
     if abs(figures["rated_torque_nm"] / rated - 1.0) > GRID.rtol:
-        yield f"the shortlist tells {figures['rated_torque_nm']:.4g} N m, the data sheet {rated:.4g}"
+        yield f"the shortlist has {figures['rated_torque_nm']:.4g} N m, the data sheet {rated:.4g}"
     kept = {
         "--diameter-mm": 2e3 * design.housing.outer_radius,
         "--life-h": design.service.life,
@@ -189,7 +169,7 @@ def faults(told: dict[str, Any], asked: dict[str, str]) -> Iterator[str]:
 def judge(asked: dict[str, str], number: int, thorough: bool) -> tuple[str, float, list[str]]:
     """Size a drive; return the answer in words, its CPU time [s], and its faults."""
     began = time.process_time()
-    answer, error = answer_to(asked)
+    answer, error = size(asked)
     spent = time.process_time() - began
     if not answer:
         return error, spent, ["neither a drive nor a refusal"]
@@ -204,7 +184,7 @@ def judge(asked: dict[str, str], number: int, thorough: bool) -> tuple[str, floa
     chosen = ways if thorough else ways[number % max(len(ways), 1) :][:1]
     others += [(one["words"], _replace_flags(asked, one["flags"])) for one in chosen]
     for words, other in others:
-        then, error = answer_to(other)
+        then, error = size(other)
         wrong += [f"{words}: {fault}" for one in then.get("designs", [])[:1] for fault in faults(one, other)]
         wrong += [] if then.get("designs") else [f"{words} is refused: {then.get('why', error)}"]
     return answer["why"], spent, wrong
@@ -218,16 +198,16 @@ def _replace_flags(asked: dict[str, str], words: list[str]) -> dict[str, str]:
 
 
 def main() -> int:
-    """Judge all answers; a line each as they come."""
+    """Judge the answers to all requirements, and print a line for each."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=40)
     parser.add_argument("--thorough", action="store_true")
     given = parser.parse_args()
     os.chdir(tempfile.mkdtemp())
-    answer_to(flags(Requirement(20, 0.06, 5.0)))  # compiles what is not yet
+    size(flags(Requirement(20, 0.06, 5.0)))  # compiles what is not yet
     times, bad = [], 0
-    for number, one in enumerate(drawn(given.count, given.seed), start=1):
+    for number, one in enumerate(draw_requirements(given.count, given.seed), start=1):
         asked = flags(one, GRID.range if number % GRID.range_interval == 0 else 0)
         told, spent, wrong = judge(asked, number, given.thorough)
         times.append(spent)

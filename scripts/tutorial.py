@@ -66,11 +66,11 @@ def run_command(command: str, folder: Path) -> str:
 def with_printed(page: str, folder: Path) -> str:
     """Return a page with what its commands print when they run in a folder, in their order."""
 
-    def filled(block: re.Match[str]) -> str:
+    def fill(block: re.Match[str]) -> str:
         text = "\n\n".join(filter(None, (run_command(command, folder) for command in commands(block["lines"]))))
         return block["code"] + (f"\n{MARK}\n```text\n{text}\n```\n" if text else "")
 
-    return BLOCK.sub(filled, page)
+    return BLOCK.sub(fill, page)
 
 
 def main() -> None:

@@ -7,9 +7,9 @@ import threading
 from pathlib import Path
 
 import against
-import asked
 import benchmark
-import passes
+import cost_limits
+import costs
 import pytest
 import sweeping
 
@@ -21,15 +21,15 @@ from cycloid_mj.reducer import Reducer
 @pytest.mark.slow
 def test_a_step_is_its_parts() -> None:
     """Own work and narrow phase make up the bare step, and the loop adds to it; a loaded machine costs 50 %."""
-    case = passes.example("nonpin", 36.0, 2_000)
-    own, narrow = passes.own_cost(*case)
-    bare, untimed = passes.bare_cost(*case)
+    case = costs.example("nonpin", 36.0, 2_000)
+    own, narrow = costs.own_cost(*case)
+    bare, untimed = costs.bare_cost(*case)
     assert untimed == 0.0
     assert min(own, narrow) > 0.3
     assert own + narrow == pytest.approx(bare, rel=0.5)
-    assert passes.loop_cost(*case) > 0.7 * bare
-    assert passes.run_cost(*case) > 0.7 * bare
-    assert passes.logged_cost(*case) > 0.7 * bare
+    assert costs.loop_cost(*case) > 0.7 * bare
+    assert costs.run_cost(*case) > 0.7 * bare
+    assert costs.logged_cost(*case) > 0.7 * bare
 
 
 def test_passes_are_taken_in_turn() -> None:
@@ -59,7 +59,7 @@ def test_threads_are_timed_together() -> None:
 @pytest.mark.slow
 def test_the_number_of_teeth_fits() -> None:
     for teeth, fit in (benchmark.TEETH | benchmark.FREE_PINS).items():
-        design, compiled = benchmark.example(
+        design, compiled = costs.example(
             "fixed pins", 36.0, 0, f"ring.teeth={teeth}", *(f"{name}={value}" for name, value in fit.items())
         )
         assert design.ring.teeth == teeth
@@ -70,13 +70,13 @@ def test_the_number_of_teeth_fits() -> None:
 def test_two_discs_are_held_against_one_under_the_same_load_a_disc(monkeypatch) -> None:
     def cost(design, compiled):
         assert compiled.model.opt.timestep == design.settings.timestep
-        assert passes.schedule(Reducer(design)).steps == benchmark.WARM + 10_000
+        assert costs.schedule(Reducer(design)).steps == costs.WARM + 10_000
         return design.gear.discs * design.load.torque
 
-    monkeypatch.setattr(benchmark, "loop_cost", cost)
+    monkeypatch.setattr(costs, "loop_cost", cost)
     table = benchmark.discs_table(1)
     assert table["twodisc"]["1 disc"] == [58.0]
-    assert list(table) == ["twodisc", *benchmark.KINDS]
+    assert list(table) == ["twodisc", *costs.KINDS]
     assert all(row["2 discs / 1 disc"] == [4.0] for row in table.values())
 
 
@@ -87,10 +87,10 @@ def test_scaling_holds_steps_that_resolve_the_pins_alike(monkeypatch) -> None:
     def cost(design, compiled):
         seen[design.ring.teeth] = max(law.stiffness / law.effective_mass for law in compiled.laws.values())
         seen[design.ring.teeth] *= design.settings.timestep**2
-        assert passes.schedule(Reducer(design)).steps == benchmark.WARM + 5_000
+        assert costs.schedule(Reducer(design)).steps == costs.WARM + 5_000
         return float(design.ring.teeth) ** 1.1
 
-    monkeypatch.setattr(benchmark, "loop_cost", cost)
+    monkeypatch.setattr(costs, "loop_cost", cost)
     table = benchmark.scaling_table(1)
     assert list(seen) == [12, 36, 72, 144]
     # the stiffness of a line contact grows a little as its radius falls
@@ -100,14 +100,14 @@ def test_scaling_holds_steps_that_resolve_the_pins_alike(monkeypatch) -> None:
 
 def test_a_ratio_to_exudyn_is_to_each_published_cost(monkeypatch) -> None:
     def cost(design, compiled):
-        assert passes.schedule(Reducer(design)).steps == passes.WARM + 20_000
-        assert passes.schedule(Reducer(design)).stride * 100 == passes.WARM
+        assert costs.schedule(Reducer(design)).steps == costs.WARM + 20_000
+        assert costs.schedule(Reducer(design)).stride * 100 == costs.WARM
         return 20.0
 
-    monkeypatch.setattr(benchmark, "loop_cost", cost)
+    monkeypatch.setattr(costs, "loop_cost", cost)
     table = benchmark.exudyn_table(1)
     for kind, published in (("fixed pins", [5.0, 15.0]), ("free pins", [247.0])):
-        step = 1e6 * benchmark.example(kind, 36.0, 0, benchmark.OWN_STEP)[1].model.opt.timestep
+        step = 1e6 * costs.example(kind, 36.0, 0, benchmark.OWN_STEP)[1].model.opt.timestep
         assert table[kind]["Exudyn / here"] == pytest.approx([cost * step / 20.0 for cost in published])
 
 
@@ -200,31 +200,34 @@ def test_a_cluster_is_as_fast_as_its_workers_or_its_scheduler() -> None:
     assert sweeping.hours(3.6e6, 64.0, 3.0, 64) == 3.0
 
 
-def test_what_is_asked_is_held_against_what_is_taken(monkeypatch, capsys) -> None:
-    cost, gained = asked.Demand("cost", 4.0, "s", lambda: 2.0), asked.Demand("gain", 4.0, "1", lambda: 2.0, least=True)
-    monkeypatch.setattr(asked, "DEMANDS", (cost, gained))
-    monkeypatch.setattr(asked, "launch", lambda *words, **environment: None)
-    table = asked.asked_table(3)
+def test_requirements_are_compared_with_measurements(monkeypatch, capsys) -> None:
+    cost, gained = (
+        cost_limits.Demand("cost", 4.0, "s", lambda: 2.0),
+        cost_limits.Demand("gain", 4.0, "1", lambda: 2.0, least=True),
+    )
+    monkeypatch.setattr(cost_limits, "DEMANDS", (cost, gained))
+    monkeypatch.setattr(cost_limits, "launch", lambda *words, **environment: None)
+    table = cost_limits.limits_table(3)
     assert table == {
-        "cost": {"taken": [2.0] * 3, "asked": [4.0], "share": [0.5] * 3},
-        "gain": {"taken": [2.0] * 3, "asked": [4.0], "share": [2.0] * 3},
+        "cost": {"measured": [2.0] * 3, "limit": [4.0], "share": [0.5] * 3},
+        "gain": {"measured": [2.0] * 3, "limit": [4.0], "share": [2.0] * 3},
     }
     assert "gain" in capsys.readouterr().err
 
 
-def test_designs_of_what_is_asked_pass_their_checks() -> None:
-    changes = [asked.SLEEVED, *(("ring.teeth=" + str(teeth), *fit) for teeth, fit in asked.TOOTHED.items())]
+def test_designs_of_the_requirements_pass_their_checks() -> None:
+    changes = [cost_limits.SLEEVED, *(("ring.teeth=" + str(teeth), *fit) for teeth, fit in cost_limits.TOOTHED.items())]
     for design in [override(PRESETS["pin"], change) for change in changes]:
         require_sound(Reducer(design))
-    assert len({demand.name for demand in asked.DEMANDS}) == len(asked.DEMANDS)
+    assert len({demand.name for demand in cost_limits.DEMANDS}) == len(cost_limits.DEMANDS)
 
 
 def test_a_command_is_launched_in_a_folder_of_its_own() -> None:
-    took = passes.launch("figures", "--quiet")
+    took = costs.launch("figures", "--quiet")
     assert 0.0 < took.cpu < 60.0
     assert took.memory > 10.0
     with pytest.raises(subprocess.CalledProcessError):
-        passes.launch("no-such-command")
+        costs.launch("no-such-command")
 
 
 def test_the_tests_of_releases_of_mujoco_are_there() -> None:

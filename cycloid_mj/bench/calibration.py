@@ -231,34 +231,23 @@ class Calibration(Presented):
         """Tabulate the fitted values with their intervals."""
         intervals = f"95 %, with a model error of {MODEL_ERROR:.0%}", "95 %, noise alone"
         header = ("value", "fitted", *intervals, "unit", "determined by the loop", "prior (one sigma)")
-        rows = tuple(
-            (
-                key,
-                estimate.value,
-                f"{estimate.ci95[0]:.4g} to {estimate.ci95[1]:.4g}",
-                f"{estimate.noise95[0]:.4g} to {estimate.noise95[1]:.4g}" if np.isfinite(estimate.noise95[0]) else "-",
-                estimate.unit,
-                "yes" if estimate.identified else "no",
-                f"{estimate.drawn:.4g} +- {estimate.deviation:.3g} ({estimate.source})" if estimate.source else "",
-            )
-            for key, estimate in self.estimates.items()
-        )
-        return Table(f"{self.design.name}: fitted values", header, rows)
+        rows: list[tuple[str | float, ...]] = []
+        for key, item in self.estimates.items():
+            interval, noise = (f"{low:.4g} to {high:.4g}" for low, high in (item.ci95, item.noise95))
+            texts = noise if np.isfinite(item.noise95[0]) else "-", item.unit, "yes" if item.identified else "no"
+            prior = f"{item.drawn:.4g} +- {item.deviation:.3g} ({item.source})" if item.source else ""
+            rows.append((key, item.value, interval, *texts, prior))
+        return Table(f"{self.design.name}: fitted values", header, tuple(rows))
 
     def _figure_table(self) -> Table:
         """Tabulate the figures of the measured and the fitted loop with their definitions."""
         modelled = self.modelled.in_units()
-        rows = tuple(
-            (
-                key,
-                _format_number(item.value),
-                f"{item.low:.4g} to {item.high:.4g}" if np.isfinite(item.value) else "",
-                _format_number(modelled[key].value),
-                DEFINITIONS[key],
-            )
-            for key, item in self.measured.in_units().items()
-        )
-        return Table("figures of the loop", ("figure", "measured", "95 %", "fitted model", "definition"), rows)
+        rows = []
+        for key, item in self.measured.in_units().items():
+            interval = f"{item.low:.4g} to {item.high:.4g}" if np.isfinite(item.value) else ""
+            values = _format_number(item.value), interval, _format_number(modelled[key].value)
+            rows.append((key, *values, DEFINITIONS[key]))
+        return Table("figures of the loop", ("figure", "measured", "95 %", "fitted model", "definition"), tuple(rows))
 
     def _loop_table(self) -> Table:
         """Tabulate the loops with their residuals."""
@@ -285,28 +274,13 @@ class Calibration(Presented):
         return Table("where the fitted model misses the loops", header, tuple(rows))
 
     def as_json(self) -> dict[str, Any]:
-        """Convert all of it to JSON values."""
-        loops, read = self.fitted.loops, self.measured.in_units()
+        """Convert the calibration to JSON values."""
+        read = self.measured.in_units()
         return {
             "design": self.design.name,
             "held": self.fitted.bench.held,
             "crank_deg": self.fitted.bench.crank / DEGREE,
-            "parameters": {
-                key: {
-                    "value": estimate.value,
-                    "unit": estimate.unit,
-                    "ci95": list(estimate.ci95),
-                    "noise95": list(estimate.noise95),
-                    "identified": estimate.identified,
-                    "meaning": estimate.meaning,
-                    "prior": (
-                        {"value": estimate.drawn, "deviation": estimate.deviation, "source": estimate.source}
-                        if estimate.source
-                        else None
-                    ),
-                }
-                for key, estimate in self.estimates.items()
-            },
+            "parameters": {key: _estimate_json(estimate) for key, estimate in self.estimates.items()},
             "model_error_share": MODEL_ERROR,
             "intervals": INTERVALS,
             "complete": self.complete,
@@ -322,22 +296,7 @@ class Calibration(Presented):
             "model": {key: {"value": item.value} for key, item in self.modelled.in_units().items()},
             "definitions": DEFINITIONS | {"residual_rms_deg": RESIDUAL},
             "measure_next": list(self.measure_next),
-            "loops": [
-                {
-                    "name": loop.name,
-                    "points": len(loop.torque),
-                    "height_deg": loop.height / DEGREE,
-                    "residual_rms_deg": self.fitted.rms(number) / DEGREE,
-                    "residual_share": self.fitted.rms(number) / loop.height,
-                    "residual_share_without_offset": self.fitted.rms_without_offset(number) / loop.height,
-                    "width_at_zero_torque_deg": width_of(loop).value / DEGREE,
-                    "offset_torque_nm": float(self.fitted.offsets[number, 0]),
-                    "offset_deg": float(self.fitted.offsets[number, 1]) / DEGREE,
-                    "points_left_out": loop.lead,
-                    "sign_turned": loop.flipped,
-                }
-                for number, loop in enumerate(loops)
-            ],
+            "loops": [_loop_json(self.fitted, number) for number in range(len(self.fitted.loops))],
             "torque_offset": {"fitted": self.fitted.torque_offset, "bic_gain": self.fitted.offset_gain},
             "models": [_variant_json(item) for item in self.candidates],
             "preferred_model": self.preferred.key if self.preferred else None,
@@ -356,6 +315,34 @@ class Calibration(Presented):
             "unexplained": list(UNEXPLAINED),
             "notes": list(self.notes),
         }
+
+
+def _estimate_json(estimate: Estimate) -> dict[str, Any]:
+    """Convert a fitted value with its intervals and its prior to JSON values."""
+    prior = {"value": estimate.drawn, "deviation": estimate.deviation, "source": estimate.source}
+    return {
+        **{key: getattr(estimate, key) for key in ("value", "unit", "identified", "meaning")},
+        **{"ci95": list(estimate.ci95), "noise95": list(estimate.noise95)},
+        "prior": prior if estimate.source else None,
+    }
+
+
+def _loop_json(fitted: Fitted, number: int) -> dict[str, Any]:
+    """Convert a loop with its residual and its fitted offsets to JSON values."""
+    loop, rms, offset = fitted.loops[number], fitted.rms(number), fitted.offsets[number]
+    return {
+        "name": loop.name,
+        "points": len(loop.torque),
+        "height_deg": loop.height / DEGREE,
+        "residual_rms_deg": rms / DEGREE,
+        "residual_share": rms / loop.height,
+        "residual_share_without_offset": fitted.rms_without_offset(number) / loop.height,
+        "width_at_zero_torque_deg": width_of(loop).value / DEGREE,
+        "offset_torque_nm": float(offset[0]),
+        "offset_deg": float(offset[1]) / DEGREE,
+        "points_left_out": loop.lead,
+        "sign_turned": loop.flipped,
+    }
 
 
 class CalibrationStopped(KeyboardInterrupt):
@@ -547,12 +534,12 @@ def _comparison_table(title: str, loops: Sequence[MeasuredLoop], compared: Seque
 
 def _variant_json(item: model_selection.ModelFit) -> dict[str, Any]:
     """Convert the fit of a model to JSON values."""
+    criteria = {"bic": item.bayesian, "aic": item.akaike}
     return {
         "key": item.key,
         "meaning": item.meaning,
         "residual_shares": list(item.shares),
-        "bic": item.bayesian,
-        "aic": item.akaike,
+        **criteria,
         "values": item.values,
     }
 

@@ -215,18 +215,7 @@ def fit(
         gain = math.nan
         if torque_offset is None:
             search, gain, ended = _choose_offset(search, ended)
-        best, *others = ended
-        scaled = best[1]
-        for _ in range(PROFILE.max_restarts):
-            search.trials.expect(search.expected_trials(long=1, **searches))
-            cost, scaled = search.minimise(scaled, SETTINGS.max_steps, "trf")
-            ended.append((cost, scaled))
-            fits.append(replace(evaluate_fit(search, scaled), offset_gain=gain))
-            better = widen_intervals(search, fits[-1], [(cost, scaled), *others]) if intervals else None
-            if better is None:
-                break
-            others.append((cost, scaled))
-            scaled = better
+        scaled = _refine(search, ended, fits, gain, searches)
         if not intervals:
             return fits[-1]
         return replace(fits[-1], scaled=search.nearest_deflections(scaled, *fits[-1].ends.T))
@@ -235,6 +224,28 @@ def fit(
             raise
         so_far = fits[-1] if fits else evaluate_fit(search, min(ended, key=itemgetter(0))[1])
         raise FitStopped(stop, so_far) from stop
+
+
+def _refine(
+    search: FitProblem, ended: list[tuple[float, Array]], fits: list[Fitted], gain: float, searches: dict[str, int]
+) -> Array:
+    """Search again from the best of the ends, and from each lower cost found for an interval; return the last values.
+
+    Adds the ends to `ended` and the fits to `fits`, whose intervals are set if `searches` has searches for them.
+    """
+    best, *others = ended
+    scaled = best[1]
+    for _ in range(PROFILE.max_restarts):
+        search.trials.expect(search.expected_trials(long=1, **searches))
+        cost, scaled = search.minimise(scaled, SETTINGS.max_steps, "trf")
+        ended.append((cost, scaled))
+        fits.append(replace(evaluate_fit(search, scaled), offset_gain=gain))
+        better = widen_intervals(search, fits[-1], [(cost, scaled), *others]) if searches else None
+        if better is None:
+            break
+        others.append((cost, scaled))
+        scaled = better
+    return scaled
 
 
 def evaluate_fit(search: FitProblem, scaled: Array) -> Fitted:
@@ -294,17 +305,8 @@ def _choose_offset(
 ) -> tuple[FitProblem, float, list[tuple[float, Array]]]:
     """Choose by the Bayesian information criterion whether the loops have zero offsets of torque.
 
-    Parameters
-    ----------
-    search
-        The problem with offsets.
-    ended
-        Cost and scaled values at the ends of its searches, the best first.
-
-    Returns
-    -------
-    tuple
-        The chosen problem, by how much the criterion is lower with offsets, and the ends of that problem's searches.
+    `search` is the problem with offsets, `ended` has cost and scaled values at the ends of its searches, the best
+    first. Return the chosen problem, by how much the criterion is lower with offsets, and the ends of its searches.
     """
     without = replace(search, torque_offset=False)
     steps = SETTINGS.max_steps_from_start
@@ -363,10 +365,7 @@ def _profile_distance(
 ) -> tuple[float, tuple[float, Array] | None]:
     """Compute the signed distance of a value from a valley at which the profile cost has risen by what is allowed.
 
-    Returns
-    -------
-    tuple
-        The distance, and cost and scaled values of a point that is lower than the valley, if one was reached.
+    Also return cost and scaled values of a point that is lower than the valley, if one was reached.
     """
     (cost, middle), inverse = valley, fitted.uncertainty.inverse
     along = inverse[:, index] / inverse[index, index]

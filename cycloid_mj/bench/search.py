@@ -252,7 +252,11 @@ class FitProblem:
         Where stiffness or play is fitted, the factors on them are those that bring the model nearest to the loops.
         """
         keys = {parameter.key for parameter in self.parameters}
-        shifts = [[0.5 * sum(loop.ends), _centre(loop)] / offset_scales(loop) for loop in self.loops]
+        centres = [0.5 * float(loop.deflection.max() + loop.deflection.min()) for loop in self.loops]
+        shifts = [
+            [0.5 * sum(loop.ends), middle] / offset_scales(loop)
+            for loop, middle in zip(self.loops, centres, strict=True)
+        ]
         plays = (1.0, 2.0, 0.5, 4.0) if {"mesh_play", "play", "output_play"} & keys else (1.0,)
         softer = (1.0, 0.3, 0.1, 0.03, 0.01, 3.0) if {"tooth_stiffness", "structure_stiffness"} & keys else (1.0,)
         starts = []
@@ -368,10 +372,6 @@ def _filler(start: Array, free: Sequence[int] | Integers) -> Callable[[Array], A
         return scaled
 
     return fill
-
-
-def _centre(loop: MeasuredLoop) -> float:
-    return 0.5 * float(loop.deflection.max() + loop.deflection.min())
 
 
 def offset_scales(loop: MeasuredLoop) -> Array:

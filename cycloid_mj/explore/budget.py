@@ -152,18 +152,10 @@ def _terms(f: _Sets, departures: Sequence[list[Array]]) -> _Terms:
 
 
 def _linear_part(f: _Sets, departures: Sequence[list[Array]]) -> tuple[Array, _Sets, Array]:
-    """Fit a linear model to the figure; each fold of the samples has the coefficients fitted to the others.
+    """Fit a linear model to the figure `f`; each fold of the samples has the coefficients fitted to the others.
 
-    Parameters
-    ----------
-    f
-        The figure.
-    departures
-        Departures in A and B by tolerance, of mean 0 and variance 1, shape (n, numbers) each.
-
-    Returns
-    -------
-    The constant, shape (n,), the linear part in all sets, and its variance by tolerance, shape (tolerances, n).
+    `departures` are those in A and B by tolerance, of mean 0 and variance 1, shape (n, numbers) each. Return the
+    constant, shape (n,), the linear part in all sets, and its variance by tolerance, shape (tolerances, n).
     """
     in_a, in_b = departures
     tolerances, count = f.mixed.shape

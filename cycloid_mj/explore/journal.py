@@ -48,7 +48,7 @@ def remove_study(into: Path, study: str) -> None:
     rows = into / rows_file(study)
     try:
         if rows.exists():
-            with _locked(rows, into, study):
+            with _lock(rows, into, study):
                 rows.unlink()
         (into / plan_file(study)).unlink(missing_ok=True)
     except OSError as problem:
@@ -122,7 +122,7 @@ def open_journal(into: Path, plan: Mapping[str, Any], study: str = SWEEP) -> Ite
         stream = path.open("ab+", buffering=0)
     except OSError as problem:
         raise CycloidError(f"cannot write {path}: {reason(problem)}; choose another folder with --out") from problem
-    with stream, _locked(path, into, study):
+    with stream, _lock(path, into, study):
         if not (into / plan_file(study)).exists():
             write_files({into / plan_file(study): json.dumps(plan, indent=2).encode() + b"\n"})
         yield Journal(path, stream, _read_rows(stream))
@@ -151,7 +151,7 @@ def _is_same_study(into: Path, plan: Mapping[str, Any], study: str) -> bool:
 
 
 @contextmanager
-def _locked(rows: Path, into: Path, study: str) -> Iterator[None]:
+def _lock(rows: Path, into: Path, study: str) -> Iterator[None]:
     """Lock the rows of a study against other processes inside the block."""
     try:
         release = lock_file(rows)

@@ -94,7 +94,7 @@ def draw_points(vary: Mapping[str, Wanted], method: Method, count: int, seed: in
     """
     _require_few(count)
     axes = [parse_axis(key, wanted) for key, wanted in vary.items()]
-    shares = _shares(method, count, len(axes), seed)
+    shares = _draw_shares(method, count, len(axes), seed)
     columns = [_drawn(axis, column) for axis, column in zip(axes, shares.T, strict=True)]
     return Points(tuple(vary), tuple(zip(*columns, strict=True)))
 
@@ -174,11 +174,11 @@ def parse_axis(key: str, wanted: Wanted) -> Axis:
         return Axis(key, field, tuple(_value(key, field, value) for value in values))
     parts = wanted.split(":")
     if len(parts) in (2, 3) and field.annotation in (int, float):
-        return _range(key, field, wanted, parts)
+        return _parse_range(key, field, wanted, parts)
     return Axis(key, field, tuple(_value(key, field, word.strip()) for word in wanted.split(",")))
 
 
-def _range(key: str, field: FieldInfo, wanted: str, parts: Sequence[str]) -> Axis:
+def _parse_range(key: str, field: FieldInfo, wanted: str, parts: Sequence[str]) -> Axis:
     """Parse a range ``lo:hi`` or ``lo:hi:n``."""
     option = f"--vary {key}={wanted}"
     try:
@@ -240,7 +240,7 @@ def _value(key: str, field: FieldInfo, value: Any) -> Value:
     raise UsageError(f"{key}: {str(value)!r:.60} is not allowed; expected {allowed}")
 
 
-def _shares(method: Method, count: int, dimensions: int, seed: int) -> Array:
+def _draw_shares(method: Method, count: int, dimensions: int, seed: int) -> Array:
     """Draw points in the unit cube, shape (count, dimensions)."""
     from scipy.stats import qmc
 

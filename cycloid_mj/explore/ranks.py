@@ -59,7 +59,9 @@ def select_quantities(sweep: Sweep, wanted: tuple[str, ...] = ()) -> tuple[str, 
         raise UsageError(f"--show {unknown[0]}: unknown quantity; available: {', '.join(available) or 'none'}")
     if wanted:
         return wanted
-    varying = [name for name in available if _varies(_finite(numbers[name]))] or available
+    finite = {name: values for name in available if (values := _finite(numbers[name])).size}
+    # more than rounding
+    varying = [name for name, values in finite.items() if np.ptp(values) > 1e-6 * np.abs(values).max()] or available
     order = {name: number for number, name in enumerate(HEADLINES)}
     ranked = sorted(varying, key=lambda name: order.get(name.rpartition(".")[2], len(order)))
     return tuple(ranked[:6])
@@ -100,11 +102,6 @@ def tables(sweep: Sweep, quantities: tuple[str, ...]) -> tuple[Table, ...]:
 
 def _finite(values: Array) -> Array:
     return values[np.isfinite(values)]
-
-
-def _varies(values: Array) -> bool:
-    """Return whether a quantity varies by more than rounding, and so has a panel."""
-    return values.size > 0 and bool(np.ptp(values) > 1e-6 * np.abs(values).max())
 
 
 def _rho(first: Array, second: Array) -> float:

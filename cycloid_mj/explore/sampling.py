@@ -114,7 +114,7 @@ def draw_departures(reducer: Reducer, zones: Mapping[str, Zone], seed: int, batc
 
     Those of a wave are the amplitudes of its cosine and sine, see `Samples.waves`.
     """
-    shares = _shares(reducer, zones, seed, batch)
+    shares = _draw_shares(reducer, zones, seed, batch)
     departures = {key: zone.quantiles(shares[key]) for key, zone in zones.items()}
     for key in (key for key in zones if key.startswith(WAVE)):
         amplitude, phase = zones[key].quantiles(shares[key][:, 0]), 2.0 * np.pi * shares[key][:, 1]
@@ -122,7 +122,7 @@ def draw_departures(reducer: Reducer, zones: Mapping[str, Zone], seed: int, batc
     return departures
 
 
-def _shares(reducer: Reducer, zones: Mapping[str, Zone], seed: int, batch: Batch) -> dict[str, Array]:
+def _draw_shares(reducer: Reducer, zones: Mapping[str, Zone], seed: int, batch: Batch) -> dict[str, Array]:
     """Draw uniform numbers from 0 to 1, by tolerance, shape (samples, ...)."""
     end = batch.first + batch.count
     shares = {}

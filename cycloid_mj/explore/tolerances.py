@@ -321,19 +321,9 @@ def tolerance(
     StudyInterrupted
         Ctrl-C; it holds the figures of the first samples, up to the first batch that is missing.
     """
-    reducer = Reducer(resolve(design))
-    require_one_ring(reducer, "tolerances: parts that press each other without a load count as jammed")
-    zones = sampling.tolerance_zones(reducer)
-    if not zones:
-        raise UsageError(
-            f"the design {reducer.design.name!r} has no tolerances: set some in its table [tolerance], "
-            "e.g. --set 'tolerance.cam=\"uniform 2\"'"
-        )
     if not 0 <= verify <= MAX_WORST:
         raise UsageError(f"cannot run {verify} samples in full dynamics; allowed: 0 to {MAX_WORST}, the worst samples")
-    parsed = tuple(parse_limit(limit, reducer) if isinstance(limit, str) else limit for limit in limits)
-    require_consistent(parsed)
-    study = _Study(reducer, zones, samples, seed, parsed)
+    study = _define_study(Reducer(resolve(design)), samples, seed, limits)
     done: dict[int, dict[str, Array]] = {}
     checked: dict[int, DynamicsCheck] = {}
     try:
@@ -349,19 +339,24 @@ def tolerance(
     return _with_dynamics(result, checked)
 
 
+def _define_study(reducer: Reducer, samples: int, seed: int, limits: Sequence[FigureLimit | str]) -> "_Study":
+    """Return the study of a design with tolerances and consistent limits."""
+    require_one_ring(reducer, "tolerances: parts that press each other without a load count as jammed")
+    zones = sampling.tolerance_zones(reducer)
+    if not zones:
+        raise UsageError(
+            f"the design {reducer.design.name!r} has no tolerances: set some in its table [tolerance], "
+            "e.g. --set 'tolerance.cam=\"uniform 2\"'"
+        )
+    parsed = tuple(parse_limit(limit, reducer) if isinstance(limit, str) else limit for limit in limits)
+    require_consistent(parsed)
+    return _Study(reducer, zones, samples, seed, parsed)
+
+
 def _balance(study: "_Study", done: dict[int, dict[str, Array]], progress: Progress, engine: Engine) -> bool:
-    """Balance the samples of a study and the sets of its budget.
+    """Balance the samples of a study and the sets of its budget; add the figures of each batch to `done`, by its index.
 
-    Parameters
-    ----------
-    study, progress, engine
-        The study, and how to run it.
-    done
-        Takes the figures of each batch, by its index in the work of the study.
-
-    Returns
-    -------
-    Whether all is done; False where too many samples of the first batch jam.
+    Return whether all is done: False where too many samples of the first batch jam.
     """
     total, count = sum(batch.count for batch, _ in study.work), 0
     work = partial(balance_batch, study.reducer, study.zones, study.seed, ANGLES)

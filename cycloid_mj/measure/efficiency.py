@@ -68,14 +68,13 @@ def efficiency(
     periods = QUICK_PERIODS if quick else PERIODS
     efficiency_map = run_map(steady, torques, speeds, periods, not quick, progress, solver)
     point = efficiency_map.rated
-    beside = [replace(one, friction=friction_for(efficiency_map.by_friction, one.rate)) for one in published]
+    rated_point = _rated_quantities(steady, efficiency_map)
+    beside = [replace(item, friction=friction_for(efficiency_map.by_friction, item.rate)) for item in published]
     return Measurement(
         measure="efficiency",
         design=steady.design,
         condition=f"up to {max(torques):.4g} N m and {max(map(abs, speeds)) / RPM:.0f} rpm, {SOLVERS[solver]}",
-        quantities=by_key(
-            _rated_quantities(steady, efficiency_map), _losses(point), _drag_quantities(steady, efficiency_map)
-        ),
+        quantities=by_key(rated_point, _losses(point), _drag_quantities(steady, efficiency_map)),
         curves=_curves(efficiency_map),
         tables=(
             loss_breakdown.table(point.powers, beside, efficiency_map.error),

@@ -98,7 +98,7 @@ Floats = Sequence[float]
 def run_map(
     reducer: Reducer, torques: Floats, speeds: Floats, periods: int, check: bool, progress: Progress, solver: Solver
 ) -> EfficiencyMap:
-    """Run all points, several at a time.
+    """Run the points of the map, the variants of the rated one, and those driven backward, several at a time.
 
     The map, and the rated point with a varied input, use massless pins where pins move.
 

@@ -28,7 +28,7 @@ from cycloid_mj.statics.windup import LOST_MOTION_SHARE, STRAIGHT
 
 
 @dataclass(frozen=True)
-class HysteresisSettings:
+class SlowLoopSettings:
     """Settings of the torque loop at a locked crank, and of its readings."""
 
     power: int = 5
@@ -48,7 +48,7 @@ class HysteresisSettings:
     """Periods before the loop."""
 
 
-LOOP = HysteresisSettings()
+LOOP = SlowLoopSettings()
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +104,7 @@ class HysteresisLoop:
         return 1.0 / self.compliance()
 
     @property
-    def dissipated(self) -> float:
+    def dissipation(self) -> float:
         """Work of friction and contacts over the period by the log [J]; stored energy is released at its end."""
         within = self.run.select(self.run.time >= LOOP.lead / (1.0 + LOOP.lead) * self.run.time[-1])
         names = [name for name in within.columns if name.endswith((FRICTION_POWER, NORMAL_POWER))]

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -51,8 +52,11 @@ class LoadSettings:
 LOADS = LoadSettings()
 
 
-FIRST_YIELD = "capacity: torque at which a contact first yields, below its surface"
-SHAKEDOWN = "shakedown limit: largest torque with elastic repeated rolling"
+CAPACITIES = {
+    "capacity": ("capacity: torque at which a contact first yields, below its surface", YIELD_PRESSURE),
+    "capacity_shakedown": ("shakedown limit: largest torque with elastic repeated rolling", SHAKEDOWN_PRESSURE),
+}
+"""Names of the capacities, and the largest pressure at each, relative to the yield strength."""
 CONFORMAL = "none: the surfaces are conformal, so the contact is not a narrow strip"
 UNPRESSED = "none: nothing presses on these contacts"
 UNDECIDED = "none: no contact is both pressed and narrow enough for Hertz"
@@ -104,45 +108,46 @@ def loads(
     loaded = steady_design(reducer).but(load={"torque": torque})
     half = halve_time_step(loaded, solver)
     work = [(loaded, LOADS.periods if quick else reducer.mesh_periods), (half, LOADS.periods)]
-    whole = len(work) + 1
+    last = len(work) + 1
     run, finer = each_in_threads(
-        lambda one: run_steady(one[0], SETTLING_TIME, one[1], solver), work, lambda done, _: progress(done, whole)
+        lambda task: run_steady(task[0], SETTLING_TIME, task[1], solver), work, lambda done, _: progress(done, last)
     )
     contacts, fine = contact_pressures(run, loaded), contact_pressures(finer, loaded)
     coarse = contact_pressures(run.select(slice(0, len(finer))), loaded)
-    limits, lasting = (_limits(contacts, loaded, allowed) for allowed in (YIELD_PRESSURE, SHAKEDOWN_PRESSURE))
+    limits, lasting = (_limits(contacts, loaded, allowed) for _, allowed in CAPACITIES.values())
     missed = {kind: _peak_excess(loaded, contact) for kind, contact in contacts.items()}
     weakest = min(limits, key=lambda kind: limits[kind], default="")
-    capacities = [_no_capacity("capacity", FIRST_YIELD), _no_capacity("capacity_shakedown", SHAKEDOWN)]
-    if weakest:
-        unsure = missed[weakest] + _pressure_error(contacts[weakest], coarse[weakest], fine[weakest])
-        capacities = [
-            _capacity(key, loaded, weakest, torque * factors[weakest], allowed, name, unsure, solver)
-            for key, factors, allowed, name in (
-                ("capacity", limits, YIELD_PRESSURE, FIRST_YIELD),
-                ("capacity_shakedown", lasting, SHAKEDOWN_PRESSURE, SHAKEDOWN),
-            )
-        ]
-    progress(whole, whole)
+    unsure = missed[weakest] + _pressure_error(contacts[weakest], coarse[weakest], fine[weakest]) if weakest else 0.0
+    capacity, shakedown = (
+        _capacity(key, loaded, weakest, torque * factors[weakest], unsure, solver) if weakest else _no_capacity(key)
+        for key, factors in (("capacity", limits), ("capacity_shakedown", lasting))
+    )
+    progress(last, last)
     by_kind = (_of_kind(loaded, contacts[kind], coarse[kind], fine[kind], missed[kind]) for kind in contacts)
     discs = _of_discs(run, finer, loaded) if reducer.design.gear.discs > 1 else ()
     return Measurement(
         measure="loads",
         design=reducer.design,
         condition=f"{torque:.4g} N m, {abs(reducer.design.drive.speed) / RPM:.0f} rpm, {SOLVERS[solver]}",
-        quantities=by_key(*by_kind, discs, capacities),
+        quantities=by_key(*by_kind, discs, [capacity, shakedown]),
         curves=_curves(contacts, loaded),
         assumptions=_assumptions(loaded),
         runs={"loaded": run},
-        details={
-            "load_torque_nm": torque,
-            "nominal_torque_nm": reducer.design.rated_torque,
-            "rated_torque_nm": reducer.design.rated_torque,  # the former key, for one release
-            "weakest": weakest,
-            "capacity_by_kind_nm": _scale_limits(limits, torque),
-            "shakedown_by_kind_nm": _scale_limits(lasting, torque),
-        },
+        details={"load_torque_nm": torque, **_capacity_details(reducer, torque, weakest, limits, lasting)},
     )
+
+
+def _capacity_details(
+    reducer: Reducer, torque: float, weakest: str, limits: Mapping[str, float], lasting: Mapping[str, float]
+) -> dict[str, Any]:
+    """Convert the torques at which each kind reaches its limits to JSON values, by factors on a torque [N m]."""
+    return {
+        "nominal_torque_nm": reducer.design.rated_torque,
+        "rated_torque_nm": reducer.design.rated_torque,  # the former key, for one release
+        "weakest": weakest,
+        "capacity_by_kind_nm": {kind: torque * factor for kind, factor in limits.items()},
+        "shakedown_by_kind_nm": {kind: torque * factor for kind, factor in lasting.items()},
+    }
 
 
 def _pressure_error(contacts: ContactPressures, coarse: ContactPressures, fine: ContactPressures) -> float:
@@ -163,25 +168,17 @@ def _peak_excess(reducer: Reducer, contacts: ContactPressures) -> float:
     return max(0.0, ideal_peak(reducer, contacts.kind, turn) / ideal_peak(reducer, contacts.kind, contacts.angle) - 1.0)
 
 
-def _no_capacity(key: str, name: str) -> Quantity:
+def _no_capacity(key: str) -> Quantity:
     """Return a capacity without a value: no contact determines it."""
-    return Quantity(key, name, math.nan, "N m", note=UNDECIDED)
+    return Quantity(key, CAPACITIES[key][0], math.nan, "N m", note=UNDECIDED)
 
 
-def _capacity(
-    key: str,
-    reducer: Reducer,
-    weakest: str,
-    torque: float,
-    allowed: float,
-    name: str,
-    unsure: float,
-    solver: Solver,
-) -> Quantity:
-    """Compute the torque at which the weakest kind reaches a pressure, by fixed-point iteration over runs.
+def _capacity(key: str, reducer: Reducer, weakest: str, torque: float, unsure: float, solver: Solver) -> Quantity:
+    """Compute the torque at which the weakest kind reaches the pressure of a capacity, by fixed-point iteration.
 
-    `allowed` is the pressure relative to the yield strength, `unsure` the relative error of the forces of these runs.
+    `torque` is the start, `unsure` the relative error of the forces of the runs.
     """
+    name, allowed = CAPACITIES[key]
     allowed_depth = penetration_limit(reducer)
     for _ in range(LOADS.max_iterations):
         # penetration grows with the force: its limit is to detect failed runs, so it grows as well
@@ -190,20 +187,16 @@ def _capacity(
         run = run_steady(guess, SETTLING_TIME, LOADS.periods, solver)
         factor = _limits(contact_pressures(run, reducer), reducer, allowed).get(weakest)
         if factor is None:
-            return _no_capacity(key, name)
+            return _no_capacity(key)
         before, torque = torque, torque * factor
         if abs(torque - before) < LOADS.capacity_rtol * torque:
             break
     rated = reducer.design.rated_torque
-    return Quantity(
-        key,
-        name,
-        torque,
-        "N m",
-        error=abs(torque - before) + unsure * torque,
-        note=f"limited by {weakest}, whose largest pressure reaches {allowed:.3g} x the yield strength at "
-        f"{torque / rated:.2f} of the rated {rated:.4g} N m; over {LOADS.periods} mesh periods",
+    note = (
+        f"limited by {weakest}, whose largest pressure reaches {allowed:.3g} x the yield strength at "
+        f"{torque / rated:.2f} of the rated {rated:.4g} N m; over {LOADS.periods} mesh periods"
     )
+    return Quantity(key, name, torque, "N m", error=abs(torque - before) + unsure * torque, note=note)
 
 
 def _of_kind(
@@ -273,10 +266,6 @@ def _limits(kinds: Kinds, reducer: Reducer, allowed: float) -> dict[str, float]:
     """
     pressures = {kind: each.peak_pressure for kind, each in kinds.items() if each.peak_pressure > 0.0}
     return {kind: (allowed * reducer.contacts[kind].strength / most) ** 2 for kind, most in pressures.items()}
-
-
-def _scale_limits(limits: Mapping[str, float], torque: float) -> dict[str, float]:
-    return {kind: torque * factor for kind, factor in limits.items()}
 
 
 def _curves(kinds: Kinds, reducer: Reducer) -> tuple[Curve, ...]:

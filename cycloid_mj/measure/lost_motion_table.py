@@ -175,7 +175,7 @@ def _friction(measured: LostMotionLoops) -> list[Quantity]:
             lambda loop: 1e3 * loop.work,
             *pair,
             "mJ",
-            [1e3 * loop.dissipated for loop in measured.service],
+            [1e3 * loop.dissipation for loop in measured.service],
             "friction and damping, logged",
             "the area is the result; the logged powers of light free pins may differ where the time step does not "
             "resolve them",

@@ -150,7 +150,7 @@ def _cause_quantities(
                 name=f"rms of orders of {cause.name}, {case.words}",
                 value=cause.rms(seen),
                 unit="arcsec",
-                error=rms_about_mean(np.subtract(*_change(traces, finer, case, cause.place))) if finer else None,
+                error=rms_about_mean(np.subtract(*_both_errors(traces, finer, case, cause.place))) if finer else None,
                 reference=cause.rms(solved),
                 source=STATICS,
                 note=f"strongest: order {order:.6g} with amplitude {amplitude:.3g} arcsec{beside}",
@@ -185,18 +185,18 @@ def _step_error(traces: Found, finer: Finer, case: TraceCondition, shaft: str, l
     if not finer:
         return None
     measure, error = _LEVELS[level][1], getattr(traces[case], shaft)
-    coarse, fine = (measure(one) for one in _change(traces, finer, case, shaft))
+    coarse, fine = (measure(one) for one in _both_errors(traces, finer, case, shaft))
     first, second = (measure(half) for half in np.array_split(error, 2))
     return abs(coarse - fine) + 0.5 * abs(first - second)
 
 
 def _mean_change(traces: Found, finer: Finer, case: TraceCondition, signal: str) -> float:
-    coarse, fine = _change(traces, finer, case, signal)
+    coarse, fine = _both_errors(traces, finer, case, signal)
     return abs(float(np.mean(fine - coarse)))
 
 
-def _change(traces: Found, finer: Finer, case: TraceCondition, signal: str) -> tuple[Array, Array]:
-    """Compute the errors of the run forward under a case's load, and with half the step, where both have them."""
+def _both_errors(traces: Found, finer: Finer, case: TraceCondition, signal: str) -> tuple[Array, Array]:
+    """Return the errors of the forward run under a case's load, and of that with half the time step, where both run."""
     fine = finer[case.load, case.pace]
     coarse = traces[
         next(trace for trace in traces if (trace.load, trace.pace, trace.way) == (case.load, case.pace, "forward"))

@@ -81,8 +81,7 @@ def torque(
     tests = all_in_threads(tasks, lambda done, whole: progress(done, whole + last))
     ours, finer = tests["own"], tests.get("halved")
     rates = {key: test.powers.efficiency for key, test in tests.items()}
-    by_row = {row: rates[row] for row in rows}
-    by_input = spread.pair_rates(assumed, rates)
+    by_row, by_input = {row: rates[row] for row in rows}, spread.pair_rates(assumed, rates)
     held = steady.but(load={"torque": ours.output})
     with suppress_warnings(tuple(creeping(held))):
         at_held_crank = held_efficiency(steady, ours.output, main, solver)

@@ -92,7 +92,7 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
     counted = _Counted(progress, 2 + (1 + 2 * len(GRID.torques)) * len(GRID.speeds) + count_turns(reducer))
     fine, coarse = solve_play(reducer, GRID.angles_factor * POSES), solve_play(reducer, POSES)
     counted.count_one()
-    friction = _friction(reducer, counted.count_one)
+    friction = _friction_map(reducer, counted.count_one)
     rotor, output = crank_and_output_inertia(reducer)
     joint = ReducedJoint(
         name=reducer.design.name,
@@ -205,7 +205,7 @@ def crank_and_output_inertia(reducer: Reducer) -> tuple[float, float]:
     return crank, turning_inertia(reducer)
 
 
-def _friction(reducer: Reducer, on_step: Callable[[], None]) -> FrictionMap:
+def _friction_map(reducer: Reducer, on_step: Callable[[], None]) -> FrictionMap:
     """Compute the map of friction; `on_step` is called after each of its points."""
     speed, rated = reducer.design.drive.speed, reducer.design.rated_torque
     maps: dict[float, list[tuple[float, ...]]] = {1.0: [], -1.0: []}

@@ -65,9 +65,10 @@ def slip_inertias(reduced: ReducedJoint) -> list[tuple[float, float]]:
 
 def joint_xml(reduced: ReducedJoint, joint: str = OUTPUT) -> str:
     """Return the MJCF that a robot's model includes: crank, springs to the joint of this name, and motor."""
+    name = reduced.name.replace("--", "- -")  # which would end a comment
     body = _rigid(reduced, joint) if reduced.level == "rigid" else _with_springs(reduced, joint)
     return f"""<mujoco model="reducer">
-  <!-- The reducer {_comment(reduced.name)} as one joint, level {reduced.level}, by cycloid-mj reduce.
+  <!-- The reducer {name} as one joint, level {reduced.level}, by cycloid-mj reduce.
        {reduced.ratio:g}:1, rated {reduced.rated_torque:.4g} N m at {reduced.rated_speed / RPM:.0f} rpm of the crank.
        Include it in a robot whose hinge is called "{joint}" and has class="{reducer_name(joint)}". -->
 {body}</mujoco>
@@ -180,11 +181,6 @@ def _rigid(reduced: ReducedJoint, joint: str) -> str:
 def _sticking() -> str:
     solimp = " ".join(f"{value:g}" for value in MJCF.sticking_impedance)
     return f'solreffriction="{MJCF.sticking_time:g} 1" solimpfriction="{solimp}"'
-
-
-def _comment(text: str) -> str:
-    """Escape text so that it does not end an XML comment."""
-    return text.replace("--", "- -")
 
 
 def _range(reduced: ReducedJoint) -> str:

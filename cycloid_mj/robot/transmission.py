@@ -53,7 +53,7 @@ def solve_ripple(reducer: Reducer, on_turn: Callable[[], None]) -> Ripple:
     lightest = next((load for load in RIPPLE.unloaded if _balances(reducer, load)), RIPPLE.unloaded[-1])
     shares = (lightest, *RIPPLE.loads)
     spectra = {(load, sign): waves(solve_error(reducer, load, sign, on_turn)) for sign in (1, -1) for load in shares}
-    kept = _kept([fine for fine, _ in spectra.values()])
+    kept = _strongest_harmonics([fine for fine, _ in spectra.values()])
     # with a forward crank, the load pushes a carrier output counter-clockwise, to its upper stop
     stops = {}
     for name, sign in (("low", -reducer.member.sense), ("high", reducer.member.sense)):
@@ -131,7 +131,7 @@ def waves(values: Array) -> tuple[Waves, Waves]:
     return fine[: coarse.size - 1], coarse[:-1]
 
 
-def _kept(each: list[Waves]) -> npt.NDArray[np.int64]:
+def _strongest_harmonics(each: list[Waves]) -> npt.NDArray[np.int64]:
     """Return the indices of the fewest strongest harmonics whose remainder of each error is below the limit."""
     each_share = [np.abs(item) / max(float(np.linalg.norm(item)), np.finfo(float).tiny) for item in each]
     shares: Array = np.stack(each_share).max(axis=0)

@@ -76,7 +76,7 @@ def _poisson() -> Claim:
     shear = steel.youngs_modulus / (2.0 * (1.0 + steel.poisson))
     stiffer = (1.0 - steel.poisson**2) / (1.0 - stated**2) - 1.0
     same = abs(steel.poisson - stated) < 0.005
-    return POISSON.judged(
+    return POISSON.judge(
         ours=Value(
             f"E {1e-6 * steel.youngs_modulus:.0f} N/mm2, {steel.poisson:g}: G {1e-6 * shear:.0f}", steel.poisson, "1"
         ),

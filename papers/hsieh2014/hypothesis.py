@@ -37,14 +37,9 @@ def soft_runs(plan: Plan) -> dict[Case, PeakForces]:
 
 
 def needed(stress: Mapping[str, float], force: Mapping[str, float], design: str) -> dict[str, float]:
-    """Compute the force [N] on each part that would cause the paper's stress, in proportion to the force.
+    """Compute the force [N] on each part that would cause the paper's stress of a design, in proportion to the force.
 
-    Parameters
-    ----------
-    stress, force
-        Part -> stress [MPa] under a load, and the largest force on it [N].
-    design
-        Name of the design.
+    `stress` [MPa] and `force` [N] are those of each part under one load, the largest.
     """
     return {part: HEIGHTS[part, design] * force[part] / stress[part] for part in force}
 

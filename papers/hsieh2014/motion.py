@@ -193,7 +193,7 @@ def _ratio(evidence: OverStarts[float], rated: Series) -> Claim:
 
     judged = ruling(evidence, lambda speed: abs(speed - exact) <= 1e-3 * exact, words, "the number of teeth")
     lobe = Removal("a lobe of the gear, by Eq. 12", f"{fewer:.5g} rad/s", Verdict.DISAGREES)
-    return statements.gear_speed(design.name).judged(
+    return statements.gear_speed(design.name).judge(
         ours=spread_value(f"{speeds.mean:.5g} rad/s", speeds, "rad/s"),
         error=spread_error(speeds, "rad/s"),
         rated=Value(f"{mean_speed(rated):.5g} rad/s", mean_speed(rated), "rad/s"),
@@ -207,7 +207,7 @@ def _judge_transmission_error(evidence: OverStarts[float], rated: Series) -> Cla
     sizes, under = StartSpread.of(evidence.base), transmission_error(rated)
     cause = "the clearances: within them an idle gear floats"
     judged = ruling(evidence, lambda size: size >= 0.1, lambda some: f"{StartSpread.of(some).words} arcsec", cause)
-    return statements.transmission_error(rated.design.name).judged(
+    return statements.transmission_error(rated.design.name).judge(
         ours=spread_value(f"{sizes.words} arcsec peak to peak", sizes, "arcsec"),
         error=spread_error(sizes, "arcsec"),
         rated=Value(f"{under:.3g} arcsec", under, "arcsec"),

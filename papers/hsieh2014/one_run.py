@@ -57,7 +57,7 @@ def _alone(findings: StressFindings) -> Iterator[Claim]:
 def _judge(statement: statements.Statement, name: str, value: str, holds: bool, decided_by: str) -> Claim:
     """Return the judged claim for a design; the tables of the study contain the numerical errors."""
     renamed = replace(statement, claim=f"{name}: {statement.claim}")
-    return renamed.judged(Value(value), Value("one more refinement"), majority_verdict([holds]), decided_by)
+    return renamed.judge(Value(value), Value("one more refinement"), majority_verdict([holds]), decided_by)
 
 
 def _height(findings: StressFindings, part: PartFindings) -> Claim:

@@ -18,7 +18,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, eq=False)
 class OverStarts(Generic[T]):
-    """One figure of every start of a design without load."""
+    """A figure of every start of a design without load."""
 
     base: Sequence[T]
     """Figure of each start of the design itself."""

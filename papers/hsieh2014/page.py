@@ -29,18 +29,10 @@ ERRATUM_HEAD = ("Eq.", "printed", "right", "compared with", "error as printed", 
 def reproduction_page(
     stages: Sequence[StageRun], errata: Sequence[Mapping[str, Any]], pictures: Mapping[str, bytes], about: Sequence[str]
 ) -> str:
-    """Return the page: claims, then each stage with its figures, then the errata.
+    """Return the page: claims, then each stage with its figures, then the errata as `errata.errata` returns them.
 
-    Parameters
-    ----------
-    stages
-        Stages that ran; the section of a failed stage states the error.
-    errata
-        As returned by `errata.errata`.
-    pictures
-        Name of a plate -> PNG or SVG.
-    about
-        Lines on what was run, and how.
+    The section of a failed stage states the error. `pictures` are the plates by name, as PNG or SVG, `about` lines on
+    what was run, and how.
     """
     claims = [claim for stage in stages for claim in stage.result.claims]
     numbers = [f"{sum(claim.verdict == verdict for claim in claims)} {words}" for verdict, words in TALLY.items()]

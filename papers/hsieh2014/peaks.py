@@ -99,7 +99,7 @@ def by_angle(run: Run, among: Sequence[str]) -> Array:
 
 
 def curves_by_angle(run: Run, of_parts: Mapping[str, Sequence[str]]) -> dict[str, Array]:
-    """Compute the same for several parts, each with the pairs that act on it."""
+    """Compute the largest force on each part [N] in each bin of the crank turn, by the pairs that act on it."""
     motion = settle_run(run)
     forces = {
         part: np.max([peak(run, pair) for pair in among], axis=0)[motion.hold] for part, among in of_parts.items()

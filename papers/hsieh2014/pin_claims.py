@@ -34,7 +34,7 @@ def sway(motions: Motions, rated: PinMotion) -> Claim:
     )
     words = f"{_um(span)} um across, {_um(reach)} um from the middle; clearance {1e6 * clearance:g} um"
     under = f"{1e6 * rated.span:.3g} um across, {1e6 * rated.reach:.3g} um from the middle, by the give of the socket"
-    return statements.pin_1_sway(clearance).judged(
+    return statements.pin_1_sway(clearance).judge(
         ours=Value(words, 1e3 * reach.mean, "mm", (1e3 * reach.low, 1e3 * reach.high)),
         error=Value(f"spread of {len(starts)} starts", 1e6 * reach.half, "um"),
         searched=motions.ranges,
@@ -57,7 +57,7 @@ def spin(motions: Motions, rated: PinMotion) -> Claim:
         return f"mean {_spread(some, lambda one: one.mean_spin).words} rad/s"
 
     judged = ruling(motions, lambda one: one.mean_spin > 0.0, words, judged=_one_way)
-    return statements.PIN_1_SPIN.judged(
+    return statements.PIN_1_SPIN.judge(
         ours=spread_value(f"mean {means.words} rad/s, rms {rocking.words} rad/s", means, "rad/s"),
         error=spread_error(means, "rad/s"),
         searched=motions.ranges,
@@ -80,7 +80,7 @@ def turns(motions: Motions, rated: PinMotion) -> Claim:
         lambda one: one.seen_turned >= SEEN_TURN,
         lambda some: f"{_spread(some, lambda one: one.seen_turned).words} deg",
     )
-    return statements.PIN_1_TURNS.judged(
+    return statements.PIN_1_TURNS.judge(
         ours=spread_value(f"{first} deg in the first start; {widest.words} deg between them", widest, "deg"),
         error=spread_error(widest, "deg"),
         searched=motions.ranges,
@@ -98,7 +98,7 @@ def slides(motions: Motions, rated: PinMotion) -> Claim:
         lambda one: one.rolling < ROLLS,
         lambda some: f"{100 * _spread(some, lambda one: one.rolling).high:.2g} % of the gear's at most",
     )
-    return statements.PIN_1_SLIDES.judged(
+    return statements.PIN_1_SLIDES.judge(
         ours=spread_value(f"its surface goes along with {percent} % of the gear's", shares, "1"),
         error=spread_error(shares, "1"),
         searched=motions.ranges,

@@ -53,7 +53,7 @@ RANKED = (
 
 @dataclass(frozen=True)
 class Ranking:
-    """One quantity of a pin and of a nonpin design under one load: levels and verdict on the paper's statement.
+    """A quantity of a pin and of a nonpin design under one load: levels and verdict on the paper's statement.
 
     The paper states that the pin design fluctuates more. Under load this is `confirmed` or `contradicted` if a rank
     test (Mann and Whitney, two-sided, 5 %) distinguishes the crank turns of the two designs. The designs are `alike` if
@@ -129,6 +129,7 @@ class Ranking:
         return f"{self.starts} starts spread by more than their difference"
 
     def _numbers(self) -> str:
+        """Return the rms of both designs and their ratio in words: over starts without load, else over turns."""
         if self.load_nm == 0.0:
             spreads = ((self.pin, self.pin_starts), (self.nonpin, self.nonpin_starts))
             parts = [f"{name} {level.words} {self.unit} (mean {level.mean:.3g})" for name, level in spreads]

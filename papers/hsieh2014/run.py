@@ -40,19 +40,7 @@ Report = Callable[[Stage, str, float], None]
 
 
 def run_steps(plan: Plan, runs: Runs, report: Report, chosen: Sequence[str] = ()) -> list[StageRun]:
-    """Run the stages; any error is kept in its stage.
-
-    Parameters
-    ----------
-    plan
-        Extent of the computation.
-    runs
-        Provider of the runs of designs.
-    report
-        Progress callback.
-    chosen
-        Keys of the steps to run; by default all of `STEPS`.
-    """
+    """Run the stages with these keys, or all of `STEPS`, with a provider of runs; any error is kept in its stage."""
     steps = [step for step in (*STEPS, AUTHORS) if step.key in (chosen or [each.key for each in STEPS])]
     shares = [step.quick if plan.quick else step.full for step in steps]
     start, stages = monotonic(), []

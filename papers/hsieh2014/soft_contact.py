@@ -160,119 +160,164 @@ def _facets(design: Design, chord_error: float, seed: int) -> Array:
     return np.random.default_rng(seed).uniform(0.0, 2.0 * chord_error, (design.lobes, count))
 
 
+@njit
+def _facet_height(t: float, facets: Any, curve: Trochoid) -> float:
+    """Return how far the facet at the parameter t of the trochoid protrudes from the flank [m]."""
+    lobes, count = facets.shape
+    if count == 1:
+        return 0.0
+    position = t * lobes / (2.0 * math.pi)
+    lobe = math.floor(position)
+    along = (position - lobe) * count
+    facet = min(int(along), count - 1)
+    share = along - facet
+    side = 1.0 if trochoid_curvature(t, curve) < 0.0 else -1.0
+    return side * facets[int(lobe) % lobes, facet] * 4.0 * share * (1.0 - share)
+
+
+@njit
+def _move_pin(pin: Any, home: float, tooth: Any, values: Any, timestep: float) -> Any:
+    """Move a free pin by a time step, and return the forces on it: by the gear, and by socket and edge the larger one.
+
+    `pin` has displacement and velocity. `tooth` is the contact with the gear: normal, the gear's velocity there, spring
+    force and damping. Dampers act on the speed at the end of the step: a pin is too light for them otherwise.
+    """
+    rho, socket, pin_mass, half = values[2], values[5], values[11], values[20]
+    gravity_x, gravity_y, k, e, damping, full = values[13], values[14], values[16], values[17], values[18], values[19]
+    nx, ny, gx, gy, spring, damper = tooth
+    arc = PartialCircle(rho + socket, math.sin(home), math.cos(home), math.cos(half), math.sin(half))
+    side, on_arc, other = nearest_on_arc(pin[0], pin[1], arc)
+    if on_arc:
+        out, sx, sy = circle_in_circle(pin[0], pin[1], rho, rho + socket)
+    else:
+        out, sx, sy = circle_at_edge(pin[0], pin[1], rho, arc, side)
+    seat, normal = _spring_at(-out, k, e), _damper_at(-out, damping, full)
+    # the edge across the opening, between which and the first the pin may be caught
+    out, ox, oy = circle_at_edge(pin[0], pin[1], rho, arc, -side)
+    edge, against = _spring_at(-out, k, e), _damper_at(-out, damping, full)
+    if half == math.pi or not other:
+        edge, against = 0.0, 0.0
+    axx = pin_mass + timestep * (damper * nx * nx + normal * sx * sx + against * ox * ox)
+    ayy = pin_mass + timestep * (damper * ny * ny + normal * sy * sy + against * oy * oy)
+    axy = timestep * (damper * nx * ny + normal * sx * sy + against * ox * oy)
+    pushed = spring + damper * (gx * nx + gy * ny)
+    bx, by = pushed * nx - seat * sx - edge * ox, pushed * ny - seat * sy - edge * oy
+    bx = pin_mass * (pin[2] + timestep * gravity_x) + timestep * bx
+    by = pin_mass * (pin[3] + timestep * gravity_y) + timestep * by
+    determinant = axx * ayy - axy * axy
+    wx, wy = (ayy * bx - axy * by) / determinant, (axx * by - axy * bx) / determinant
+    pin[0] += timestep * wx
+    pin[1] += timestep * wy
+    pin[2], pin[3] = wx, wy
+    force = max(spring - damper * ((wx - gx) * nx + (wy - gy) * ny), 0.0)
+    return force, max(seat + normal * (wx * sx + wy * sy), edge + against * (wx * ox + wy * oy))
+
+
+@njit
+def _press_teeth(gear: Any, force: Any, pins: Any, free: bool, facets: Any, values: Any, timestep: float) -> Any:
+    """Add the teeth's force and torque on the gear to `force`; move free pins.
+
+    Also return the largest forces of teeth and sockets and the largest displacement of a pin. `gear` has position,
+    angle and their rates.
+    """
+    x, y, turned, vx, vy, spin = gear
+    fx, fy, moment = force
+    radius, c, rho, play = values[0], values[1], values[2], values[4]
+    k, e, damping, full = values[16], values[17], values[18], values[19]
+    teeth = pins.shape[0]
+    curve = Trochoid(radius, c, float(teeth))
+    sine, cosine = math.sin(turned), math.cos(turned)
+    largest, largest_seat, reach = 0.0, 0.0, 0.0
+    for i in range(teeth):
+        home = 2.0 * math.pi * i / teeth
+        dx, dy = radius * math.sin(home) + pins[i, 0] - x, radius * math.cos(home) + pins[i, 1] - y
+        t, distance, bx, by = trochoid_distance(cosine * dx + sine * dy, cosine * dy - sine * dx, curve)
+        nx, ny = cosine * bx - sine * by, sine * bx + cosine * by
+        gap = distance + play - _facet_height(t, facets, curve)
+        # the gear's speed where they touch
+        rx, ry = dx - rho * nx, dy - rho * ny
+        gx, gy = vx - spin * ry, vy + spin * rx
+        spring, damper = _spring_at(-gap, k, e), _damper_at(-gap, damping, full)
+        if free:
+            pressed, seat = _move_pin(pins[i], home, (nx, ny, gx, gy, spring, damper), values, timestep)
+            largest_seat = max(largest_seat, seat)
+            reach = max(reach, math.sqrt(pins[i, 0] ** 2 + pins[i, 1] ** 2))
+        else:
+            pressed = max(spring + damper * (gx * nx + gy * ny), 0.0)
+        if pressed > 0.0:
+            fx -= pressed * nx
+            fy -= pressed * ny
+            moment -= pressed * (rx * ny - ry * nx)
+            largest = max(largest, pressed)
+    return (fx, fy, moment), largest, largest_seat, reach
+
+
+@njit
+def _press_output_pins(gear: Any, force: Any, output: Any, holes: int, values: Any) -> Any:
+    """Add the output pins' force and torque on the gear to `force`; also return the output's torque, the largest force.
+
+    `gear` has position, angle and their rates, `output` its angle and rate.
+    """
+    x, y, turned, vx, vy, spin = gear
+    fx, fy, moment = force
+    angle, slow = output
+    circle, room, k, e, damping, full = values[7], values[8], values[16], values[17], values[18], values[19]
+    torque, largest = 0.0, 0.0
+    sine, cosine, so, co = math.sin(turned), math.cos(turned), math.sin(angle), math.cos(angle)
+    for j in range(holes):
+        home = 2.0 * math.pi * j / holes
+        sj, cj = circle * math.sin(home), circle * math.cos(home)
+        qx, qy = co * sj - so * cj, so * sj + co * cj
+        hx, hy = cosine * sj - sine * cj, sine * sj + cosine * cj
+        gap, nx, ny = circle_in_circle(qx - x - hx, qy - y - hy, 0.0, room)
+        closing = (-slow * qy - vx + spin * hy) * nx + (slow * qx - vy - spin * hx) * ny
+        pressed = max(_spring_at(-gap, k, e) + _damper_at(-gap, damping, full) * closing, 0.0)
+        if pressed > 0.0:
+            fx += pressed * nx
+            fy += pressed * ny
+            moment += pressed * (hx * ny - hy * nx)
+            torque -= pressed * (qx * ny - qy * nx)
+            largest = max(largest, pressed)
+    return (fx, fy, moment), torque, largest
+
+
 @njit(cache=cacheable(), nogil=True)
 def _integrate(
     values: Any, teeth: int, holes: int, free: bool, facets: Any, steps: int, timestep: float, per_turn: int
 ) -> Any:
     """Integrate the motion by semi-implicit Euler; return the fields of `PeakForces`, then its curve."""
-    radius, c, rho, speed, play, socket, cam_play, circle, room = values[:9]
-    gear_mass, gear_inertia, pin_mass, output_inertia = values[9:13]
-    gravity_x, gravity_y, phase, k, e, damping, whole, half = values[13:21]
-    lobes, count = facets.shape
+    c, speed, cam_play, circle = values[1], values[3], values[6], values[7]
+    gear_mass, gear_inertia, output_inertia = values[9], values[10], values[12]
+    gravity_x, gravity_y, phase, k, e, damping, full = values[13:20]
+    lobes = facets.shape[0]
     settled, stride = steps - (steps // per_turn) * per_turn, per_turn // 360
     x, y, turned = -c * math.sin(phase), c * math.cos(phase), -phase / lobes
     vx, vy, spin = -c * speed * math.cos(phase), -c * speed * math.sin(phase), -speed / lobes
     angle, slow = turned, spin
     pins = np.zeros((teeth, 4))
     largest, squares, of_q = np.zeros(OTHERS + BINS), 0.0, 0.0
-    curve = Trochoid(radius, c, float(teeth))
-    for step in range(steps):
-        theta = phase + speed * step * timestep
-        counts = step >= settled
-        fx, fy, moment, torque = gear_mass * gravity_x, gear_mass * gravity_y, 0.0, 0.0
-        sine, cosine = math.sin(turned), math.cos(turned)
-        for i in range(teeth):
-            home = 2.0 * math.pi * i / teeth
-            px, py = radius * math.sin(home) + pins[i, 0], radius * math.cos(home) + pins[i, 1]
-            dx, dy = px - x, py - y
-            t, distance, bx, by = trochoid_distance(cosine * dx + sine * dy, cosine * dy - sine * dx, curve)
-            nx, ny = cosine * bx - sine * by, sine * bx + cosine * by
-            gap = distance + play
-            if count > 1:
-                at = t * lobes / (2.0 * math.pi)
-                lobe = math.floor(at)
-                along = (at - lobe) * count
-                facet = min(int(along), count - 1)
-                share = along - facet
-                side = 1.0 if trochoid_curvature(t, curve) < 0.0 else -1.0
-                gap -= side * facets[int(lobe) % lobes, facet] * 4.0 * share * (1.0 - share)
-            # the gear's speed where they touch
-            rx, ry = dx - rho * nx, dy - rho * ny
-            gx, gy = vx - spin * ry, vy + spin * rx
-            spring, damper = _spring_at(-gap, k, e), _damper_at(-gap, damping, whole)
-            if free:
-                arc = PartialCircle(rho + socket, math.sin(home), math.cos(home), math.cos(half), math.sin(half))
-                side, on_arc, other = nearest_on_arc(pins[i, 0], pins[i, 1], arc)
-                if on_arc:
-                    out, sx, sy = circle_in_circle(pins[i, 0], pins[i, 1], rho, rho + socket)
-                else:
-                    out, sx, sy = circle_at_edge(pins[i, 0], pins[i, 1], rho, arc, side)
-                seat, normal = _spring_at(-out, k, e), _damper_at(-out, damping, whole)
-                # the edge across the opening, between which and the first the pin may be caught
-                out, ox, oy = circle_at_edge(pins[i, 0], pins[i, 1], rho, arc, -side)
-                edge, against = _spring_at(-out, k, e), _damper_at(-out, damping, whole)
-                if half == math.pi or not other:
-                    edge, against = 0.0, 0.0
-                # dampers act on the speed at the end of the step: a pin is too light for them otherwise
-                axx = pin_mass + timestep * (damper * nx * nx + normal * sx * sx + against * ox * ox)
-                ayy = pin_mass + timestep * (damper * ny * ny + normal * sy * sy + against * oy * oy)
-                axy = timestep * (damper * nx * ny + normal * sx * sy + against * ox * oy)
-                pushed = spring + damper * (gx * nx + gy * ny)
-                bx, by = pushed * nx - seat * sx - edge * ox, pushed * ny - seat * sy - edge * oy
-                bx = pin_mass * (pins[i, 2] + timestep * gravity_x) + timestep * bx
-                by = pin_mass * (pins[i, 3] + timestep * gravity_y) + timestep * by
-                whole_mass = axx * ayy - axy * axy
-                wx, wy = (ayy * bx - axy * by) / whole_mass, (axx * by - axy * bx) / whole_mass
-                force = max(spring - damper * ((wx - gx) * nx + (wy - gy) * ny), 0.0)
-                pins[i, 2], pins[i, 3] = wx, wy
-                pins[i, 0] += timestep * wx
-                pins[i, 1] += timestep * wy
-                if counts:
-                    largest[1] = max(
-                        largest[1], seat + normal * (wx * sx + wy * sy), edge + against * (wx * ox + wy * oy)
-                    )
-                    largest[7] = max(largest[7], math.sqrt(pins[i, 0] ** 2 + pins[i, 1] ** 2))
-            else:
-                force = max(spring + damper * (gx * nx + gy * ny), 0.0)
-            if force > 0.0:
-                fx -= force * nx
-                fy -= force * ny
-                moment -= force * (rx * ny - ry * nx)
-                if counts:
-                    largest[0] = max(largest[0], force)
+    for number in range(steps):
+        theta = phase + speed * number * timestep
+        gear, force = (x, y, turned, vx, vy, spin), (gear_mass * gravity_x, gear_mass * gravity_y, 0.0)
+        (fx, fy, moment), tooth, seat, reach = _press_teeth(gear, force, pins, free, facets, values, timestep)
         cx, cy = -c * math.sin(theta), c * math.cos(theta)
         gap, nx, ny = circle_in_circle(cx - x, cy - y, 0.0, cam_play)
         closing = (-speed * cy - vx) * nx + (speed * cx - vy) * ny
-        cam = max(_spring_at(-gap, k, e) + _damper_at(-gap, damping, whole) * closing, 0.0)
-        fx += cam * nx
-        fy += cam * ny
-        if counts:
-            largest[2] = max(largest[2], cam)
+        cam = max(_spring_at(-gap, k, e) + _damper_at(-gap, damping, full) * closing, 0.0)
+        force = fx + cam * nx, fy + cam * ny, moment
+        (fx, fy, moment), torque, pressed = _press_output_pins(gear, force, (angle, slow), holes, values)
+        if number >= settled:
+            for field, value in ((0, tooth), (1, seat), (2, cam), (3, pressed), (7, reach)):
+                largest[field] = max(largest[field], value)
             squares += (spin + speed / lobes) ** 2
-            qx, qy = vx - spin * circle * cosine, vy - spin * circle * sine
+            qx, qy = vx - spin * circle * math.cos(turned), vy - spin * circle * math.sin(turned)
             ideal = speed * (circle / lobes - c * math.cos(theta + theta / lobes))
             across = speed * c * math.sin(theta + theta / lobes)
             of_q += (math.sqrt(qx * qx + qy * qy) - math.sqrt(ideal * ideal + across * across)) ** 2
-            place = OTHERS + int(theta * BINS / (2.0 * math.pi)) % BINS
-            largest[place] = max(largest[place], cam)
-            if step % stride == 0:
+            part = OTHERS + int(theta * BINS / (2.0 * math.pi)) % BINS
+            largest[part] = max(largest[part], cam)
+            if number % stride == 0:
                 largest[4] = max(largest[4], cam)
-        so, co = math.sin(angle), math.cos(angle)
-        for j in range(holes):
-            home = 2.0 * math.pi * j / holes
-            sj, cj = circle * math.sin(home), circle * math.cos(home)
-            qx, qy = co * sj - so * cj, so * sj + co * cj
-            hx, hy = cosine * sj - sine * cj, sine * sj + cosine * cj
-            gap, nx, ny = circle_in_circle(qx - x - hx, qy - y - hy, 0.0, room)
-            closing = (-slow * qy - vx + spin * hy) * nx + (slow * qx - vy - spin * hx) * ny
-            force = max(_spring_at(-gap, k, e) + _damper_at(-gap, damping, whole) * closing, 0.0)
-            if force > 0.0:
-                fx += force * nx
-                fy += force * ny
-                moment += force * (hx * ny - hy * nx)
-                torque -= force * (qx * ny - qy * nx)
-                if counts:
-                    largest[3] = max(largest[3], force)
         vx += timestep * fx / gear_mass
         vy += timestep * fy / gear_mass
         spin += timestep * moment / gear_inertia

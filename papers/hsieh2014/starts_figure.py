@@ -16,14 +16,9 @@ TICKS = 6
 
 @with_style
 def starts_figure(cases: Mapping[str, Mapping[str, Mapping[str, StartSpread]]], quantities: Sequence[Ranked]) -> Figure:
-    """Draw each quantity in a panel: cases side by side, one mark per start and design.
+    """Draw each quantity in a panel, from the top: cases side by side, one mark per start and design.
 
-    Parameters
-    ----------
-    cases
-        Name of the case -> key of the quantity -> name of the design -> its starts.
-    quantities
-        Panels, from the top.
+    `cases` are the starts by the name of the case, the key of the quantity and the name of the design.
     """
     figure = NotebookFigure(figsize=(WIDTH, 1.3 * len(quantities) + 1.4), layout="constrained")
     panels = figure.subplots(len(quantities), 1, sharex=True, squeeze=False)[:, 0]

@@ -27,7 +27,7 @@ class Statement:
     stated: Value
     condition: Condition
 
-    def judged(
+    def judge(
         self,
         ours: Value,
         error: Value,

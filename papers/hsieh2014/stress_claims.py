@@ -32,14 +32,7 @@ def stress_claims(
 ) -> Iterator[Claim]:
     """Judge every claim on stress.
 
-    Parameters
-    ----------
-    studies
-        Design name -> its stress.
-    starts, rated
-        Design name -> its starts without load, and its run under the rated load.
-    searched
-        Results of the variations.
+    By the name of the design: its stress, starts without load, run under the rated load. `searched` are the variations.
     """
     searched = searched or Searched()
     evidence = Evidence(
@@ -76,7 +69,7 @@ def height(design: str, part: str, idle_stress: IdleStress, evidence: Evidence, 
     ):
         verdict = Verdict.DEPENDS
     highest = max(cases, key=lambda words: cases[words].high, default="")
-    return statements.stress_height(part, design).judged(
+    return statements.stress_height(part, design).judge(
         ours=verdicts.spread_value(
             f"{ours.words} MPa at impact peaks, 1/{theirs / ours.mean:.0f} of that", ours, "MPa"
         ),
@@ -114,7 +107,7 @@ def smaller(
     verdict, changes = verdicts.order_verdict(_order(pin, nonpin, missed), _left_open(varied, missed))
     words = f"{nonpin.words} against {pin.words} MPa, {compared}p = {verdicts.chance(pin, nonpin):.2g}"
     number, spread = (ratio.values[0], (ratio.low, ratio.high)) if compared else (None, None)
-    return statement.judged(
+    return statement.judge(
         ours=Value(words, number, statements.BY_DESIGN, spread),
         error=Value(f"what the line over the force misses; {len(pin.values)} starts", missed, "MPa"),
         verdict=verdict,
@@ -160,15 +153,14 @@ def parts_in_order(design: str, evidence: Evidence, searched: Searched) -> Claim
         each: Removal(each.words, f"{_of_parts(sizes(each))} MPa", _descending(sizes(each))[0])
         for each in evidence.varied
     }
-    of_contact = [
-        Removal(
-            words, f"{_of_parts(reached)} MPa", verdicts.majority_verdict([reached == sorted(reached, reverse=True)])
-        )
-        for words, reached in _treatments(design, searched).items()
-    ]
+    of_contact = []
+    for words in searched.reached.get((ORDER[0], design), {}):
+        stresses = [searched.reached[part, design][words] for part in ORDER]
+        descends = verdicts.majority_verdict([stresses == sorted(stresses, reverse=True)])
+        of_contact.append(Removal(words, f"{_of_parts(stresses)} MPa", descends))
     left_open = [*of_contact, *(removal for each, removal in of_runs.items() if each.parameter in LEFT_OPEN)]
     agreeing = [each.what for each in left_open if each.verdict == Verdict.AGREES]
-    return statements.stress_of_parts(design).judged(
+    return statements.stress_of_parts(design).judge(
         ours=Value(f"{_of_parts(sizes(None))} MPa"),
         error=stress_error(each, ORDER),
         verdict=Verdict.DEPENDS if agreeing and verdict == Verdict.DISAGREES else verdict,
@@ -178,14 +170,6 @@ def parts_in_order(design: str, evidence: Evidence, searched: Searched) -> Claim
         removals=[*of_runs.values(), *of_contact],
         p=p,
     )
-
-
-def _treatments(design: str, searched: Searched) -> dict[str, list[float]]:
-    """Return the stress of shaft, ring and gear [MPa] for every searched treatment of contact."""
-    return {
-        words: [searched.reached[part, design][words] for part in ORDER]
-        for words in searched.reached.get((ORDER[0], design), {})
-    }
 
 
 def _of_parts(sizes: Sequence[StartSpread | float]) -> str:
@@ -216,7 +200,7 @@ def designs_in_order(part: str, evidence: Evidence, ranges: Sequence[Range]) -> 
     rated = nonpin.rated[part].high / pin.rated[part].high
     words = f"{ours[1].words} against {ours[0].words} MPa, {mean:.2g} to 1, p = {verdicts.chance(*ours):.2g}"
     under = f"{nonpin.rated[part].high:.3g} against {pin.rated[part].high:.3g} MPa, {rated:.2g} to 1"
-    return statements.stress_of_designs(part).judged(
+    return statements.stress_of_designs(part).judge(
         ours=Value(words, mean, statements.BY_DESIGN, (ratio.low, ratio.high)),
         error=Value(ERROR, mean * max(pin.error(part), nonpin.error(part)), statements.BY_DESIGN),
         verdict=verdict,

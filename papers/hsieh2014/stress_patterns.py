@@ -53,7 +53,7 @@ def shaft_peaks(idle_stress: IdleStress, evidence: Evidence, ranges: Sequence[Ra
     deciding += [f"given by the paper: {', '.join(stated_changes)}"] if stated_changes else []
     mean = largest_of_halves(np.mean(curves, axis=0))
     angles = [StartSpread.of(angles) for angles in zip(*each, strict=True)]
-    return stress_peaks("pin").judged(
+    return stress_peaks("pin").judge(
         ours=Value(
             f"the cam's force peaks at {angles[0].words} and {angles[1].words} deg; over all starts at {mean[0]:g} and "
             f"{mean[1]:g} deg",
@@ -123,7 +123,7 @@ def output(design: str, evidence: Evidence, ranges: Sequence[Range]) -> Claim:
     of_runs = {each: removal(each.words, evidence.peaks(design, OUTPUT, each), each) for each in evidence.varied}
     left_open = [*of_pins, *(removal for each, removal in of_runs.items() if each.parameter in LEFT_OPEN)]
     agreeing = [each.what for each in left_open if each.verdict == Verdict.AGREES]
-    return stress_of_output(design).judged(
+    return stress_of_output(design).judge(
         ours=verdicts.spread_value(words(ours, None), ours, "MPa"),
         error=stress_error(each, [OUTPUT]),
         verdict=Verdict.DEPENDS if agreeing and verdict == Verdict.DISAGREES else verdict,
@@ -149,7 +149,7 @@ def pin_1_cycle(evidence: Evidence, rated: Run, ranges: Sequence[Range]) -> Clai
         lambda share: share >= MOSTLY,
         lambda some: f"{_percent(StartSpread.of(some))} within {reach:g} deg of 0",
     )
-    return PIN_1_CYCLE.judged(
+    return PIN_1_CYCLE.judge(
         ours=verdicts.spread_value(
             f"of what presses it over a turn, {_percent(pin)} comes within {reach:g} deg of 0, a ninth of the turn; of "
             f"lobe 1 without pins {_percent(lobe)}",

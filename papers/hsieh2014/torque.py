@@ -1,6 +1,7 @@
 """Fig. 19: the output torque at the rated input torque, and the friction that reproduces the paper's."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -59,7 +60,11 @@ def torque(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     )
     views, missing = pictures(runs(rated_runs(plan)[:2]))
     order = torque_order(measurements, searches)
-    tables = [_retitle(table, name) for name, measurement in measurements.items() for table in measurement.tables]
+    tables = [
+        replace(table, title=f"{name}: {table.title}")
+        for name, measurement in measurements.items()
+        for table in measurement.tables
+    ]
     return StageResult(
         (*views, *plates),
         (_columns(measurements, alike), _search_table(searches), *tables),
@@ -116,10 +121,6 @@ def _steps(progress: Progress, name: str) -> Steps:
     return lambda done, of: progress(f"{name}, {done} of {of} runs")
 
 
-def _retitle(table: Table, name: str) -> Table:
-    return Table(f"{name}: {table.title}", table.header, table.rows)
-
-
 def claims(measurements: Mapping[str, Measurement], searches: Mapping[str, TorqueSearch]) -> Iterator[Claim]:
     """Judge each output torque: by its number, otherwise by whether something left open reproduces it."""
     none = "nothing within the ranges searched gives it"
@@ -128,7 +129,7 @@ def claims(measurements: Mapping[str, Measurement], searches: Mapping[str, Torqu
         ours, error = claim["output_torque"], claim.quantities["output_torque"].error
         for kind, paper in kinds.items():
             solutions = searches[name].solutions[kind]
-            yield output_torque(kind, name).judged(
+            yield output_torque(kind, name).judge(
                 ours=Value(f"{ours:.2f} N m, {100 * ours / IDEAL:.1f} %", ours, "N m"),
                 error=Value(ERROR, error, "N m"),
                 verdict=_verdict(ours, paper, bool(solutions)),
@@ -169,7 +170,7 @@ def torque_order(measurements: Mapping[str, Measurement], searches: Mapping[str,
         words = f"pin: {own[0][-1].words}; nonpin: {own[1][-1].words}"
         gained = IDEAL * (own[1][-1].rate - own[0][-1].rate)
         removals.append(Removal(f"equal friction, for {words}", f"{gained:+.2f} N m", _ahead(gained, error)))
-    return TORQUE_ORDER.judged(
+    return TORQUE_ORDER.judge(
         ours=Value(f"{ours['nonpin']:.2f} to {ours['pin']:.2f} N m", ahead, AHEAD),
         error=Value(ERROR, error, AHEAD),
         verdict=order_of_torques(ahead, error, any(removal.verdict == Verdict.AGREES for removal in removals)),
@@ -185,7 +186,7 @@ def precision(rated: Sequence[Run]) -> Claim:
     strays = {run.provenance["design"]: _transmission_error(settle_run(run)) for run in rated}
     (pin, nonpin, alike), errors = zip(*strays.values(), strict=True)
     sizes = ", ".join(f"{name} {size:.2g}" for name, (size, _) in strays.items())
-    return PRECISION.judged(
+    return PRECISION.judge(
         ours=Value(f"{sizes} arcsec peak to peak", nonpin / pin, BY_DESIGN),
         error=Value("half the turns of one run each", max(errors) / pin, BY_DESIGN),
         verdict=Verdict.AGREES if nonpin < pin else Verdict.DISAGREES,
@@ -213,7 +214,7 @@ def _transmission_error(motion: Series) -> tuple[float, float]:
 def capacity() -> Claim:
     """Judge the torque at first yield of the teeth, by statics: pin, nonpin, and nonpin with pin's play."""
     pin, nonpin, alike = (_first_yield(design) for design in (*designs(), equal_play_design()))
-    return CAPACITY.judged(
+    return CAPACITY.judge(
         ours=Value(f"first yield at {nonpin:.3g} N m without pins, {pin:.3g} with them", nonpin / pin, BY_DESIGN),
         error=Value("statics, without a run", 0.0, BY_DESIGN),
         verdict=Verdict.AGREES if nonpin > pin else Verdict.DISAGREES,

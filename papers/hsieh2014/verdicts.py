@@ -52,22 +52,11 @@ def rank_order(start_spread: StartSpread, other: StartSpread) -> int:
 
 
 def order_verdict(order: int, varied: Mapping[str, int]) -> tuple[Verdict, tuple[str, ...]]:
-    """Judge a claim that the first of two quantities is the larger.
+    """Judge a claim that the first of two quantities is the larger; name the changes that reverse or remove the order.
 
-    Parameters
-    ----------
-    order
-        Result of `rank_order`.
-    varied
-        The same for each change of what the paper leaves open, by its name.
-
-    Returns
-    -------
-    verdict
-        It depends if a change reverses the order. It is not determined if the result is the opposite order and a change
-        leaves no order. A claim that agrees still does if a change leaves no order.
-    deciding
-        Names of the changes that reverse the order or leave none.
+    `order` is by `rank_order`, `varied` the same for each change of what the paper leaves open, by its name. The claim
+    depends if a change reverses the order. It is not determined if the result is the opposite order and a change leaves
+    no order. A claim that agrees still does if a change leaves no order.
     """
     if order == 0:
         return Verdict.NOT_DETERMINED, ()

@@ -115,7 +115,7 @@ def _claim(plan: Plan, quantity: Ranked, base: Levels, sweep: Mapping[Variation,
         f"rms {pin.words} with pins, {nonpin.words} {quantity.unit} without ({len(pin.values)} starts each, "
         f"p = {chance(pin, nonpin):.2g}); means {ratio.values[0]:.2f} to 1"
     )
-    return fluctuation(key, quantity.name).judged(
+    return fluctuation(key, quantity.name).judge(
         ours=Value(words, ratio.values[0], RATIO, (ratio.low, ratio.high)),
         error=Value(f"spread of {len(pin.values)} starts", ratio.half, RATIO),
         verdict=verdict,

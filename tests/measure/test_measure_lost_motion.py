@@ -87,7 +87,7 @@ def test_friction_makes_hysteresis_and_its_work_is_the_area():
     period = hysteresis.slow_period(FIXED, rated)
     loop = hysteresis.loop(FIXED, CRANK, rated, period)
     assert loop.width > 5.0 * ARCMINUTE * 2e-3
-    assert loop.work == pytest.approx(loop.dissipated, rel=0.1)
+    assert loop.work == pytest.approx(loop.dissipation, rel=0.1)
 
 
 def test_series_of_clearances_and_closed_stiffness_are_of_the_size_of_the_balance():

@@ -111,7 +111,7 @@ def test_an_order_depends_only_on_what_turns_it_round(found, varied, verdict):
 
 def test_a_claim_disagrees_only_where_all_was_searched_that_the_paper_leaves_open():
     def verdict(statement, *unsearched):
-        claim = statement.judged(Value("1"), Value("none"), Verdict.DISAGREES, "nothing that was varied gives it")
+        claim = statement.judge(Value("1"), Value("none"), Verdict.DISAGREES, "nothing that was varied gives it")
         found = as_searched(claim, unsearched)
         assert (found == claim) == (found.verdict == "disagrees")
         assert found.decided_by.startswith("nothing that was varied gives it")
@@ -128,7 +128,7 @@ def test_a_claim_disagrees_only_where_all_was_searched_that_the_paper_leaves_ope
     assert (verdict(ratio, "stiffness"), verdict(loaded, "stiffness")) == ("disagrees", "disagrees")
     assert open_parameters(FULL) == ()
     assert open_parameters(QUICK) == ("damping", "creep speed", "stiffness")
-    made = StageResult(claims=(ordering.judged(Value("1"), Value("none"), Verdict.DISAGREES, "nothing"),))
+    made = StageResult(claims=(ordering.judge(Value("1"), Value("none"), Verdict.DISAGREES, "nothing"),))
     step = replace(STEPS[0], work=lambda *_: made)
     verdicts = [run_step(step, which, ideal_runs, silent).result.claims[0].verdict for which in (QUICK, FULL)]
     assert verdicts == ["not determined", "disagrees"]

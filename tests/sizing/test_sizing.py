@@ -7,7 +7,7 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-from requirements_grid import drawn
+from requirements_grid import draw_requirements
 
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.units import RPM
@@ -92,7 +92,7 @@ def test_its_data_sheet_says_the_same(small: Answer) -> None:
     assert sheet["rated_torque_nm"] == pytest.approx(small.drives[0].figures["rated_torque_nm"], rel=0.02)
 
 
-@pytest.mark.parametrize("asked", drawn(2, seed=1), ids=str)
+@pytest.mark.parametrize("asked", draw_requirements(2, seed=1), ids=str)
 def test_random_requirements_are_held_or_the_most_that_goes_is_told(asked: Requirement) -> None:
     require_kept(size_drive(asked), ways=1)  # forty: scripts/requirements_grid.py
 

@@ -1,7 +1,7 @@
-"""Passes of the benchmark: what a step, a run or a command costs once.
+"""Costs of the benchmark: CPU time and memory of a step, a run or a command, measured once.
 
-Steps are timed by the CPU time of the thread that takes them, so that a pass which had to wait for a core costs no
-more. What a busy machine does to its caches remains: compare passes that were taken in turn.
+Steps are timed by the CPU time of their thread, which does not count waiting for a core. On a busy machine other
+processes still displace the caches: compare measurements taken in turn.
 """
 
 import ctypes
@@ -101,13 +101,12 @@ def example(kind: str, load: float, steps: int, *changes: str) -> Case:
 def bare_cost(design: Design, compiled: ReducerModel, warm: int = WARM) -> tuple[float, float]:
     """Return the CPU time of a step [us] of MuJoCo without Python, and that of the narrow phase by its timers.
 
-    The narrow phase counts only between ``timers``; a reading of the clock falls into it each time.
+    The narrow phase counts only within ``timers``, and includes a reading of the clock.
     """
-    plan = schedule(Reducer(design))
-    commands = ramp_and_hold(compiled, Reducer(design)).commands(
-        plan.timestep * np.arange(plan.steps, dtype=np.float64)
-    )
-    data = initial_state(compiled, Reducer(design))
+    reducer = Reducer(design)
+    plan = schedule(reducer)
+    commands = ramp_and_hold(compiled, reducer).commands(plan.timestep * np.arange(plan.steps, dtype=np.float64))
+    data = initial_state(compiled, reducer)
     places = compiled.model._address, data._address, data.ctrl.ctypes.data
     with install() if contact_of(compiled) == "profile" else nullcontext():
         _steps(*places, commands[:warm])
@@ -119,14 +118,14 @@ def bare_cost(design: Design, compiled: ReducerModel, warm: int = WARM) -> tuple
 
 
 def _reading_cost() -> float:
-    """CPU time of one reading of the clock [us]."""
+    """Measure the CPU time of one reading of the clock [us]."""
     start, readings = time.thread_time_ns(), 1_000
     _read_clock_often(readings)
     return 1e-3 * (time.thread_time_ns() - start) / readings
 
 
 def own_cost(design: Design, compiled: ReducerModel) -> tuple[float, float]:
-    """CPU time of a step that is MuJoCo's own work, all but the narrow phase of collision, and of that phase [us]."""
+    """Measure the CPU time of a step in MuJoCo without the narrow phase of collision, and that of this phase [us]."""
     reading = min(_reading_cost() for _ in range(20))
     with timers():
         _, narrow = bare_cost(design, compiled)
@@ -135,7 +134,7 @@ def own_cost(design: Design, compiled: ReducerModel) -> tuple[float, float]:
 
 
 def loop_cost(design: Design, compiled: ReducerModel, log: LogWriter | None = None) -> float:
-    """CPU time of a step of ``simulate`` [us], with its log or without."""
+    """Measure the CPU time of a step of ``simulate`` [us], with its log or without."""
     start = 0
     for block in blocks(compiled, Reducer(design)):
         if log:
@@ -145,16 +144,14 @@ def loop_cost(design: Design, compiled: ReducerModel, log: LogWriter | None = No
 
 
 def run_cost(design: Design, compiled: ReducerModel) -> float:
-    """CPU time of a step [us] over the whole of a run, from its start on."""
-    start = time.thread_time_ns()
-    steps = (
-        schedule(Reducer(design)).stride * (sum(len(block.time) for block in blocks(compiled, Reducer(design))) - 1) + 1
-    )
-    return 1e-3 * (time.thread_time_ns() - start) / steps
+    """Measure the CPU time of a step [us] over a run from its start on."""
+    reducer, start = Reducer(design), time.thread_time_ns()
+    samples = sum(len(block.time) for block in blocks(compiled, reducer))
+    return 1e-3 * (time.thread_time_ns() - start) / (schedule(reducer).stride * (samples - 1) + 1)
 
 
 def second_cost(solver: Solver, design: Design) -> float:
-    """CPU time of a simulated second [s] by a solver at its own step, without a log; the first block of a run warms."""
+    """Measure the CPU time of a simulated second [s] by a solver at its own step, without a log and the first block."""
     reducer, start, begin, end = Reducer(design), 0, 0.0, 0.0
     for block in blocks(model_for(solver, reducer), reducer):
         end = float(block.time[-1])
@@ -164,15 +161,15 @@ def second_cost(solver: Solver, design: Design) -> float:
 
 
 def logged_cost(design: Design, compiled: ReducerModel) -> float:
-    """CPU time of a step of ``simulate`` [us] into a log as ``cycloid-mj simulate`` writes it."""
-    groups = {topic: list(units.items()) for topic, units in columns(compiled, Reducer(design)).items()}
-    scene = Scene(design, frame_rate(Reducer(design)))
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "benchmark.mcap"
-        with LogWriter(
-            path, groups, provenance(Reducer(design)), attachments(compiled, Reducer(design)), viewer=scene
-        ) as log:
-            return loop_cost(design, compiled, log)
+    """Measure the CPU time of a step of ``simulate`` [us] with a log as ``cycloid-mj simulate`` writes it."""
+    reducer = Reducer(design)
+    groups = {topic: list(units.items()) for topic, units in columns(compiled, reducer).items()}
+    origin, scene = (provenance(reducer), attachments(compiled, reducer)), Scene(design, frame_rate(reducer))
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        LogWriter(Path(folder) / "benchmark.mcap", groups, *origin, viewer=scene) as log,
+    ):
+        return loop_cost(design, compiled, log)
 
 
 _LAUNCHER = """
@@ -196,13 +193,7 @@ class Launched(NamedTuple):
 
 
 def launch(*words: str, **environment: str) -> Launched:
-    """Run a command of ``cycloid-mj``, in a temporary folder.
-
-    Raises
-    ------
-    CalledProcessError
-        The command failed; what it said is on stderr.
-    """
+    """Run a command of ``cycloid-mj`` in a temporary folder; raise CalledProcessError if it fails."""
     command = [sys.executable, "-S", "-c", _LAUNCHER, sys.executable, "-m", "cycloid_mj", *words]
     around = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, (ROOT, ROOT / "papers"))), **environment}
     around.pop("PYTHONDONTWRITEBYTECODE", None)  # an installation keeps what Python compiles

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 
-from passes import Launched, launch, second_cost
+from costs import Launched, launch, second_cost
 from sweeping import TOLERANCES
 
 from cycloid_mj.design import PRESETS, Design, override
@@ -32,14 +32,14 @@ SOLVED = {
     "fixed pins": (8.0, ("pin", LOADED, "ring.pins=fixed")),
     "nonpin": (8.0, ("nonpin", LOADED, "drive.hold_s=0.6")),
 }
-"""Runs at full speed by both solvers: how often as dear MuJoCo's is to be at least, the preset and its changes."""
+"""Runs at full speed by both solvers: minimum ratio of the costs of MuJoCo and planar, preset and changes."""
 
 TOOTHED = {
     12: ("gear.eccentricity_mm=2", "ring.pin_radius_mm=5", "output.hole_radius_mm=6"),
     72: ("gear.eccentricity_mm=0.4", "ring.pin_radius_mm=1.1", "output.hole_radius_mm=4.4"),
     144: ("gear.eccentricity_mm=0.2", "ring.pin_radius_mm=0.55", "output.hole_radius_mm=4.2"),
 }
-"""Numbers of free pins on the pin circle of the preset, the fewest first, and what fits them."""
+"""Numbers of free pins on the pin circle of the preset, the fewest first, with the changes that fit them."""
 
 SLEEVED = (
     "ring.pins=sleeved",
@@ -52,11 +52,11 @@ SLEEVED = (
     "output.member=ring",
     *(f"clearance.{pair}_um=20" for pair in ("pin_gear", "pin_sleeve", "cam", "output")),
 )
-"""What makes `pin` a drive of 54 sleeved pins and two discs, with its output at the ring and 20 um of play."""
+"""Changes from `pin` to a drive of 54 sleeved pins and two discs, with its output at the ring and 20 um of play."""
 
 SPREAD = {"tolerance.cam": "normal 0.2", "tolerance.output": "normal 0.2"}
 TIGHT = {"tolerance.cam": "normal 0.4", "tolerance.pin_position": "normal 0.4", "tolerance.output": "normal 0.4"}
-"""Tolerances of which some samples of `pin` have hardly any play, and some none."""
+"""Tolerances with which some samples of `pin` have hardly any play, and some none."""
 
 SAMPLES = {"pin": ("pin", TOLERANCES), "pin, tight": ("pin", TIGHT)}
 SAMPLES |= {"nonpin": ("nonpin", SPREAD), "twodisc": ("twodisc", TOLERANCES)}
@@ -72,53 +72,53 @@ SHARED = {
         *("--set", "tolerance.cam=normal 0.2"),
     ),
 }
-"""Commands whose work is to be shared by two workers; to start them counts."""
+"""Commands whose work two workers share; their start counts."""
 
 
 @dataclass(frozen=True)
 class Demand:
-    """A figure [unit] that is to be at most so much, or with `least` at least; `taken` measures it once."""
+    """A figure [unit] with its upper limit, or with `least` its lower one; `measure` measures it once."""
 
     name: str
-    asked: float
+    limit: float
     unit: str
-    taken: Callable[[], float]
+    measure: Callable[[], float]
     least: bool = False
 
     def share(self, value: float) -> float:
         """Return a value relative to its limit, or the minimum relative to the value: 1 or less is fulfilled."""
-        return self.asked / value if self.least else value / self.asked
+        return self.limit / value if self.least else value / self.limit
 
 
 def cpu(*words: str) -> float:
-    """CPU time of a command [s]."""
+    """Measure the CPU time of a command [s]."""
     return launch(*words).cpu
 
 
 def memory(*words: str) -> float:
-    """Peak memory of a command [MB]."""
+    """Measure the peak memory of a command [MB]."""
     return launch(*words).memory
 
 
-def first(*words: str) -> Launched:
+def run_uncached(*words: str) -> Launched:
     """Run a command where neither compiled code nor bytecode is kept yet."""
     with tempfile.TemporaryDirectory() as empty:
         return launch(*words, NUMBA_CACHE_DIR=f"{empty}/code", PYTHONPYCACHEPREFIX=f"{empty}/bytecode")
 
 
-def measures() -> float:
-    """CPU time of all measures of `pin` at full quality, each a command of its own [s]."""
+def measures_cost() -> float:
+    """Measure the CPU time of all measures of `pin` at full quality, each a command of its own [s]."""
     return sum(cpu("measure", name, "--design", "pin", "--quiet") for name in MEASURES)
 
 
-def gain(preset: str, *changes: str) -> float:
+def solver_ratio(preset: str, *changes: str) -> float:
     """Compute the cost of a simulated second in MuJoCo over that of the planar solver, each at its own step."""
     design = override(PRESETS[preset], [*AT_SPEED, *changes])
     return second_cost("mujoco", design) / second_cost("planar", design)
 
 
-def exponent(most: int) -> float:
-    """Exponent by which a simulated second of the planar solver grows, from the fewest free pins to so many."""
+def cost_exponent(most: int) -> float:
+    """Compute the exponent of the cost of a simulated second of the planar solver, by the number of free pins."""
     fewest, costs = next(iter(TOOTHED)), {}
     for teeth in (fewest, most):
         design = override(PRESETS["pin"], [*AT_SPEED, LOADED, f"ring.teeth={teeth}", *TOOTHED[teeth]])
@@ -126,23 +126,23 @@ def exponent(most: int) -> float:
     return math.log(costs[most] / costs[fewest]) / math.log(most / fewest)
 
 
-def over(words: tuple[str, ...], dear: tuple[str, ...], cheap: tuple[str, ...]) -> float:
-    """CPU time of a command with some flags over that with others, one after the other."""
+def cpu_ratio(words: tuple[str, ...], dear: tuple[str, ...], cheap: tuple[str, ...]) -> float:
+    """Compute the ratio of the CPU time of a command with some flags to that with others."""
     return cpu(*words, *dear) / cpu(*words, *cheap)
 
 
 def marginal_second(*words: str) -> float:
-    """CPU time of an additional simulated second of a command [s]: a run of 3 s compared with a run of 1 s."""
+    """Compute the CPU time of an additional simulated second [s], by runs of 3 s and 1 s."""
     long, short = (cpu(*words, "--hold-s", hold) for hold in ("3", "1"))
     return 0.5 * (long - short)
 
 
 def sample_cost(design: Design) -> float:
-    """CPU time of a sample of `tolerance`, 360 angles under three torques [ms]."""
+    """Measure the CPU time of a sample of `tolerance`, 360 angles under three torques [ms]."""
     reducer = Reducer(design)
     work = partial(balance_batch, reducer, tolerance_zones(reducer), 0, ANGLES)
-    begun, *rest = list_batches(BLOCK_SAMPLES)
-    work((begun, SAMPLED))
+    first_batch, *rest = list_batches(BLOCK_SAMPLES)
+    work((first_batch, SAMPLED))
     start = time.process_time()
     for block in rest:
         work((block, SAMPLED))
@@ -150,7 +150,7 @@ def sample_cost(design: Design) -> float:
 
 
 def speedup(*words: str) -> float:
-    """Wall time of a command with one worker over that with two."""
+    """Compute the ratio of the wall time of a command with one worker to that with two."""
     one, two = (launch(*words, "--workers", workers, "--quiet").wall for workers in ("1", "2"))
     return one / two
 
@@ -165,9 +165,9 @@ def of_pin(*words: str) -> tuple[str, ...]:
     return (*words, "--design", "pin", "--quiet")
 
 
-def seconds(name: str, asked: float, *words: str) -> Demand:
-    """Ask a command on `pin` for at most so much CPU time [s]."""
-    return Demand(name, asked, "s", partial(cpu, *of_pin(*words)))
+def seconds(name: str, limit: float, *words: str) -> Demand:
+    """Limit the CPU time of a command on `pin` [s]."""
+    return Demand(name, limit, "s", partial(cpu, *of_pin(*words)))
 
 
 COMPARED = ("compare", "pin", "nonpin", "--quiet")
@@ -179,20 +179,20 @@ BOTH_SOLVERS = ("--solver", "mujoco"), ("--solver", "planar")
 
 DEMANDS = (
     *(
-        Demand(f"MuJoCo / planar, {name}", asked, "1", partial(gain, *words), least=True)
-        for name, (asked, words) in SOLVED.items()
+        Demand(f"MuJoCo / planar, {name}", limit, "1", partial(solver_ratio, *words), least=True)
+        for name, (limit, words) in SOLVED.items()
     ),
-    *(Demand(f"growth, 12 to {most} free pins", 1.0, "1", partial(exponent, most)) for most in list(TOOTHED)[1:]),
+    *(Demand(f"growth, 12 to {most} free pins", 1.0, "1", partial(cost_exponent, most)) for most in list(TOOTHED)[1:]),
     Demand("--help", 0.3, "s", partial(cpu, "--help")),
     seconds("statics", 0.9, "statics"),
-    Demand("statics, the first", 7.0, "s", lambda: first(*of_pin("statics")).cpu),
+    Demand("statics, the first", 7.0, "s", lambda: run_uncached(*of_pin("statics")).cpu),
     seconds("simulate, planar", 6.0, "simulate", "--solver", "planar"),
     seconds("simulate, planar, start and end", 1.5, *SHORT_RUN),
     Demand("simulate, planar, a second at 10 kHz", 0.8, "s", partial(marginal_second, *PLANAR, *AT_TEN_KILOHERTZ)),
     seconds("simulate", 19.0, "simulate"),
-    Demand("all seven measures", 25.0, "s", measures),
+    Demand("all seven measures", 25.0, "s", measures_cost),
     seconds("backlash, 54 sleeved pins", 10.0, "measure", "backlash", "--quick", *flags(SLEEVED)),
-    Demand("compare, MuJoCo / planar", 5.0, "1", partial(over, COMPARED, *BOTH_SOLVERS), least=True),
+    Demand("compare, MuJoCo / planar", 5.0, "1", partial(cpu_ratio, COMPARED, *BOTH_SOLVERS), least=True),
     *(
         Demand(f"a sample, {name}", 2.5, "ms", partial(sample_cost, override(PRESETS[preset], changes)))
         for name, (preset, changes) in SAMPLES.items()
@@ -206,7 +206,7 @@ DEMANDS = (
 """All requirements. The last three are wall times, and are right only on two idle cores."""
 
 
-def asked_table(passes: int) -> dict[str, dict[str, list[float]]]:
+def limits_table(passes: int) -> dict[str, dict[str, list[float]]]:
     """Measure the required figures of commands and studies: CPU time, memory, ratios.
 
     A `share` of 1 or less fulfils the requirement. Lines are printed as they are measured.
@@ -216,8 +216,8 @@ def asked_table(passes: int) -> dict[str, dict[str, list[float]]]:
         launch(*of_pin(*words))
     table: dict[str, dict[str, list[float]]] = {}
     for demand in DEMANDS:
-        taken = [demand.taken() for _ in range(passes)]
-        shares = [demand.share(value) for value in taken]
-        table[demand.name] = {"taken": taken, "asked": [demand.asked], "share": shares}
-        print(f"{demand.name}: {taken} {demand.unit}, asked {demand.asked:g}", file=sys.stderr, flush=True)
+        values = [demand.measure() for _ in range(passes)]
+        shares = [demand.share(value) for value in values]
+        table[demand.name] = {"measured": values, "limit": [demand.limit], "share": shares}
+        print(f"{demand.name}: {values} {demand.unit}, limit {demand.limit:g}", file=sys.stderr, flush=True)
     return table
