@@ -91,14 +91,12 @@ def read_volume(content: bytes) -> float:
 
 
 class _OpenCascade:
-    """The classes of OpenCASCADE by their names, each imported from its module of OCP on first use."""
+    """The classes of OpenCASCADE by their names, each from its module of OCP."""
 
     def __getattr__(self, name: str) -> Any:
         extra("OCP", "STEP", "cad", "export stl, obj or dxf")
         module = name.partition("_")[0]
-        found = getattr(import_module("OCP.collections" if module in ("Array1", "List") else f"OCP.{module}"), name)
-        setattr(self, name, found)
-        return found
+        return getattr(import_module("OCP.collections" if module in ("Array1", "List") else f"OCP.{module}"), name)
 
 
 occ = _OpenCascade()
