@@ -14,6 +14,8 @@ from cycloid_mj.cli.ranges import RANGES
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from cycloid_mj.robot import ReducedJoint
     from cycloid_mj.robot.comparison import ModelComparison
     from cycloid_mj.robot.population import Population
@@ -64,6 +66,15 @@ SeedFlag = Annotated[
     int | None,
     Parameter(metavar="N", converter=whole, help="Random seed of the samples. Default: 0."),
 ]
+FormatFlag = Annotated[
+    Literal["mjcf", "urdf", "sdf", "isaaclab", "mjx"],
+    Parameter(
+        name="--format",
+        help="Format of the model. mjcf: joint.xml, scene.xml and bam.json; urdf, sdf: NAME.urdf or NAME.sdf with the "
+        "play as a second joint; isaaclab: URDF and NAME_cfg.py with a BamActuatorCfg; mjx: joint.xml and scene.xml "
+        "with an integrator and a time step of MJX. Default: mjcf.",
+    ),
+]
 USUAL_SAMPLES = 100
 
 STEM = "reducer"
@@ -74,6 +85,7 @@ EXAMPLES = """Examples:
   cycloid-mj reduce --design pin --out joint
   cycloid-mj reduce --design my.toml --level backlash --load-inertia-kgm2 0.5 --timestep-ms 2 --out light
   cycloid-mj reduce --design my.toml --spread --samples 200 --seed 1 --out drives
+  cycloid-mj reduce --design my.toml --format urdf --out joint
   python -m mujoco.viewer --mjcf=joint/scene.xml"""
 
 
@@ -97,6 +109,7 @@ def reduce(
     spread: SpreadFlag = False,
     samples: SamplesFlag = None,
     seed: SeedFlag = None,
+    format_: FormatFlag = "mjcf",
     delivery: Annotated[ReduceDelivery, FLAT] = DELIVERED,
 ) -> int:
     """Reduce a drive to one joint for a robot model.
@@ -117,7 +130,8 @@ def reduce(
     """
     from cycloid_mj.cli.progress import count_progress
     from cycloid_mj.robot.comparison import compare_with_full_model
-    from cycloid_mj.robot.files import BASE_FILES, SPRING_FILES, choose_scenes, without_slip
+    from cycloid_mj.robot.description import description_files, description_names
+    from cycloid_mj.robot.files import BASE_FILES, SPRING_FILES, choose_scenes, joint_files, without_slip
     from cycloid_mj.robot.identification import reduce as measured
     from cycloid_mj.robot.population import draw_population
     from cycloid_mj.robot.stability import study_time_steps
@@ -136,9 +150,8 @@ def reduce(
     if seed < 0:
         raise UsageError(f"--seed {seed} is out of range: it must be 0 or more")
     design = chosen.resolve_checked()
-    place = claim_destination(
-        delivery, STEM, (*BASE_FILES, *SPRING_FILES, *([SAMPLES] if spread else [])), OUT, paged=True
-    )
+    model = (*BASE_FILES, *SPRING_FILES) if format_ == "mjcf" else description_names(design.name, format_)
+    place = claim_destination(delivery, STEM, (*model, *([SAMPLES] if spread else [])), OUT, paged=True)
     reduced = measured(design, level, count_progress("reduce", delivery.quiet))
     drives = (
         draw_population(Reducer(design), samples, seed, count_progress("spread", delivery.quiet)) if spread else None
@@ -154,7 +167,12 @@ def reduce(
             *(f"{name} of the joint differs from that of the full model" for name in comparison.missed),
         ],
     )
-    return deliver(_outcome(reduced, comparison, steps, asked, lossy, drives), place, delivery)
+    files = (
+        joint_files(reduced, asked, lossy)
+        if format_ == "mjcf"
+        else description_files(reduced, Reducer(design), format_)
+    )
+    return deliver(_outcome(reduced, comparison, steps, asked, lossy, drives, files), place, delivery)
 
 
 def _outcome(
@@ -164,12 +182,12 @@ def _outcome(
     asked: "StepTrial",
     lossy: "StepTrial | None",
     drives: "Population | None",
+    files: "Mapping[str, bytes]",
 ) -> Outcome:
     """Build the outcome of the reduction to a joint."""
     from cycloid_mj.base.result import plain, quantity_frame, quantity_table
     from cycloid_mj.report.joint import joint_page
     from cycloid_mj.robot.bam import bam
-    from cycloid_mj.robot.files import joint_files
     from cycloid_mj.robot.lossy import lossy_efficiencies, lossy_table
     from cycloid_mj.robot.stability import recommend_time_steps, recommended_table, trials_table
 
@@ -197,7 +215,7 @@ def _outcome(
             *(drives.notes if drives else ()),
         ],
         frame=quantity_frame(quantities),
-        files=joint_files(reduced, asked, lossy) | drawn,
+        files={**files, **drawn},
         page=partial(joint_page, reduced, comparison, steps, asked, bam(reduced), drives),
         result=plain(
             {

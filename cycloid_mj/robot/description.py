@@ -1,0 +1,293 @@
+"""The joint in the formats of other simulators: URDF, SDF, Isaac Lab, and MJCF for MJX.
+
+All have the same bodies. `housing` is the fixed side. `drive` turns by the crank's angle over the ratio: it has the
+inertia of the crank reflected to the output, the friction without load and the motor's torque. `output` turns against
+it within the play; a rigid joint has no play, and `drive` is a part of `output`.
+
+URDF and SDF have no armature: the reflected inertia is that of a link, which also resists tilting if the housing moves.
+Isaac Lab has one, so that its links have their own inertia only.
+"""
+
+import json
+from dataclasses import dataclass
+from typing import Literal, get_args
+from xml.etree import ElementTree
+
+from cycloid_mj.base import names
+from cycloid_mj.base.array import significant
+from cycloid_mj.base.units import RPM
+from cycloid_mj.figures.geometry import mass as mechanism_mass
+from cycloid_mj.parts import moving_masses
+from cycloid_mj.parts.export.drive import drive_diameter, drive_length, drive_mass, has_casing
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.robot.bam import bam
+from cycloid_mj.robot.files import choose_scenes
+from cycloid_mj.robot.mjcf import MJCF, OUTPUT, joint_xml, scene_xml
+from cycloid_mj.robot.reducer import ReducedJoint
+
+Format = Literal["mjcf", "urdf", "sdf", "isaaclab", "mjx"]
+"""Format of the files of a joint; ``mjcf`` are those of `robot.files`."""
+
+FORMATS: tuple[Format, ...] = get_args(Format)
+
+HOUSING, DRIVE = "housing", "drive"
+"""Links of the fixed side, and of what turns by the crank's angle over the ratio; the third is `OUTPUT`."""
+
+SMALLEST_MASS = 1e-3
+"""Mass of the link `drive` [kg], small against any drive: URDF and SDF have no inertia without mass."""
+
+SIDE_SHARE = 0.501
+"""Smallest moment of inertia across the axis, over that about it: 0.5 for a flat body, and a margin for rounding."""
+
+SDF_VERSION = "1.11"
+
+
+@dataclass(frozen=True)
+class LinkInertia:
+    """Mass [kg] and principal moments of inertia about the centre of mass [kg m2], z along the axis of the joint."""
+
+    mass: float
+    ixx: float
+    iyy: float
+    izz: float
+
+
+def link_inertias(reduced: ReducedJoint, reducer: Reducer, armature: bool = False) -> dict[str, LinkInertia]:
+    """Compute the inertias of the links from those of the drive, covers included where they fit.
+
+    With `armature`, the crank's reflected inertia is that of the joint, and not of a link. The housing is a solid
+    cylinder of the drive's mass (without output and crank), diameter and length.
+    """
+    masses = moving_masses(reducer)
+    turning, crank = masses[reducer.mechanism.turning], masses[names.SHAFT]
+    total = drive_mass(reducer) if has_casing(reducer) else mechanism_mass(reducer)
+    radius = 0.5 * drive_diameter(reducer) if has_casing(reducer) else reducer.design.housing.outer_radius
+    gear, output = reducer.design.gear, reducer.design.output
+    length = drive_length(reducer) if has_casing(reducer) else gear.stack_width + output.disc_thickness
+    still = total - turning.mass - crank.mass
+    across = still * (3.0 * radius**2 + length**2) / 12.0
+    rotor = reduced.rotor_inertia if armature else reflected_rotor(reduced)
+    izz = reduced.output_inertia + (rotor if reduced.level == "rigid" and not armature else 0.0)
+    side = max(float(turning.inertia[0, 0]), SIDE_SHARE * izz)
+    links = {
+        HOUSING: LinkInertia(still, across, across, 0.5 * still * radius**2),
+        OUTPUT: LinkInertia(turning.mass + crank.mass, side, side, izz),
+    }
+    if reduced.level != "rigid":
+        links[DRIVE] = LinkInertia(SMALLEST_MASS, SIDE_SHARE * rotor, SIDE_SHARE * rotor, rotor)
+    return links
+
+
+def reflected_rotor(reduced: ReducedJoint) -> float:
+    """Compute the inertia of the crank at the output [kg m2]."""
+    return reduced.ratio**2 * reduced.rotor_inertia
+
+
+def description_files(reduced: ReducedJoint, reducer: Reducer, file_format: Format) -> dict[str, bytes]:
+    """Return the files of a joint in a format other than ``mjcf``, by name.
+
+    Parameters
+    ----------
+    reduced, reducer
+        The joint, and the reducer that its masses are from.
+    file_format
+        ``urdf``, ``sdf``: NAME.urdf or NAME.sdf. ``isaaclab``: NAME.urdf and NAME_cfg.py, whose actuators are
+        configurations of Isaac Lab. ``mjx``: joint.xml and scene.xml with an integrator and a time step of MJX.
+    """
+    name = reduced.name
+    if file_format == "mjx":
+        scene, _ = choose_scenes(reduced, integrator="implicitfast")
+        texts = {"joint.xml": joint_xml(reduced), "scene.xml": _without_noslip(reduced, scene.inertia, scene.timestep)}
+    elif file_format == "sdf":
+        texts = {f"{name}.sdf": sdf_text(reduced, reducer)}
+    else:
+        texts = {f"{name}.urdf": urdf_text(reduced, reducer, armature=file_format == "isaaclab")}
+        if file_format == "isaaclab":
+            texts[f"{_identifier(name)}_cfg.py"] = isaaclab_text(reduced, f"{name}.urdf")
+    return {file: text.encode() for file, text in texts.items()}
+
+
+def description_names(name: str, file_format: Format) -> tuple[str, ...]:
+    """Return the names of the files of `description_files`."""
+    named = {
+        "urdf": (f"{name}.urdf",),
+        "sdf": (f"{name}.sdf",),
+        "isaaclab": (f"{name}.urdf", f"{_identifier(name)}_cfg.py"),
+        "mjx": ("joint.xml", "scene.xml"),
+    }
+    return named[file_format]
+
+
+def urdf_text(reduced: ReducedJoint, reducer: Reducer, armature: bool = False) -> str:
+    """Return the URDF of a joint: links with inertia, the actuated joint `drive`, and the play as joint `output`.
+
+    With `armature`, the simulator adds the crank's reflected inertia to the actuated joint.
+    """
+    robot = ElementTree.Element("robot", name=reduced.name)
+    robot.append(ElementTree.Comment(_about(reduced)))
+    for name, link in link_inertias(reduced, reducer, armature).items():
+        inertial = ElementTree.SubElement(ElementTree.SubElement(robot, "link", name=name), "inertial")
+        ElementTree.SubElement(inertial, "origin", xyz="0 0 0", rpy="0 0 0")
+        ElementTree.SubElement(inertial, "mass", value=_number(link.mass))
+        moments = {"ixx": link.ixx, "iyy": link.iyy, "izz": link.izz, "ixy": 0.0, "ixz": 0.0, "iyz": 0.0}
+        ElementTree.SubElement(inertial, "inertia", {key: _number(value) for key, value in moments.items()})
+    for joint in _joints(reduced):
+        element = ElementTree.SubElement(robot, "joint", name=joint.name, type=joint.kind)
+        ElementTree.SubElement(element, "parent", link=joint.parent)
+        ElementTree.SubElement(element, "child", link=joint.child)
+        ElementTree.SubElement(element, "axis", xyz="0 0 1")
+        limit = {"effort": _number(joint.effort), "velocity": _number(joint.speed)}
+        if joint.stops:
+            limit |= {"lower": _number(joint.stops[0]), "upper": _number(joint.stops[1])}
+        ElementTree.SubElement(element, "limit", limit)
+        dynamics = {"damping": _number(joint.damping), "friction": _number(joint.friction)}
+        ElementTree.SubElement(element, "dynamics", dynamics)
+    transmission = ElementTree.SubElement(robot, "transmission", name="reducer")
+    ElementTree.SubElement(transmission, "type").text = "transmission_interface/SimpleTransmission"
+    ElementTree.SubElement(transmission, "joint", name=_joints(reduced)[0].name)
+    actuator = ElementTree.SubElement(transmission, "actuator", name="motor")
+    ElementTree.SubElement(actuator, "mechanicalReduction").text = _number(reduced.way * reduced.ratio)
+    return _xml(robot)
+
+
+def sdf_text(reduced: ReducedJoint, reducer: Reducer) -> str:
+    """Return the SDFormat model of a joint; the ends of the play have the stiffness of the drive."""
+    root = ElementTree.Element("sdf", version=SDF_VERSION)
+    model = ElementTree.SubElement(root, "model", name=reduced.name)
+    model.append(ElementTree.Comment(_about(reduced)))
+    for name, link in link_inertias(reduced, reducer).items():
+        inertial = ElementTree.SubElement(ElementTree.SubElement(model, "link", name=name), "inertial")
+        ElementTree.SubElement(inertial, "mass").text = _number(link.mass)
+        inertia = ElementTree.SubElement(inertial, "inertia")
+        for key, value in (("ixx", link.ixx), ("iyy", link.iyy), ("izz", link.izz), ("ixy", 0.0), ("ixz", 0.0)):
+            ElementTree.SubElement(inertia, key).text = _number(value)
+        ElementTree.SubElement(inertia, "iyz").text = "0"
+    for joint in _joints(reduced):
+        element = ElementTree.SubElement(model, "joint", name=joint.name, type=joint.kind)
+        ElementTree.SubElement(element, "parent").text = joint.parent
+        ElementTree.SubElement(element, "child").text = joint.child
+        axis = ElementTree.SubElement(element, "axis")
+        ElementTree.SubElement(axis, "xyz").text = "0 0 1"
+        limit = ElementTree.SubElement(axis, "limit")
+        values = {"effort": joint.effort, "velocity": joint.speed}
+        if joint.stops:
+            values |= {"lower": joint.stops[0], "upper": joint.stops[1], "stiffness": joint.stiffness}
+        for key, value in values.items():
+            ElementTree.SubElement(limit, key).text = _number(value)
+        dynamics = ElementTree.SubElement(axis, "dynamics")
+        ElementTree.SubElement(dynamics, "damping").text = _number(joint.damping)
+        ElementTree.SubElement(dynamics, "friction").text = _number(joint.friction)
+    return _xml(root)
+
+
+def isaaclab_text(reduced: ReducedJoint, urdf: str) -> str:
+    """Return a Python module with the configurations of Isaac Lab: the asset and its actuators.
+
+    `BamActuatorCfg` takes the parameters of BAM's model M5 as `parameter_overrides`; the play is a passive joint.
+    """
+    drive = _joints(reduced)[0]
+    friction = {key: significant(value) for key, value in bam(reduced)["m5"].items() if isinstance(value, float)}
+    del friction["armature"]
+    passive = (
+        ""
+        if reduced.level == "rigid"
+        else f'''    "play": ImplicitActuatorCfg(
+        joint_names_expr=["{OUTPUT}"],
+        stiffness=0.0,
+        damping={_number(reduced.damping)},
+    ),
+'''
+    )
+    return f'''"""{_about(reduced)}
+
+Isaac Lab: `REDUCER_CFG` is the asset with its actuators. BAM needs the Newton solver (use_newton_actuators=True), and
+the motor's own coefficients (kt, R, error_gain, max_pwm, max_current) in the asset or in `parameter_overrides`.
+"""
+
+from pathlib import Path
+
+import isaaclab.sim as sim_utils
+from isaaclab.actuators import BamActuatorCfg, ImplicitActuatorCfg
+from isaaclab.assets import ArticulationCfg
+
+ACTUATORS = {{
+    "drive": BamActuatorCfg(
+        joint_names_expr=["{drive.name}"],
+        effort_limit={_number(drive.effort)},
+        velocity_limit={_number(drive.speed)},
+        armature={_number(reflected_rotor(reduced))},
+        parameter_overrides={json.dumps(friction)},
+    ),
+{passive}}}
+
+REDUCER_CFG = ArticulationCfg(
+    spawn=sim_utils.UrdfFileCfg(
+        asset_path=str(Path(__file__).with_name("{urdf}")),
+        fix_base=True,
+        joint_drive=None,
+    ),
+    actuators=ACTUATORS,
+)
+'''
+
+
+@dataclass(frozen=True)
+class _Joint:
+    """A joint of URDF and SDF: its limits [N m, rad/s, rad], stiffness [N m/rad], damping and friction [N m]."""
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    effort: float
+    speed: float
+    damping: float
+    friction: float
+    stops: tuple[float, float] | None = None
+    stiffness: float = 0.0
+
+
+def _joints(reduced: ReducedJoint) -> tuple[_Joint, ...]:
+    """Return the joints: the driven one, and the play of a joint that is not rigid."""
+    effort, speed = MJCF.motor_peak * reduced.rated_torque, reduced.rated_speed / reduced.ratio
+    friction, viscous = reduced.no_load_torque_at_output, float(bam(reduced)["m5"]["friction_viscous"])
+    if reduced.level == "rigid":
+        return (_Joint(OUTPUT, "continuous", HOUSING, OUTPUT, effort, speed, viscous, friction),)
+    return (
+        _Joint(DRIVE, "continuous", HOUSING, DRIVE, effort, speed, viscous, friction),
+        _Joint(
+            *(OUTPUT, "revolute", DRIVE, OUTPUT, effort, speed, reduced.damping, 0.0),
+            reduced.stops,
+            sum(spring.stiffness for spring in reduced.springs),
+        ),
+    )
+
+
+def _without_noslip(reduced: ReducedJoint, inertia: float, timestep: float) -> str:
+    """Return the scene for MJX, which has neither the noslip solver nor the integrator ``discrete``."""
+    scene = scene_xml(reduced, inertia, timestep, "implicitfast")
+    return scene.replace(f' noslip_iterations="{MJCF.noslip}"', "")
+
+
+def _about(reduced: ReducedJoint) -> str:
+    """Return a sentence on the joint for the head of a file."""
+    text = (
+        f"The reducer {reduced.name} as a joint, level {reduced.level}, by cycloid-mj reduce: {reduced.ratio:g}:1, "
+        f"rated {reduced.rated_torque:.4g} N m at {reduced.rated_speed / RPM:.0f} rpm of the crank."
+    )
+    return text.replace("--", "- -")
+
+
+def _xml(root: ElementTree.Element) -> str:
+    """Return an indented XML document."""
+    ElementTree.indent(root)
+    return f'<?xml version="1.0"?>\n{ElementTree.tostring(root, encoding="unicode")}\n'
+
+
+def _identifier(name: str) -> str:
+    """Return a name as that of a Python module."""
+    return "".join(each if each.isalnum() else "_" for each in name)
+
+
+def _number(value: float) -> str:
+    return f"{significant(value):.9g}"
