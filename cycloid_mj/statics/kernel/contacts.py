@@ -253,14 +253,14 @@ def gap_at(springs: KernelSprings, k: int, i: int, pose: _Pose, apart: _Apart, e
         qt, pt = qt + arm_p + phi * pt, pt - arm_q - phi * qt
         qo, po = qo + psi * po, po - psi * qo
     q, p = apart.q, apart.p
-    width, c, s, rate = _rounded(trochoid, phase, bend, twist, q, p, turning, exact)
+    width, c, s, rate = _curve_distance(trochoid, phase, bend, twist, q, p, turning, exact)
     normal = (c * qx + s * px, c * qy + s * py, c * qt + s * pt, c * qo + s * po)
     tangential = (c * px - s * qx, c * py - s * qy, c * pt - s * qt, c * po - s * qo)
     return Gap(room + width, normal, tangential, rate)
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
-def _rounded(
+def _curve_distance(
     trochoid: tuple[float, float, float],
     phase: float,
     bend: float,
@@ -313,7 +313,7 @@ def _sharpest(trochoid: tuple[float, float, float]) -> float:
 def _foot(
     trochoid: tuple[float, float, float], phase: float, q: float, p: float, along: float
 ) -> tuple[bool, float, float, float, float]:
-    """Return whether a point has a foot on the trochoid nearby, and the exact values of `_rounded` for it.
+    """Return whether a point has a foot on the trochoid nearby, and the exact values of `_curve_distance` for it.
 
     The point is at q along the normal and p along the tangent from the curve's point at the `phase` (N - 1) t, where
     the normal has the angle t - alpha: tan(alpha) = c N sin(phase)/(E - c N cos(phase)). Newton's method, safeguarded

@@ -222,6 +222,7 @@ def state_after(springs: KernelSprings, rubbing: Rubbing, before: Array, load: A
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _new_step(elements: int, number: int) -> _Step:
+    """Allocate a step of friction elements with a number of unknowns."""
     return _Step(
         np.zeros(number),
         np.zeros(number),
@@ -239,6 +240,7 @@ def _new_step(elements: int, number: int) -> _Step:
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _new_state(elements: int, number: int) -> _ElastoplasticState:
+    """Allocate the state of friction elements at rest, with a number of unknowns."""
     return _ElastoplasticState(
         np.zeros(number),
         np.zeros(elements),
@@ -480,7 +482,7 @@ def _add_contact(
     if loss > 0.0:
         most = one.normal[i] if given else loss * spring
         held, more = old.normal[i] + backing * (depth - old.depth[i]), backing
-        energy += _stored(held, most, backing)
+        energy += _slip_energy(held, most, backing)
         if abs(held) > most:
             sign = 1.0 if held > 0.0 else -1.0
             held, more = sign * most, 0.0 if given else sign * loss * stiffness
@@ -515,7 +517,7 @@ def _add_friction(
     held = old.side[i]
     for j in range(number):
         held += stick * slip[j] * (new.z[j] - old.z[j])
-    energy = _stored(held, most, stick)
+    energy = _slip_energy(held, most, stick)
     if abs(held) > most:
         sign = 1.0 if held > 0.0 else -1.0
         held = sign * most
@@ -533,7 +535,7 @@ def _add_friction(
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _stored(force: float, most: float, stiffness: float) -> float:
+def _slip_energy(force: float, most: float, stiffness: float) -> float:
     """Return the energy of a spring with an elastic `force` [N] that slips at `most` [N], including dissipation [J]."""
     size = abs(force)
     return 0.5 * size * size / stiffness if size <= most else most * (size - 0.5 * most) / stiffness

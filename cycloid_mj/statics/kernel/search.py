@@ -173,7 +173,7 @@ def _continue(
         norm = newton(springs, k, load, here, soft, friction, exact, allowed, damping, warm_start, descend, system)
         warm_start = FALSE
         if soft == 1.0 and friction == 1.0:
-            if rubbed and _wedged(springs, k, here, scale):
+            if rubbed and _is_wedged(springs, k, here, scale):
                 norm = math.inf
             least = min(least, norm)
         if least <= allowed:
@@ -224,7 +224,7 @@ def _continue_by_arclength(
             break
         copy(start, here)
         norm = solve_by_arclength(springs, k, load, here, order if rubbed else 0.0, allowed, system)
-        if not (rubbed and _wedged(springs, k, here, scale)):
+        if not (rubbed and _is_wedged(springs, k, here, scale)):
             least = min(least, norm)
     count = _SEARCH.clearance_steps
     for step in range(count + 1 if least > allowed and not rubbed else 0):
@@ -247,7 +247,7 @@ def _soft_force(springs: KernelSprings, k: int, plays: float) -> float:
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _wedged(springs: KernelSprings, k: int, here: Array, load: float) -> bool:
+def _is_wedged(springs: KernelSprings, k: int, here: Array, load: float) -> bool:
     """Return whether a cam is deflected by far more than the load [N] at displacements (u,) [m]: friction wedges it."""
     deepest = max(_SEARCH.wedged_depth * largest_play(springs), _SEARCH.wedged_force * load / springs.cam_stiffness)
     for disc in range(springs.cam_place.shape[1]):

@@ -184,7 +184,7 @@ def assemble(
     for disc in range(discs):
         # sums are local variables: the compiler would write array elements at every contact
         rx = ry = rt = ro = xx = xy = yy = xt = yt = tt = xo = yo = to = oo = 0.0
-        pose, moved = pose_of(springs, disc, z), SKIN_FACTOR * _moved(z, seen, 3 * disc, system.arm[0])
+        pose, moved = pose_of(springs, disc, z), SKIN_FACTOR * _displacement_bound(z, seen, 3 * disc, system.arm[0])
         for i in range(straight):
             if of_disc[i] != disc:
                 continue
@@ -257,7 +257,7 @@ def assemble(
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _moved(z: Array, seen: Array, x: int, arm: float) -> float:
+def _displacement_bound(z: Array, seen: Array, x: int, arm: float) -> float:
     """Return an upper bound of the displacement of a disc's contacts since the neighbour list was built [m]."""
     turned = abs(z[x + 2] - seen[x + 2]) + abs(z[z.size - 1] - seen[z.size - 1])
     return abs(z[x] - seen[x]) + abs(z[x + 1] - seen[x + 1]) + arm * turned
@@ -302,7 +302,7 @@ def _add_bent_pins(
             i = first + d * springs.pins + pin
             if anew:
                 system.margin[i] = least_width(springs, k, i, apart_of(springs, k, i, pose_of(springs, d, z)), FALSE)
-            moved = SKIN_FACTOR * _moved(z, system.seen, 3 * d, system.arm[0])
+            moved = SKIN_FACTOR * _displacement_bound(z, system.seen, 3 * d, system.arm[0])
             closed |= system.warm[i] or not system.margin[i] > moved
             system.pressed[i] = 0.0
         if not closed:
