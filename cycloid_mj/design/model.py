@@ -733,6 +733,9 @@ class Service(Section):
     """Conditions of fatigue, wear and heat besides the loads, and the required life."""
 
     life: float = quantity(6000.0, "required life at the rated torque (robot reducers: 6000)", u.HOUR, gt=0.0, le=1e9)
+    duty_share: float = quantity(
+        1.0, "share of the time under load, which heats the drive (S3; 1: continuous)", gt=0.0, le=1.0
+    )
     surface: Literal["ground", "machined", "forged"] = choice(
         "machined", "surface of shaft and pins: ground, machined or forged"
     )

@@ -84,7 +84,7 @@ def intermittent_speed(reducer: Reducer) -> float:
 
 def _speed_by_heat(reducer: Reducer, duty: float) -> float:
     """Compute the largest speed of the crank [rpm] for a share of the time, by heat and bearings."""
-    safety = rate_at_rated_load(reducer).items["temperature"].safety or math.inf
+    safety = (rate_at_rated_load(reducer).items["temperature"].safety or math.inf) * reducer.design.service.duty_share
     return min(abs(reducer.design.drive.speed) / RPM * safety / duty, largest_speed(reducer))
 
 

@@ -42,7 +42,8 @@ def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIt
     losses = mean_losses(reducer, loadings)
     lost = sum(losses.values())
     area = cooling_area(reducer)
-    temperature = housing_temperature(reducer, lost)
+    share = service.duty_share if len(loadings) == 1 and loadings[0].point.share == 1.0 else 1.0
+    temperature = housing_temperature(reducer, share * lost)
     film = housing_film(reducer, temperature)
     limits = sorted(heat_limits(reducer), key=lambda limit: limit.temperature)
     lowest = limits[0]
@@ -58,7 +59,7 @@ def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIt
         ", ".join(f"{part.replace('_', ' ')} {power:.3g} W" for part, power in losses.items())
         + ("" if has_casing(reducer) else "; without the output's bearing, as the drive has no covers"),
     )
-    warm, cool = (service.ambient_temperature + lost / (still * area) for still in STILL_AIR)
+    warm, cool = (service.ambient_temperature + share * lost / (still * area) for still in STILL_AIR)
     rise, allowed_rise = temperature - service.ambient_temperature, lowest.temperature - service.ambient_temperature
     yield RatedItem(
         "temperature",
@@ -69,7 +70,8 @@ def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIt
         allowed_rise / rise if rise else math.inf,
         None,
         "dT = losses/(h A); safety factor of the temperature rise",
-        f"{lost:.3g} W at h = {film:.3g} W/(m2 K) (assumed; {warm:.3g} to {cool:.3g} °C at 8 to 15) "
+        f"{lost:.3g} W{'' if share == 1.0 else f' for {share:.0%} of the time'} "
+        f"at h = {film:.3g} W/(m2 K) (assumed; {warm:.3g} to {cool:.3g} °C at 8 to 15) "
         f"on {1e4 * area:.3g} cm2, the outside of {_outside_of(reducer)}; "
         f"ambient {service.ambient_temperature:g} °C; limits: "
         f"{', '.join(f'{limit.temperature:g} °C {limit.name} ({limit.source})' for limit in limits)}",

@@ -120,6 +120,11 @@ def weakest_torque(items: Iterable[RatedItem], torque: float, life: float) -> tu
     return min(limits, key=lambda pair: pair[0])
 
 
+def torque_limits(items: Iterable[RatedItem], torque: float, life: float) -> dict[str, float]:
+    """Compute the torque [N m] at which each item fails by its law, by key; see `weakest_torque`."""
+    return {item.key: _limit_by_law(item, torque, life) for item in items}
+
+
 def _limit_by_law(item: RatedItem, torque: float, life: float) -> float:
     """Compute the torque [N m] at which an item that was rated at a torque is just enough for a life [h]."""
     margin = item.margin(life)

@@ -1,4 +1,12 @@
-"""Sizing: from a requirement to designs that meet it, or to the maximum achievable torque and remedies."""
+"""Sizing: from a requirement to designs that meet it, or to the maximum achievable torque and remedies.
+
+The search is MAP-Elites (Mouret and Clune, arXiv:1504.04909) on closed-form estimates: an archive has the lightest
+candidate of each torque and length. It starts with the R sequence (Roberts 2018), and children vary along the line
+between two elites (Vassiliades and Mouret, GECCO 2018). No limit of a requirement enters, so that what is found at one
+limit is found at every limit that it satisfies. The candidates that matter are rated by statics, and each rating
+multiplies the estimates near it (variable fidelity: Alexandrov et al., J. Aircraft 38, 2001, weighted by inverse
+distance, Shepard 1968). Single changes of a variable refine the best.
+"""
 
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +29,7 @@ def new(ratio: int, diameter_mm: float, torque_nm: float, **others: Any) -> "Ans
         Continuous output torque [N m]; twice as much is allowed as a peak.
     others
         `life_h`, `speed_rpm`, `process`, `discs`, `length_mm`, `backlash_arcmin`, `material`, `clearance_um`,
-        `fit`, `custom`, as the flags of ``cycloid-mj design new``.
+        `fit`, `custom`, `duty`, `cooling`, `ambient_c`, `output_rpm`, as the flags of ``cycloid-mj design new``.
 
     Raises
     ------

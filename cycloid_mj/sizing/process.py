@@ -27,12 +27,20 @@ class ProcessLimits:
 
     clearance: float
     finest: float
+    matched: float
     material: str
     others: tuple[str, ...]
     stronger: tuple[Process, ...]
     changes: Mapping[str, Mapping[str, object]]
     reasons: Mapping[str, str]
+    life_h: float = 6000.0
+    speed_rpm: float = 1500.0
+    duty_share: float = 1.0
 
+
+COOLING = {"still": 12.0, "mounted": 18.0, "fan": 30.0}
+"""Heat transfer coefficient of the housing [W/(m2 K)]: in still air, bolted to a machine that conducts as much again as
+half of its surface gives off, and in a stream of 2 to 3 m/s (assumed; still air has 8 to 15)."""
 
 _BOUGHT = {"pin_material": {"name": "bearing steel"}}
 _HARD_CRANK = {"shaft_material": {"name": "case-hardened 16MnCr5"}}
@@ -42,6 +50,7 @@ PROCESSES: dict[Process, ProcessLimits] = {
     "steel": ProcessLimits(
         clearance=5e-6,
         finest=2e-6,
+        matched=1e-6,
         material="case-hardened 16MnCr5",
         others=("bearing steel",),
         stronger=(),
@@ -55,6 +64,7 @@ PROCESSES: dict[Process, ProcessLimits] = {
     "milled": ProcessLimits(
         clearance=2e-5,
         finest=1e-5,
+        matched=5e-6,
         material="tempered steel",
         others=("nitrided 42CrMo4", "case-hardened 16MnCr5"),
         stronger=("steel",),
@@ -70,6 +80,7 @@ PROCESSES: dict[Process, ProcessLimits] = {
     "printed": ProcessLimits(
         clearance=1e-4,
         finest=4e-5,
+        matched=2e-5,
         material="PLA",
         others=("PETG", "PA-CF", "POM"),
         stronger=("milled", "steel"),
@@ -89,5 +100,8 @@ PROCESSES: dict[Process, ProcessLimits] = {
             "clearance.pin_gear": "what a printer needs for parts that move",
             "friction.pin_gear": "greased plastic on steel",
         },
+        life_h=500.0,
+        speed_rpm=300.0,
+        duty_share=0.25,
     ),
 }

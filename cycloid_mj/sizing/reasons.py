@@ -4,71 +4,58 @@ from collections.abc import Iterator
 
 from cycloid_mj.design import Design, stock
 from cycloid_mj.design.model import PARTS
+from cycloid_mj.life.item import RatedItem
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import are_one_part
+from cycloid_mj.sizing.candidates import DISC_SHARE, FIT_TOLERANCES, POSITIONS, POWER_RESERVE, TOLERANCE_SHARE
 from cycloid_mj.sizing.process import PROCESSES
-from cycloid_mj.sizing.proportions import DISC_SHARE, FIT_TOLERANCES, POWER_RESERVE, Proportions
 from cycloid_mj.sizing.requirement import Requirement
-from cycloid_mj.sizing.trial import TorqueTrial
-
-WALL_ROUNDING = 0.015
-"""Increase of a wall relative to the outer radius that is not due to rounding."""
 
 
-def reasons_of(requirement: Requirement, proportions: Proportions, trial: TorqueTrial) -> Iterator[tuple[str, str]]:
+def reasons_of(requirement: Requirement, reducer: Reducer, weakest: RatedItem) -> Iterator[tuple[str, str]]:
     """Yield the reason of each value, by ``table.value``."""
-    design, discs = trial.reducer.design, trial.reducer.design.gear.discs
-    weakest = f"; at the required torque {trial.weakest.name} fails first" if trial.weakest else ""
+    design = reducer.design
+    ring, gear, output = design.ring, design.gear, design.output
+    found, bought = "by the search", "" if requirement.custom else ", in stock"
+    wall = 1.0 - (ring.pin_circle_radius + ring.pin_radius) / design.housing.outer_radius
     yield "structure", "includes bending of output pins and torsion of carrier, shaft and housing"
     yield "ring.teeth", f"ratio {design.lobes} plus one"
-    outer = design.housing.outer_radius
-    wall = 1.0 - (design.ring.pin_circle_radius + design.ring.pin_radius) / outer
-    needed = "" if wall < proportions.wall + WALL_ROUNDING else ", as the screws of the covers need it"
-    yield "ring.pin_circle_radius", f"leaves a wall of {wall:.0%} of the outer radius{needed}"
-    stock = "" if requirement.custom else ", in stock"
-    yield "ring.pin_radius", f"{proportions.pin:.0%} of the space between neighbours, approximately{stock}"
-    yield (
-        "gear.eccentricity",
-        f"K1 = c N / E = {proportions.short_width:g}: the largest at which no other part becomes the weakest",
-    )
-    as_sold = "" if requirement.custom else ", as long as pins in stock"
-    yield "gear.face_width", f"{proportions.width:.0%} of the pin circle for all discs{as_sold}{weakest}"
-    yield (
-        "gear.bore_radius",
-        f"{proportions.bore:.0%} of the disc's root radius, approximately{stock and ', for a bearing in stock'}",
-    )
-    if discs > 1:
-        one_part = are_one_part(discs, design.output.pins, design.lobes)
+    yield "ring.pin_circle_radius", f"{found}; leaves a wall of {wall:.0%} of the outer radius"
+    yield "ring.pin_radius", f"{found}{bought}"
+    k1 = gear.eccentricity * ring.teeth / ring.pin_circle_radius
+    yield "gear.eccentricity", f"{found}; K1 = c N / E = {k1:.3g}"
+    length = "" if requirement.custom else ", as long as pins in stock"
+    yield "gear.face_width", f"{found}{length}; at the required torque {weakest.name} fails first"
+    yield "gear.bore_radius", f"{found}{bought and ', for a bearing in stock'}"
+    if gear.discs > 1:
         yield "gear.discs", "required; they balance each other" if requirement.discs else "one disc is not enough"
-        yield (
-            "output.pins",
-            "with this number all discs are identical parts" if one_part else "the discs are different parts",
-        )
-    else:
-        yield "output.pins", "the largest number with walls between the holes"
+    parts = "identical parts" if are_one_part(gear.discs, output.pins, design.lobes) else "different parts"
+    yield "output.pins", found if gear.discs == 1 else f"{found}; the discs are {parts}"
     yield "gear.disc_gap", "space for a spacer between several discs"
     yield "output.pin_circle_radius", "the middle of the web between bore and root"
-    yield "output.pin_radius", f"its hole takes {proportions.hole:.0%} of the web, or of the space between neighbours"
+    yield "output.pin_radius", found
     yield "output.hole_radius", "output pin + eccentricity"
-    reach = stock and ", approximately: dowels in stock reach from face to face"
+    reach = bought and ", approximately: dowels in stock reach from face to face"
     yield "output.disc_thickness", f"{DISC_SHARE:.0%} of the outer radius{reach}"
     yield "output.support", "supported at one end, the pins would bend away from the load"
-    if stock:
-        yield "output.core_radius", "a dowel in stock under the roller"
-        yield "output.roller_bearing", "a turned sleeve fits on the dowel, needles do not"
-        yield "shaft.bearing_width", "width of a bearing in stock"
-        yield from _clamping(design)
-    yield (
-        "shaft.radius",
-        f"at most {proportions.shaft:.0%} of the bore, with space for its bearing within the cam{stock}",
-    )
-    yield "shaft.length", "space for a bearing" + (", and for the counterweight" if discs == 1 else "")
+    yield "output.core_radius", f"the thickest dowel{bought} within the roller"
+    if output.has_needles:
+        yield "output.roller_bearing", "drawn cup needle bearings in the rollers, on hardened dowels: less loss"
+        yield "bearing.output_dynamic_capacity", "of the drawn cup needle bearing in the roller"
+    else:
+        yield "output.roller_bearing", "a turned sleeve on the dowel: thinner than a needle bearing"
+    yield "shaft.bearing_width", "width of a bearing in stock"
+    yield from _clamping(design)
+    yield "shaft.radius", f"{found}{bought}, with space for its bearing within the cam"
+    yield "shaft.length", "space for a bearing" + (", and for the counterweight" if gear.discs == 1 else "")
     yield "shaft.counterweight_radius", "three quarters of the space within the pins"
     yield "shaft.mounting", "a bearing on either side of the discs"
     yield "housing.outer_radius", "required"
     yield "drive.torque", "required torque divided by the ratio"
-    yield "drive.speed", "required, or that of a four-pole motor at 50 Hz"
+    yield "drive.speed", "required, or usual for the process"
     yield "drive.power", f"{POWER_RESERVE:g} times the power of torque and speed"
-    yield "service.life", "required"
+    for key in ("life", "duty_share", "film_coefficient", "ambient_temperature"):
+        yield f"service.{key}", "required, or usual for the process"
     yield from _process_reasons(requirement, design)
 
 
@@ -84,19 +71,23 @@ def _clamping(design: Design) -> Iterator[tuple[str, str]]:
 
 def _process_reasons(requirement: Requirement, design: Design) -> Iterator[tuple[str, str]]:
     """Yield the reasons for materials, clearances and tolerances."""
-    reasons = dict(PROCESSES[requirement.process].reasons)
+    limits = PROCESSES[requirement.process]
+    reasons = dict(limits.reasons)
     if requirement.material:
         reasons["material.name"] = "required"
     clearance = reasons.pop("clearance.pin_gear")
     if requirement.tightened:
-        clearance = "the largest that the backlash allows, within the process's accuracy"
+        clearance = "the largest that the backlash allows"
     elif requirement.clearance:
         clearance = "required"
     elif requirement.fit:
         clearance = f"mean clearance of {requirement.fit}, on the radius"
+    if requirement.usual_clearance < limits.finest:
+        clearance += "; parts are measured and matched, pins of one group (ISO 3096)"
     reasons |= dict.fromkeys((f"clearance.{pair}" for pair in type(design.clearance).model_fields), clearance)
-    if requirement.fit:
-        reasons |= dict.fromkeys((f"tolerance.{zone}" for zone in FIT_TOLERANCES), "required")
+    usual = f"usual for {requirement.process}: six standard deviations are {6.0 * TOLERANCE_SHARE:.0%} of the clearance"
+    reasons |= dict.fromkeys((f"tolerance.{key}" for key in (*POSITIONS, "cam_position")), usual)
+    reasons |= dict.fromkeys((f"tolerance.{zone}" for zone in FIT_TOLERANCES), "required" if requirement.fit else usual)
     for table in ("material", *(f"{part}_material" for part in PARTS)):
         if material := getattr(design, table):
             numbers = [f"{table}.{key}" for key in type(material).model_fields if key != "name"]

@@ -3,16 +3,19 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, Self
 
+from cycloid_mj.base.array import significant
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.units import MICROMETRES, MILLIMETRES, RPM
 from cycloid_mj.design.fits import clearances
 from cycloid_mj.design.materials import MATERIALS
-from cycloid_mj.sizing.process import PROCESSES, Process
+from cycloid_mj.life.duty import Duty, DutyPoint, constant_duty, read_duty
+from cycloid_mj.sizing.process import COOLING, PROCESSES, Process
 
 LEAST_RATIO, MOST_RATIO = 3, 150
-MOST_DISCS = 4
+MAX_DISCS = 4
 
 DIAMETERS_MM, TORQUES_NM = (5.0, 3000.0), (1e-4, 1e6)
 LIVES_H, SPEEDS_RPM = (1.0, 1e6), (0.1, 50e3)
@@ -25,8 +28,8 @@ PIN_SIZE = 0.06
 LARGEST_PAIR = 0.6
 """Largest diameter of a pair, that of the cam, relative to that of a drive, at which a fit must be tabulated."""
 
-MOST_RATIOS = 7
-"""Number of ratios tried in a range, evenly spaced."""
+FINER = 10.0**-0.1
+"""Step of the clearances that a backlash may require (R10, ISO 3)."""
 
 
 def required(
@@ -34,8 +37,9 @@ def required(
     ratio: int,
     diameter_mm: float,
     torque_nm: float,
-    life_h: float = 6000.0,
-    speed_rpm: float = 1500.0,
+    life_h: float | None = None,
+    speed_rpm: float | None = None,
+    output_rpm: float | None = None,
     process: Process = "steel",
     discs: int = 1,
     length_mm: float | None = None,
@@ -44,14 +48,28 @@ def required(
     clearance_um: float | None = None,
     fit: str = "",
     custom: bool = False,
+    duty: str | float | None = None,
+    cooling: str | float = "still",
+    ambient_c: float = 20.0,
+    changes: tuple[str, ...] = (),
 ) -> "Requirement":
-    """Return a requirement in the units of the command line; see `Requirement`."""
+    """Return a requirement in the units of the command line; see `Requirement`.
+
+    Where they are not set, life, speed and share of the time are those of the process. `duty` is a share of the time,
+    or a CSV file of a duty cycle with torques relative to their largest; `cooling` one of `COOLING`, or a heat transfer
+    coefficient [W/(m2 K)].
+    """
+    if speed_rpm is not None and output_rpm is not None:
+        raise UsageError("both the speed of the crank and that of the output are set: remove one of them")
+    limits = PROCESSES[process]
+    speed = output_rpm * ratio if output_rpm is not None else limits.speed_rpm if speed_rpm is None else speed_rpm
+    share, points = _duty(duty, limits.duty_share)
     return Requirement(
         ratio=ratio,
         diameter=1e-3 * diameter_mm,
         torque=torque_nm,
-        life=life_h,
-        speed=speed_rpm * RPM,
+        life=limits.life_h if life_h is None else life_h,
+        speed=max((speed for _, speed, _ in points), default=speed * RPM),
         process=process,
         discs=discs,
         length=math.inf if length_mm is None else 1e-3 * length_mm,
@@ -60,7 +78,36 @@ def required(
         clearance=0.0 if clearance_um is None else 1e-6 * clearance_um,
         fit=fit,
         custom=custom,
+        duty=points,
+        duty_share=share,
+        film=_film(cooling),
+        ambient=ambient_c,
+        changes=changes,
     )
+
+
+def _duty(duty: str | float | None, usual: float) -> tuple[float, tuple[tuple[float, float, float], ...]]:
+    """Return the share of the time under load, and the points of a duty file relative to its largest torque."""
+    if duty is None:
+        return usual, ()
+    try:
+        return float(duty), ()
+    except ValueError:
+        points = read_duty(Path(str(duty))).points
+    largest = max(point.torque for point in points if point.speed)
+    return 1.0, tuple((point.torque / largest, point.speed, point.share) for point in points)
+
+
+def _film(cooling: str | float) -> float:
+    """Return the heat transfer coefficient of a kind of cooling [W/(m2 K)]."""
+    if cooling in COOLING:
+        return COOLING[str(cooling)]
+    try:
+        return float(cooling)
+    except ValueError:
+        raise UsageError(
+            f"unknown cooling {cooling!r}: use {', '.join(COOLING)}, or a heat transfer coefficient [W/(m2 K)]"
+        ) from None
 
 
 def _named(material: str) -> str:
@@ -101,10 +148,14 @@ class Requirement:
         Fit of each pair of parts instead, such as H7/g6, at its size (ISO 286-1); empty: none.
     custom
         Whether sizes are free instead of those of pins and bearings in stock.
+    duty, duty_share
+        Points of a duty cycle, (torque over the largest, speed [rad/s], share), or the share of the time under load.
+    film, ambient
+        Heat transfer coefficient of the housing [W/(m2 K)], and temperature around it [°C].
+    changes
+        Settings of the design, ``table.key=value``, that hold for every candidate.
     tightened
-        Whether the clearance was reduced for the backlash, and may be reduced further.
-    covered
-        Whether the covers must not be larger than the ring, with their screws in its wall.
+        Whether the clearance was reduced for the backlash.
     """
 
     ratio: int
@@ -121,7 +172,11 @@ class Requirement:
     fit: str = ""
     custom: bool = False
     tightened: bool = False
-    covered: bool = False
+    duty: tuple[tuple[float, float, float], ...] = ()
+    duty_share: float = 1.0
+    film: float = 12.0
+    ambient: float = 20.0
+    changes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Check the ranges of all values.
@@ -137,9 +192,11 @@ class Requirement:
                     f"the {what} is {number}; it must be whole, such as {math.floor(number)} or {math.ceil(number)}"
                 )
         if not LEAST_RATIO <= self.ratio <= MOST_RATIO:
-            raise UsageError(f"the ratio is {self.ratio}; a single stage allows {LEAST_RATIO} to {MOST_RATIO}")
-        if not 0 <= self.discs <= MOST_DISCS:
-            raise UsageError(f"the number of discs is {self.discs}; allowed: 1 to {MOST_DISCS}")
+            raise UsageError(
+                f"the ratio is {self.ratio}; a single stage allows {LEAST_RATIO} to {MOST_RATIO}{self._two_stages()}"
+            )
+        if not 0 <= self.discs <= MAX_DISCS:
+            raise UsageError(f"the number of discs is {self.discs}; allowed: 1 to {MAX_DISCS}")
         for what, value, unit, minimum, most in self._sizes():
             if not minimum <= value <= most:
                 raise UsageError(f"the {what} is {value:.10g} {unit}; allowed: {minimum:g} to {most:g} {unit}")
@@ -147,6 +204,21 @@ class Requirement:
             raise UsageError(f"unknown material {self.material!r}; available: {', '.join(MATERIALS)}")
         if self.fit:
             self._check_fit()
+
+    def _two_stages(self) -> str:
+        """Return the way to a larger ratio: two stages, as nearly alike as their product allows."""
+        if not MOST_RATIO < self.ratio <= MOST_RATIO**2:
+            return ""
+        stages = range(LEAST_RATIO, math.isqrt(self.ratio) + 1)
+        low = max((one for one in stages if self.ratio % one == 0), default=0)
+        if not low or self.ratio // low > MOST_RATIO:
+            low = math.isqrt(self.ratio)
+        high = round(self.ratio / low)
+        return (
+            f". Two stages multiply, {high} x {low} = {high * low}: run `cycloid-mj design new` for the output stage "
+            f"(--ratio {low}) with {self.torque:g} N m, and for the input stage (--ratio {high}) with the torque "
+            f"divided by {low}, {self.torque / low:.4g} N m, and {low} times the output speed"
+        )
 
     def _check_fit(self) -> None:
         """Raise UsageError unless the fit is a known one with clearance, and no clearance is set as well."""
@@ -171,12 +243,27 @@ class Requirement:
             yield "length", MILLIMETRES * self.length, "mm", *DIAMETERS_MM
         if self.backlash != math.inf:
             yield "backlash", self.backlash, "arcmin", *BACKLASHES_ARCMIN
+        yield "share of the time", self.duty_share, "of 1", 0.001, 1.0
+        yield "heat transfer coefficient", self.film, "W/(m2 K)", 1.0, 1000.0
+        yield "ambient temperature", self.ambient, "°C", -50.0, 90.0
         if self.clearance:
             yield "clearance", MICROMETRES * self.clearance, "um", *CLEARANCES_UM
 
     def but(self, **changes: Any) -> Self:
         """Return the requirement with other values."""
         return replace(self, **changes)
+
+    def duty_at(self, torque: float) -> Duty:
+        """Return the duty cycle whose largest torque is a torque [N m]."""
+        if not self.duty:
+            return constant_duty(torque, self.speed)
+        points = tuple(DutyPoint(relative * torque, speed, share) for relative, speed, share in self.duty)
+        return Duty(points, 2.0 * torque, peak_given=False)
+
+    @property
+    def without_limits(self) -> Self:
+        """The requirement without limits of torque, length and backlash."""
+        return self.but(torque=1.0, length=math.inf, backlash=math.inf)
 
     @property
     def made_of(self) -> str:
@@ -187,6 +274,16 @@ class Requirement:
     def usual_clearance(self) -> float:
         """Required clearance, or that of the process, or that of the fit at the size of a ring pin [m]."""
         return self.clearance_at(PIN_SIZE * self.diameter)
+
+    @property
+    def tighter_clearances(self) -> Iterator[float]:
+        """The clearances below the usual one that the process allows [m], the largest first.
+
+        Those below its usual accuracy are for parts that are measured and matched (pins of a group of ISO 3096).
+        """
+        matched = PROCESSES[self.process].matched
+        count = math.floor(math.log(matched / self.usual_clearance) / math.log(FINER) + 1e-9)
+        return (significant(self.usual_clearance * FINER**step) for step in range(1, count + 1))
 
     def clearance_at(self, size: float) -> float:
         """Compute the clearance of a pair [m], normal to its surfaces, at its diameter [m]: of a fit the mean."""

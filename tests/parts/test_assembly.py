@@ -43,8 +43,8 @@ from cycloid_mj.parts.export.round_part import RoundPart
 from cycloid_mj.parts.parts import tint
 from cycloid_mj.parts.polygon import area_moments, rotate_points
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.sizing.proportions import Proportions, build_drive
 from cycloid_mj.sizing.requirement import Requirement
+from cycloid_mj.sizing.search import first_drive
 
 SCREWS = ("flange_screw", "motor_screw")
 INSERTS = ("screw_insert", "flange_screw_insert", "load_screw_insert", "motor_screw_insert")
@@ -68,7 +68,7 @@ NEW = {
 
 
 def new_drive(name: str) -> Design:
-    reducer = build_drive(NEW[name], Proportions(), NEW[name].torque)
+    reducer = first_drive(NEW[name])
     assert reducer is not None
     return reducer.design
 

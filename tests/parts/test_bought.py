@@ -3,13 +3,15 @@
 import random
 import re
 
+import numpy as np
 import pytest
 
 from cycloid_mj.design import PRESETS, stock
 from cycloid_mj.parts.export import BillLine, bill, casing
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.sizing.proportions import GRID, Proportions, build_drive
+from cycloid_mj.sizing.candidates import DIMENSIONS, build_drive, decode
 from cycloid_mj.sizing.requirement import Requirement
+from cycloid_mj.sizing.search import first_drive
 
 THREE = {
     "steel": Requirement(20, 0.06, 10.0),
@@ -20,7 +22,7 @@ THREE = {
 
 def drives() -> dict[str, Reducer]:
     """Draw a steel, a printed and a milled drive, and ten at random."""
-    found = {name: build_drive(asked, Proportions(), asked.torque) for name, asked in THREE.items()}
+    found = {name: first_drive(asked) for name, asked in THREE.items()}
     draw = random.Random(34)
     while len(found) < 13:
         asked = Requirement(
@@ -30,8 +32,8 @@ def drives() -> dict[str, Reducer]:
             process=draw.choice(("steel", "printed", "milled")),
             discs=draw.choice((1, 1, 2, 3)),
         )
-        of = Proportions(**{name: draw.choice(GRID[name]) for name in ("bore", "shaft", "width", "output_pins")})
-        if reducer := build_drive(asked, of, asked.torque):
+        sizes = decode(asked, np.array([[draw.random() for _ in range(DIMENSIONS)]]))
+        if sizes.valid[0] and (reducer := build_drive(asked, sizes.row(0), asked.torque)):
             found[f"{asked.process} {asked.ratio}:1, {1e3 * asked.diameter:g} mm, {asked.discs}"] = reducer
     return {name: reducer for name, reducer in found.items() if reducer}
 

@@ -48,8 +48,8 @@ from cycloid_mj.parts.export.printing import manufactured_parts, printed_parts
 from cycloid_mj.parts.export.supports import SUPPORTS, overhangs, support
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import phases
-from cycloid_mj.sizing.proportions import Proportions, build_drive
 from cycloid_mj.sizing.requirement import Requirement
+from cycloid_mj.sizing.search import first_drive
 
 CHORD_ERROR = 2e-5
 OFFSET = 8e-5
@@ -409,7 +409,7 @@ PRINTED = PRESETS["printed"]
 
 
 def made_by_printing(asked: Requirement) -> Design:
-    reducer = build_drive(asked, Proportions(), asked.torque)
+    reducer = first_drive(asked)
     assert reducer is not None
     return reducer.design
 

@@ -3,7 +3,6 @@
 import json
 import math
 import re
-from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -22,11 +21,8 @@ from cycloid_mj.life.figures import drive_length
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.parts.export import bill, casing
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.sizing.answer import Answer, Remedy, SizedDrive, best_ratio, length_parts, size_drive
-from cycloid_mj.sizing.proportions import Proportions, build_drive, rounded
-from cycloid_mj.sizing.reasons import reasons_of
+from cycloid_mj.sizing.answer import Answer, Remedy, SizedDrive, best_ratio, length_parts, size_drive, solve
 from cycloid_mj.sizing.requirement import Requirement, required
-from cycloid_mj.sizing.trial import rate_drive
 from cycloid_mj.statics.sheet import sheet
 
 SMALL = Requirement(20, 0.06, 10.0)
@@ -47,6 +43,13 @@ def require_held(drive: SizedDrive, asked: Requirement, told: float = 0.02) -> N
     assert momentary >= 2.0 * asked.torque
     assert drive.figures["rated_torque_nm"] == pytest.approx(min(rated, momentary), rel=told)
     assert drive.figures["momentary_torque_nm"] == pytest.approx(momentary, rel=0.05)  # of fewer angles
+
+
+def solved(asked: Requirement) -> Reducer:
+    """Return the lightest drive of a requirement."""
+    solution, refused = solve(asked)
+    assert solution, refused.limit
+    return solution.rated.reducer
 
 
 def require_kept(answer: Answer, ways: int = 9, least_ways: int = 1) -> None:
@@ -74,12 +77,12 @@ def test_the_drives_hold_what_is_asked_and_differ(small: Answer) -> None:
     require_kept(small)
     lightest, *others = small.drives
     (stiffest,) = (drive for drive in others if drive.title == "stiffest")
-    (lasting,) = (drive for drive in others if drive.title == "longest life" or "longest life" in drive.why)
+    (lasting,) = (drive for drive in others if "longest life" in drive.why)
     assert lightest.figures["mass_kg"] < min(drive.figures["mass_kg"] for drive in others)
     assert stiffest.figures["stiffness_nm_per_arcmin"] > 1.05 * lightest.figures["stiffness_nm_per_arcmin"]
     for key, best in (("stiffness_nm_per_arcmin", stiffest), ("life_h", lasting)):
         assert best.figures[key] == max(drive.figures[key] for drive in small.drives)
-    assert len({drive.design.but(name="same") for drive in small.drives}) == 3
+    assert len({drive.design.but(name="same") for drive in small.drives}) == len(small.drives) > 1
 
 
 @pytest.mark.slow
@@ -197,9 +200,7 @@ def test_absurd_requirements_are_refused(changes: dict[str, float], message: str
 
 
 def test_a_fit_is_the_mean_clearance_of_each_pair_at_its_own_size() -> None:
-    reducer = build_drive(SMALL.but(fit="H7/g6"), Proportions(), 4.0)
-    assert reducer is not None
-    design = reducer.design
+    design = solved(SMALL.but(torque=2.0, fit="H7/g6")).design
     for pair, radius in (
         ("pin_gear", design.ring.pin_radius),
         ("cam", design.gear.bore_radius),
@@ -246,10 +247,7 @@ def test_all_that_is_bought_for_other_drives_is_in_stock(asked: Requirement) -> 
 
 
 def test_custom_sizes_are_free() -> None:
-    proportions = Proportions(pin=0.57, bore=0.45)
-    free, bought = (build_drive(SMALL.but(custom=custom), proportions, 4.0) for custom in (True, False))
-    assert free is not None
-    assert bought is not None
+    free, bought = (solved(SMALL.but(torque=4.0, custom=custom)) for custom in (True, False))
     require_in_stock(bought.design)
     assert 2.0 * free.design.ring.pin_radius not in stock.pin_diameters()
     assert not stock.bearings_outside(2.0 * free.design.gear.bore_radius)
@@ -298,21 +296,63 @@ def test_the_lightest_is_the_lightest() -> None:
 
 
 def test_the_covers_stay_within_the_diameter_where_the_wall_can_take_their_screws() -> None:
-    asked = Requirement(60, 0.07, 0.5)
-    thin, found = Proportions(), build_drive(asked, Proportions(), asked.torque)
-    assert found is not None
-    outer = found.design.housing.outer_radius
-    assert casing(found).outer == outer
-    assert 1.0 - (found.design.ring.pin_circle_radius + found.design.ring.pin_radius) / outer > thin.wall + 0.02
+    found = solved(Requirement(60, 0.07, 0.5))
+    assert casing(found).outer == found.design.housing.outer_radius
 
 
-def test_a_drive_whose_backlash_is_not_found_is_not_told_as_the_most_that_goes(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked = Requirement(64, 0.0462, 0.568, process="printed")
-    assert size_drive(asked).most > 0.0
-    monkeypatch.setattr("cycloid_mj.sizing.answer._has_play", lambda reducer: False)
-    refused = size_drive(asked)
-    assert refused.most == 0.0
-    assert refused.remedies
+@pytest.mark.slow
+@pytest.mark.parametrize("share", [0.9, 1.1, 1.5, 2.0])
+def test_the_stated_maximum_is_the_maximum(share: float) -> None:
+    """A coordinate search stated 537 N m here and rated a drive for 1671 N m when that was required."""
+    asked = Requirement(119, 0.4, 20_000.0, speed=1000.0 * RPM, discs=0)
+    _, refused = solve(asked)
+    assert refused.most > 1700.0
+    other, _ = solve(asked.but(torque=share * refused.most))
+    assert other is None if share > 1.1 else other is not None or share > 1.0
+    assert other is None or other.rated.capacity <= 1.1 * refused.most
+
+
+def test_a_drive_found_at_one_length_is_found_at_every_length_that_it_satisfies() -> None:
+    """56 mm were refused ("it needs 68"), and 58 mm led to a drive of 55.9 mm."""
+    asked = Requirement(30, 0.06, 0.3, life=10.0, process="printed", speed=100.0 * RPM)
+    longest, _ = solve(asked.but(length=0.058))
+    assert longest
+    length = math.ceil(1e4 * longest.rated.length) / 1e4
+    again, _ = solve(asked.but(length=length))
+    assert again
+    assert again.rated.length <= length
+
+
+def test_the_lightest_drive_is_lighter_than_the_coordinate_search_had_it() -> None:
+    """It wrote a drive of 6.77 kg with covers; `optimize` found one of 4.74 kg."""
+    found, _ = solve(Requirement(29, 0.09, 40.0, speed=2000.0 * RPM, discs=2))
+    assert found
+    assert found.rated.mass < 5.2
+    assert found.study["yield_percent"] >= 99.0
+
+
+def test_conditions_change_what_is_feasible() -> None:
+    asked = Requirement(29, 0.09, 35.0, speed=2000.0 * RPM)
+    assert solve(asked)[0] is None
+    cooled, _ = solve(asked.but(torque=1.0, film=30.0, duty_share=0.5))
+    assert cooled
+    assert cooled.rated.reducer.design.service.film_coefficient == 30.0
+    assert cooled.rated.reducer.design.service.duty_share == 0.5
+
+
+def test_settings_hold_for_every_candidate() -> None:
+    found, _ = solve(SMALL.but(torque=3.0, changes=("gear.bore_radius_mm=9",)))
+    assert found is None or found.rated.reducer.design.gear.bore_radius == 9e-3
+
+
+def test_two_stages_are_named_for_a_larger_ratio() -> None:
+    with pytest.raises(UsageError, match="17 x 11 = 187"):
+        SMALL.but(ratio=187)
+
+
+def test_printed_drives_run_a_quarter_of_the_time_by_default() -> None:
+    asked = required(ratio=20, diameter_mm=60.0, torque_nm=1.0, process="printed")
+    assert (asked.life, asked.speed, asked.duty_share) == (500.0, pytest.approx(300.0 * RPM), 0.25)
 
 
 def test_no_room_for_a_gear_is_said_with_a_size_that_goes() -> None:
@@ -334,26 +374,6 @@ def test_where_neither_torque_nor_backlash_is_held_a_way_holds_both() -> None:
     refused = size_drive(asked)
     assert "its backlash is" in refused.refusal
     assert all(way.requirement.backlash == asked.backlash for way in refused.remedies)
-    require_kept(refused)
-
-
-@pytest.mark.slow
-def test_a_refusal_draws_no_drive_twice_and_compares_none(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What a way out needs more is found by the first drive that holds it: whole shortlists took 30 s of CPU."""
-    drawn_for: Counter[tuple[Requirement, Proportions, float]] = Counter()
-
-    def counted(asked: Requirement, of: Proportions, torque: float) -> Reducer | None:
-        drawn_for[asked, of, torque] += 1
-        return build_drive(asked, of, torque)
-
-    monkeypatch.setattr("cycloid_mj.sizing.climb.build_drive", counted)
-    monkeypatch.setattr("cycloid_mj.sizing.answer._shortlist", lambda *_: pytest.fail("no drive is to be compared"))
-    asked = Requirement(75, 0.0409, 0.894, process="printed", discs=0, backlash=16.3)
-    refused = size_drive(asked)
-    assert refused.remedies
-    assert drawn_for
-    assert set(drawn_for.values()) == {1}
-    monkeypatch.undo()
     require_kept(refused)
 
 
@@ -384,10 +404,8 @@ def test_the_file_has_each_reason_beside_its_value(small: Answer) -> None:
     ids=str,
 )
 def test_each_value_that_is_chosen_has_its_reason(asked: Requirement) -> None:
-    reducer = build_drive(asked, Proportions(), asked.torque)
-    assert reducer is not None
-    trial = rate_drive(reducer, asked.torque)
-    reasons, design = dict(reasons_of(asked, Proportions(), trial)), trial.reducer.design
+    drive = size_drive(asked).drives[0]
+    reasons, design = dict(drive.reasons), drive.design
     for table, values in design.model_dump(exclude={"name"}).items():
         usual = getattr(PRESETS["pin"], table)
         if not isinstance(values, dict):
@@ -399,17 +417,13 @@ def test_each_value_that_is_chosen_has_its_reason(asked: Requirement) -> None:
     assert max(len(number) for number in re.findall(r"_mm = ([\d.]+)", text)) < 10
 
 
-@pytest.mark.parametrize("length", [0.0123456, 1.9999e-3, 0.5])
-def test_dimensions_are_rounded_down_by_2_percent_at_most(length: float) -> None:
-    assert 0.98 * length <= rounded(length) <= length
-
-
 def test_the_command_writes_three_files_and_their_figures(tmp_path: Path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     asked = ["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "5", "--life-h", "10000", "--speed-rpm", "1000"]
     assert main(["design", "new", "mine", *asked, "--set", "clearance.cam_um=3", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)["designs"]
-    assert [one["file"] for one in told] == ["mine.toml", "mine-stiffest.toml", "mine-longest-life.toml"]
+    assert [one["file"] for one in told[:2]] == ["mine.toml", "mine-stiffest.toml"]  # may have the longest life too
+    assert all(set(one["figures"]) >= {"mass_kg", "mechanism_mass_kg", "yield_percent"} for one in told)
     for one in told:
         design = load(tmp_path / one["file"])
         assert design.name == Path(one["file"]).stem

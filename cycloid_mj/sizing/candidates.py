@@ -1,0 +1,428 @@
+"""Candidate drives: points of the unit cube, decoded to sizes in stock, and the complete designs of them."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from cycloid_mj.base.array import Array, Integers, Mask
+from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.base.units import MICROMETRES, MILLIMETRES
+from cycloid_mj.checks import WALLS, Check, shape_checks, sound_checks
+from cycloid_mj.checks.body import bearings
+from cycloid_mj.design import PRESETS, override, stock
+from cycloid_mj.life import rolling
+from cycloid_mj.parts.export.casing import covers_fit
+from cycloid_mj.parts.export.drive import has_casing
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.bending import AXIAL_GAP
+from cycloid_mj.sizing.process import PROCESSES
+from cycloid_mj.sizing.requirement import Requirement
+
+PIN_ROOM = 0.3, 0.86
+"""Radius of a ring pin over half the distance of its neighbours: thinner pins dent, thicker leave no wall (assumed)."""
+
+SHORT_WIDTHS = 0.3, 0.9
+"""K1 = c N / E: below, the flanks push outwards more than around; above, they are undercut (assumed)."""
+
+WIDTHS = 0.1, 1.2
+"""Face width of all discs relative to the pin circle: a narrower disc warps, a wider one tilts (assumed)."""
+
+OUTPUT_PINS = np.array([4, 5, 6, 8, 10, 12])
+WALL_SHARES = (0.06, 0.09, 0.12, 0.16, 0.2, 0.25)
+"""Numbers of output pins; walls outside the pins relative to the outer radius, of which the thinnest with room for the
+screws of the covers is used."""
+
+GAP_SHARE, DISC_SHARE = 0.04, 0.15
+"""Gap between discs, and thickness of an output disc, relative to the outer radius (assumed)."""
+
+CORE_SHARE, ROLLER_SHARE = 0.8, 1.15
+"""Largest core of an output pin over its sleeve, and smallest roller over the needle bearing in it (assumed walls)."""
+
+DIMENSIONS = 9
+"""Variables of the cube: wall, pin, eccentricity, width, bore, shaft, number, size and bearing of the output pins."""
+
+POWER_RESERVE = 1.1
+"""Power of the motor relative to that of torque and speed."""
+
+TOLERANCE_SHARE = 0.1
+"""Standard deviation of every fit, radius and position over the clearance: six of them are 0.6 of it, and all of 96
+samples of each process turn freely (with 0.16, 4 % of printed drives jam)."""
+
+POSITIONS = ("pin_position", "pin_radius", "pin_circle", "hole_position", "eccentricity", "disc_size")
+FIT_TOLERANCES = ("mesh", "seat", "cam", "output")
+"""Tolerances that follow from a fit."""
+
+ROUNDING = 2.5e-6
+"""Step of free dimensions [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sizes:
+    """Sizes of n candidates [m], shape (n,) each; ratings in [N].
+
+    Attributes
+    ----------
+    circle, pin, eccentricity, face
+        Pin circle, ring pins, eccentricity, and face width of each disc.
+    bore, cam_dynamic, cam_static
+        Radius of the cam bearing outside, and the ratings of those in each disc.
+    shaft, bearing, shaft_dynamic, shaft_static
+        Radius of the shaft, and width and ratings of its bearings.
+    count, circle_out, stud, core, needle_dynamic
+        Output pins: their number, circle, radius, core, and rating of their needles (0: a plain sleeve).
+    disc
+        Thickness of an output disc.
+    valid
+        Whether parts in stock and walls exist.
+    """
+
+    circle: Array
+    pin: Array
+    eccentricity: Array
+    face: Array
+    bore: Array
+    cam_dynamic: Array
+    cam_static: Array
+    shaft: Array
+    bearing: Array
+    shaft_dynamic: Array
+    shaft_static: Array
+    count: Array
+    circle_out: Array
+    stud: Array
+    core: Array
+    needle_dynamic: Array
+    disc: Array
+    valid: Mask
+
+    def row(self, index: int) -> "Candidate":
+        """Return one candidate."""
+        return Candidate(**{key: float(values[index]) for key, values in vars(self).items()})
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """Sizes of one candidate, see `Sizes`."""
+
+    circle: float
+    pin: float
+    eccentricity: float
+    face: float
+    bore: float
+    cam_dynamic: float
+    cam_static: float
+    shaft: float
+    bearing: float
+    shaft_dynamic: float
+    shaft_static: float
+    count: float
+    circle_out: float
+    stud: float
+    core: float
+    needle_dynamic: float
+    disc: float
+    valid: float
+
+
+def decode(requirement: Requirement, points: Array) -> Sizes:
+    """Decode points of the unit cube, shape (n, `DIMENSIONS`), to sizes; each variable chooses among sizes that fit."""
+    teeth, outer, discs, free = (
+        requirement.ratio + 1,
+        requirement.diameter / 2.0,
+        requirement.discs or 1,
+        requirement.custom,
+    )
+    u = points.T
+    pins = _ring_pins(requirement)
+    if not pins:
+        return Sizes(**dict.fromkeys(Candidate.__dataclass_fields__, np.zeros(len(points), bool)))
+    chosen = _choose(u[1], len(pins))
+    pin = np.array([size for size, _ in pins])[chosen]
+    most = outer - np.array([wall for _, wall in pins])[chosen] - pin
+    steps = np.floor(np.maximum(u[0] - 0.5, 0.0) * 10.0)  # the largest circle, or a preferred number below (R40, ISO 3)
+    preferred = 10.0 ** ((np.floor(40.0 * np.log10(most)) - steps + 1.0) / 40.0)
+    circle = _rounded(np.where(steps > 0.0, np.minimum(preferred, most), most))
+    eccentricity = _rounded(_between(u[2], SHORT_WIDTHS) * circle / teeth)
+    gap = _gap(requirement)
+    width = np.exp(np.interp(u[3], (0.0, 1.0), np.log(WIDTHS))) * circle
+    face = (_reach(pin, width, chosen, pins, free) - (discs - 1) * gap) / discs
+    root = circle - eccentricity - pin - requirement.usual_clearance
+    bore, cam, cam_dynamic, cam_static, fits = _cam_bearings(u[4], root, face, free)
+    limit = np.minimum(0.85 * bore, cam) - eccentricity
+    shaft, bearing, shaft_dynamic, shaft_static, turns = _shaft_bearings(u[5], limit, discs > 1, free)
+    count, middle, band = OUTPUT_PINS[_choose(u[6], len(OUTPUT_PINS))], 0.5 * (bore + root), root - bore - 0.03 * circle
+    largest = np.minimum(0.5 * band, middle * np.sin(np.pi / count) - 0.01 * circle)
+    stud = _rounded(_between(u[7], (0.4, 1.0)) * largest - eccentricity)
+    disc = DISC_SHARE * outer
+    core, needle_dynamic, disc_thickness, carries = _cores(
+        u[8], stud, face, discs * face + (discs - 1) * gap, disc, free
+    )
+    valid = fits & turns & carries & (face > 0.1 * gap) & (root - bore > 0.0) & (pin < root) & (pin > eccentricity)
+    return Sizes(
+        circle, pin, eccentricity, face, bore, cam_dynamic, cam_static, shaft, bearing, shaft_dynamic, shaft_static,
+        count, _rounded(middle), stud, core, needle_dynamic, disc_thickness, valid & (stud > 0.0) & (shaft > 0.0),
+    )  # fmt: skip
+
+
+def _choose(share: Array, count: int | Integers) -> Integers:
+    return np.asarray(np.minimum(np.floor(share * count), np.asarray(count) - 1).astype(np.int64))
+
+
+def _between(share: Array, ends: tuple[float, float]) -> Array:
+    return ends[0] + share * (ends[1] - ends[0])
+
+
+def _rounded(length: Array) -> Array:
+    """Round free lengths [m] down."""
+    return np.round(np.floor(length / ROUNDING + 1e-6) * ROUNDING, 9)
+
+
+def _gap(requirement: Requirement) -> float:
+    return float(_rounded(np.array(GAP_SHARE * requirement.diameter / 2.0)))
+
+
+@lru_cache(maxsize=64)
+def _ring_pins_of(ratio: int, outer: float, custom: bool, plastic: str) -> tuple[tuple[float, float], ...]:
+    """List radii of ring pins, and the thinnest wall outside of them with room for the covers' screws [m]."""
+    room = math.sin(math.pi / (ratio + 1))
+    low, high = (share * room / (1.0 + share * room) * outer for share in PIN_ROOM)
+    sizes = np.geomspace(low, high, 24) if custom else (0.5 * size for size in stock.pin_diameters())
+    fitting = [float(round(size, 9)) for size in sizes if 0.8 * low <= size <= high]
+    listed = []
+    for size in fitting[:: max(len(fitting) // 24, 1)]:
+        walls = [share * outer for share in WALL_SHARES]
+        covered = (wall for wall in walls if covers_fit(_ring(ratio, outer, size, wall, plastic, custom)))
+        listed.append((size, next(covered, walls[0])))
+    return tuple(listed)
+
+
+def _ring(ratio: int, outer: float, pin: float, wall: float, material: str, custom: bool) -> Reducer:
+    circle = outer - wall - pin
+    return Reducer(
+        PRESETS["pin"].but(
+            ring={"teeth": ratio + 1, "pin_radius": pin, "pin_circle_radius": circle},
+            gear={"face_width": 0.3 * circle},
+            housing={"outer_radius": outer, **({} if custom else clamping(wall))},
+            material={"name": material},
+        )
+    )
+
+
+def _ring_pins(requirement: Requirement) -> tuple[tuple[float, float], ...]:
+    return _ring_pins_of(requirement.ratio, requirement.diameter / 2.0, requirement.custom, requirement.made_of)
+
+
+def clamping(wall: float) -> dict[str, object]:
+    """Return what holds a ring with a wall behind its teeth [m]: screws, or where it is too thin a seat all round."""
+    screw = stock.bolt_under(CORE_SHARE * wall)
+    return {"support": "bolts", "bolt_radius": round(0.5 * screw.head, 9)} if screw else {"support": "rim"}
+
+
+def _reach(pin: Array, width: Array, chosen: Integers, pins: Iterable[tuple[float, float]], free: bool) -> Array:
+    """Return widths that pins fill as they are sold, nearest to some widths [m]."""
+    if free:
+        return _rounded(width)
+    reach = np.empty_like(width)
+    for number, (size, _) in enumerate(pins):
+        rows = np.flatnonzero(chosen == number)
+        if rows.size:
+            grid = np.geomspace(width[rows].min(), width[rows].max() * (1.0 + 1e-9), 48)
+            sold = np.array([stock.reach_of_pins(2.0 * size, float(_rounded(one))) for one in grid])
+            reach[rows] = sold[np.abs(np.log(width[rows, None] / grid)).argmin(axis=1)]
+    return reach
+
+
+def _cam_bearings(share: Array, root: Array, face: Array, free: bool) -> tuple[Array, Array, Array, Array, Mask]:
+    """Choose bearings of the cams between 0.25 and 0.7 of the disc's root, no wider than the disc."""
+    if free:
+        bore = _rounded(_between(share, (0.25, 0.65)) * root)
+        size = bore * math.sin(math.pi / 20.0) / (1.0 - math.sin(math.pi / 20.0)) * 0.85
+        dynamic, static = (
+            np.vectorize(rate)(20.0, 2.0 * size, np.maximum(face, ROUNDING), 2.0 * bore)
+            for rate in (rolling.dynamic_capacity, rolling.static_capacity)
+        )
+        return bore, bore, dynamic, static, bore > 0.0
+    table = stock.needle_bearings()
+    bores, outsides, widths, dynamics, statics = (
+        np.array([getattr(one, key) for one in table]) for key in ("bore", "outside", "width", "dynamic", "static")
+    )
+    index = _choose_fitting(
+        share,
+        (outsides >= 0.5 * root[:, None]) & (outsides <= 1.4 * root[:, None]) & (widths <= face[:, None] * (1 + 1e-9)),
+    )
+    beside = np.maximum(np.floor(face / widths[index] + 1e-6), 1.0)
+    return (
+        np.round(0.5 * outsides[index], 9),
+        0.5 * bores[index],
+        beside ** (7.0 / 9.0) * dynamics[index],
+        beside * statics[index],
+        index >= 0,
+    )
+
+
+def _choose_fitting(share: Array, fitting: Mask) -> Integers:
+    """Return the index of an option by a share of those that fit, shape (n, options) -> (n,); -1 where none fits."""
+    order: Integers = np.cumsum(fitting, axis=1, dtype=np.int64)
+    wanted = _choose(share, order[:, -1]) + 1
+    return np.where(order[:, -1] > 0, (order >= wanted[:, None]).argmax(axis=1), -1)
+
+
+def _shaft_bearings(share: Array, limit: Array, bar: bool, free: bool) -> tuple[Array, Array, Array, Array, Mask]:
+    """Choose bearings of the shaft, the thickest first, of at most a radius [m], or for a ground `bar`."""
+    if free:
+        radius = _rounded(_between(share, (1.0, 0.6)) * np.maximum(limit, ROUNDING))
+        size = np.maximum(0.4 * radius, ROUNDING)
+        dynamic, static = (
+            np.vectorize(rate)(14.0, size, np.maximum(radius, ROUNDING), 2.0 * np.maximum(radius, ROUNDING) + size)
+            for rate in (rolling.dynamic_capacity, rolling.static_capacity)
+        )
+        return radius, np.zeros_like(radius), dynamic, static, radius > 0.0
+    bars = set(stock.bar_diameters())
+    table = [one for one in reversed(stock.needle_bearings()) if not bar or one.bore in bars]
+    table.sort(key=lambda one: (-one.bore, one.width))
+    bores, widths, dynamics, statics = (
+        np.array([getattr(one, key) for one in table]) for key in ("bore", "width", "dynamic", "static")
+    )
+    fitting = (bores <= 2.0 * limit[:, None] * (1.0 + 1e-9)) & (bores >= 1.2 * limit[:, None])
+    index = _choose_fitting(share, fitting)
+    return np.round(0.5 * bores[index], 9), widths[index], dynamics[index], statics[index], index >= 0
+
+
+def _cores(
+    share: Array, stud: Array, face: Array, stack: Array, usual: float, free: bool
+) -> tuple[Array, Array, Array, Mask]:
+    """Choose cores of output pins [m]: dowels under drawn-cup needle bearings in rollers, or under plain sleeves.
+
+    Returns core, dynamic rating of the needles, thickness of the output discs, and whether there is a core.
+    """
+    dowels = np.array(stock.dowel_diameters()) / 2.0
+    fitting = dowels <= CORE_SHARE * stud[:, None]
+    plain = np.where(fitting.any(axis=1), dowels[fitting.shape[1] - 1 - fitting[:, ::-1].argmax(axis=1)], 0.0)
+    plain = _rounded(CORE_SHARE * np.maximum(stud, 0.0)) if free else plain
+    cups = [one for one in stock.needle_bearings() if one.bore / 2.0 in set(dowels.tolist())]
+    bores, outsides, widths, dynamics = (
+        np.array([getattr(one, key) for one in cups]) for key in ("bore", "outside", "width", "dynamic")
+    )
+    index = _choose_fitting(
+        np.minimum(2.0 * share, 1.0),
+        (ROLLER_SHARE * outsides <= 2.0 * stud[:, None])
+        & (1.6 * outsides >= 2.0 * stud[:, None])
+        & (widths <= face[:, None] * (1.0 + 1e-9)),
+    )
+    needles = (index >= 0) & (share < 0.5)
+    beside = np.maximum(np.floor(face / widths[index] + 1e-6), 1.0)
+    core = np.round(np.where(needles, 0.5 * bores[index], plain), 9)
+    between, disc = stack + 2.0 * AXIAL_GAP, np.full_like(stack, _rounded(np.array(usual)))
+    for size in () if free else np.unique(core[core > 0.0]).tolist():
+        rows = np.flatnonzero(core == size)
+        reach = np.array([stock.reach_of_pins(2.0 * size, float(one), most=1) for one in between[rows] + 2.0 * usual])
+        thickness = np.round(0.5 * (reach - between[rows]), 9)
+        near = (usual / 1.5 <= thickness) & (thickness <= 1.5 * usual)
+        disc[rows] = np.where(near, thickness, disc[rows])
+    return np.asarray(core, float), np.where(needles, beside ** (7.0 / 9.0) * dynamics[index], 0.0), disc, core > 0.0
+
+
+def build_drive(requirement: Requirement, sizes: Candidate, torque: float) -> Reducer | None:
+    """Build the drive of a candidate for a torque [N m]; return None if it cannot be built or assembled."""
+    try:
+        design = PRESETS["pin"].but(**_tables(requirement, sizes, torque))
+        reducer = _with_shaft_length(Reducer(override(design, requirement.changes)))
+        if _fails(shape_checks(reducer)) or not has_casing(reducer) or _fails(sound_checks(reducer)):
+            return None
+    except CycloidError:
+        return None
+    return reducer
+
+
+def _fails(checks: Iterable[Check]) -> bool:
+    return any(not item.passed and (item.severity == "error" or item.name in WALLS) for item in checks)
+
+
+def _tables(requirement: Requirement, sizes: Candidate, torque: float) -> dict[str, Any]:
+    """Return the tables of the design of a candidate."""
+    limits, outer, discs = PROCESSES[requirement.process], requirement.diameter / 2.0, requirement.discs or 1
+    at_pin, file = requirement.clearance_at(2.0 * sizes.pin), _round_to_file
+    needles = sizes.needle_dynamic > 0.0
+    wall = outer - sizes.circle - sizes.pin
+    return {
+        "name": "new",
+        "structure": "springs",
+        "ring": {
+            "teeth": requirement.ratio + 1,
+            "pin_circle_radius": file(sizes.circle),
+            "pin_radius": sizes.pin,
+            **limits.changes.get("ring", {}),
+        },
+        "gear": {
+            "discs": discs,
+            "disc_gap": _gap(requirement),
+            "eccentricity": file(sizes.eccentricity),
+            "face_width": file(sizes.face),
+            "bore_radius": sizes.bore,
+        },
+        "output": {
+            "roller_bearing": "needles" if needles else "plain",
+            "pins": int(sizes.count),
+            "pin_radius": file(sizes.stud),
+            "core_radius": sizes.core,
+            "pin_circle_radius": file(sizes.circle_out),
+            "hole_radius": file(sizes.stud + sizes.eccentricity),
+            "disc_thickness": file(sizes.disc),
+            "support": "both_ends",
+        },
+        "bearing": {"output_dynamic_capacity": sizes.needle_dynamic},
+        "shaft": {
+            "radius": sizes.shaft,
+            "bearing_width": sizes.bearing,
+            "counterweight_radius": file(0.75 * (sizes.circle - sizes.pin)),
+            "length": file(0.3 * sizes.circle),
+            "mounting": "straddle",
+        },
+        "housing": {"outer_radius": outer, **({} if requirement.custom else clamping(wall))},
+        "clearance": dict.fromkeys(("pin_gear", "pin_socket", "pin_sleeve", "tooth"), at_pin)
+        | {"cam": requirement.clearance_at(2.0 * sizes.bore), "output": requirement.clearance_at(2.0 * sizes.stud)},
+        "tolerance": tolerances(requirement, discs, at_pin),
+        **conditions(requirement, torque),
+        "material": {"name": requirement.made_of},
+        **{table: dict(values) for table, values in limits.changes.items() if table != "ring"},
+    }
+
+
+def conditions(requirement: Requirement, torque: float = 0.0) -> dict[str, dict[str, Any]]:
+    """Return the tables of the conditions of a requirement, with a torque [N m] unless it is 0."""
+    needed = {"torque": torque / requirement.ratio} if torque else {}
+    power = {"power": POWER_RESERVE * requirement.speed * torque / requirement.ratio} if torque else {}
+    return {
+        "drive": {**needed, **power, "speed": requirement.speed},
+        "service": {
+            "life": requirement.life,
+            "duty_share": requirement.duty_share,
+            "film_coefficient": requirement.film,
+            "ambient_temperature": requirement.ambient,
+        },
+    }
+
+
+def tolerances(requirement: Requirement, discs: int, clearance: float) -> dict[str, str]:
+    """Return the tolerances of a process: normal deviations of `TOLERANCE_SHARE` of the clearance [m]; or a fit's."""
+    usual = f"normal {MICROMETRES * TOLERANCE_SHARE * clearance:.3g}"
+    keys = [*POSITIONS, *(["cam_position"] if discs > 1 else [])]
+    return {**dict.fromkeys(keys, usual), **dict.fromkeys(FIT_TOLERANCES, requirement.fit or usual)}
+
+
+def _with_shaft_length(reducer: Reducer) -> Reducer:
+    """Return the drive with the shaft length that its bearing and the counterweight need."""
+    shaft = reducer.design.shaft
+    needed = max(2.0 * shaft.radius, 1.1 * shaft.bearing_width)
+    if reducer.design.gear.discs == 1:
+        needed = bearings(reducer).limit.bound + (0.5 if shaft.bearing_width else 1.5) * shaft.radius
+    return reducer.but(shaft={"length": _round_to_file(math.ceil(needed / ROUNDING) * ROUNDING)})
+
+
+def _round_to_file(length: float) -> float:
+    """Return a length [m] rounded to the digits of the design file."""
+    return round(MILLIMETRES * length, 6) / MILLIMETRES
