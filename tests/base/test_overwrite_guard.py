@@ -57,6 +57,7 @@ WRITING = {
     "calibrate": ("calibrate --design printed --loop loop.csv --out d", "d/printed-calibrated.toml"),
     "compare-bench": ("compare-bench --design pin --te te.csv --out d", "d/pin-te.json"),
     "protocol": ("protocol --design pin --angles 1 --out d", "d/pin-protocol.json"),
+    "thermal": ("thermal --design pin --out d", "d/pin-thermal.json"),
     "build": ("build --design pin --out d", "d/scene.xml"),
     "export": ("export --design pin --format dxf --out d", "d/gear.dxf"),
     "design profile": ("design profile --design pin --csv gear.csv", "gear.csv"),
