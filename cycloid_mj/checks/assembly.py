@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from cycloid_mj.checks.check import Check
-from cycloid_mj.checks.limit import Limit, joint_change, joint_remedy, single_changes, value_and_limit
+from cycloid_mj.checks.limit import Limit, joint_remedy, single_remedies, value_and_limit
 from cycloid_mj.design.units import MICROMETRE
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.limits import best_fit
@@ -39,9 +39,8 @@ def _pins_in_sockets(reducer: Reducer) -> Check:
         got=f"{got} (pin {thickest + 1})",
         limit=f"{limit} (clearance.pin_socket_um)",
         why="a free pin must be smaller than its socket",
-        remedy="" if passed else f"{enough.remedy(reducer)}, or lower the errors of the pins",
         key="errors.pin_dr_um",
-        changes=() if passed else single_changes(reducer, [enough]),
+        **single_remedies(reducer, [] if passed else [enough], "lower the errors of the pins"),
     )
 
 
@@ -58,8 +57,7 @@ def _assembly_gap(reducer: Reducer) -> Check:
         got=f"{got} (smallest gap with the disc where it fits best, at the worst crank angle)",
         limit=limit,
         why="errors and modification exceed the clearances: the parts can be assembled by force only",
-        remedy="" if room >= 0.0 else f"{joint_remedy(reducer, wider)}, or lower the errors",
         severity="warning",
         key="the gap left by errors and modification",
-        changes=() if room >= 0.0 else joint_change(reducer, wider),
+        **joint_remedy(reducer, [] if room >= 0.0 else wider, "lower the errors"),
     )

@@ -2,7 +2,7 @@
 
 import math
 import operator
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypedDict
 
@@ -41,6 +41,13 @@ class Numbers(TypedDict):
     value: float
     bound: float
     unit: str
+
+
+class Remedy(TypedDict):
+    """Remedy of a check in words and as changes, as arguments of `Check`."""
+
+    remedy: str
+    changes: tuple[Change, ...]
 
 
 @dataclass(frozen=True)
@@ -111,25 +118,26 @@ class Limit:
         return field
 
 
-def single_changes(reducer: Reducer, limits: Iterable[Limit]) -> tuple[Change, ...]:
-    """List the changes that each satisfy a limit."""
-    return tuple(dict([change]) for limit in limits if (change := limit.change(reducer)))
+def joint_remedy(reducer: Reducer, limits: Sequence[Limit], otherwise: str = "") -> Remedy:
+    """Return the change that satisfies all limits at once, and an alternative in words; empty without limits.
 
-
-def joint_change(reducer: Reducer, limits: Iterable[Limit]) -> tuple[Change, ...]:
-    """List the change that satisfies all limits at once; empty if the file does not allow one, or there is no limit."""
+    The text leaves out limits for which the file allows no change; then there is no change as a whole.
+    """
     changes = [limit.change(reducer) for limit in limits]
-    return (dict(filter(None, changes)),) if changes and all(changes) else ()
+    text = " and ".join(filter(None, (limit.remedy(reducer) for limit in limits)))
+    return {
+        "remedy": ", or ".join(filter(None, (text, otherwise))) if limits else "",
+        "changes": (dict(filter(None, changes)),) if changes and all(changes) else (),
+    }
 
 
-def alternatives(reducer: Reducer, limits: Iterable[Limit]) -> str:
-    """Describe the changes that each satisfy a limit, as alternatives; empty if the file allows none."""
-    return ", or ".join(filter(None, (limit.remedy(reducer) for limit in limits)))
-
-
-def joint_remedy(reducer: Reducer, limits: Iterable[Limit]) -> str:
-    """Describe the change that satisfies all limits at once, without those for which the file allows none."""
-    return " and ".join(filter(None, (limit.remedy(reducer) for limit in limits)))
+def single_remedies(reducer: Reducer, limits: Sequence[Limit], otherwise: str = "") -> Remedy:
+    """Return the changes that each satisfy a limit, and an alternative in words; empty without limits."""
+    texts = [*(limit.remedy(reducer) for limit in limits), otherwise] if limits else []
+    return {
+        "remedy": ", or ".join(filter(None, texts)),
+        "changes": tuple(dict([change]) for limit in limits if (change := limit.change(reducer))),
+    }
 
 
 def round_beyond(value: float, down: bool, is_integer: bool) -> str:

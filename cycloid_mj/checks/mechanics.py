@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from cycloid_mj.checks.check import Check
-from cycloid_mj.checks.limit import LIMIT, Limit, joint_change, joint_remedy, millimetres, numbers, value_and_limit
+from cycloid_mj.checks.limit import LIMIT, Limit, joint_remedy, millimetres, numbers, value_and_limit
 from cycloid_mj.checks.rule import Rule
 from cycloid_mj.checks.teeth import circles_on_circle
 from cycloid_mj.design import PARTS, Material
@@ -159,10 +159,9 @@ def _clearance_checks(reducer: Reducer, has_shape: bool) -> Iterator[Check]:
         got=f"{got} ({' + '.join(names)})",
         limit=f"{limit} ({MECHANICS.max_clearance_share:.0%} of the smaller of c and rho, assumed)",
         why="with larger clearances the teeth are not in conjugate contact: statics and closed forms are estimates",
-        remedy=joint_remedy(reducer, tighter),
         severity="warning",
         key="clearance",
-        changes=joint_change(reducer, tighter),
+        **joint_remedy(reducer, tighter),
     )
     if total > allowed and has_shape:
         yield _jump(reducer)
@@ -210,9 +209,8 @@ def _jump(reducer: Reducer) -> Check:
         got=f"{got} from stop to stop",
         limit=f"{limit} (half a lobe)",
         why="with a larger backlash the disc skips a tooth",
-        remedy="" if backlash <= allowed else joint_remedy(reducer, lower),
         key="the backlash of the output",
-        changes=() if backlash <= allowed else joint_change(reducer, lower),
+        **joint_remedy(reducer, [] if backlash <= allowed else lower),
         **numbers(backlash, allowed, DEGREE),
     )
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from cycloid_mj.checks.check import Check, Severity
-from cycloid_mj.checks.limit import Limit, alternatives, millimetres, single_changes
+from cycloid_mj.checks.limit import Limit, millimetres, single_remedies
 from cycloid_mj.reducer import Reducer
 
 
@@ -67,17 +67,18 @@ def _evaluate(reducer: Reducer, rule: Rule) -> Check:
     got, allowed = limit.texts(reducer)
     remedies = [] if passed else [*([] if rule.tied else [limit]), *rule.alternatives]
     keys = " and ".join(remedy.file_key for remedy in remedies)
-    text = alternatives(reducer, remedies) or f"no change of a single key is enough: change {keys} together"
+    remedy = single_remedies(reducer, remedies)
+    if remedies and not remedy["remedy"]:
+        remedy["remedy"] = f"no change of a single key is enough: change {keys} together"
     check = Check(
         name=rule.name,
         passed=passed,
         got=got,
         limit=allowed,
         why=rule.why,
-        remedy="" if passed else text,
         severity=rule.severity,
         key=limit.file_key,
-        changes=single_changes(reducer, remedies),
+        **remedy,
         **limit.numbers(reducer),
     )
     if rule.failure is None or rule.failure.limit.is_met(reducer):

@@ -12,11 +12,9 @@ from cycloid_mj.checks.cam_rollers import has_bare_rollers, roller_contacts
 from cycloid_mj.checks.check import Check
 from cycloid_mj.checks.limit import (
     Limit,
-    alternatives,
-    joint_change,
     joint_remedy,
     numbers,
-    single_changes,
+    single_remedies,
     value_and_limit,
 )
 from cycloid_mj.checks.rated_load import RatedLoad, rated_load
@@ -120,10 +118,9 @@ def _pressures(state: RatedLoad, part: str) -> Iterator[Check]:
             got=got,
             limit=f"{limit} ({factor:.3g} {where})",
             why=beyond,
-            remedy=alternatives(reducer, remedies),
             severity="warning",
             key=f"the Hertz pressure of {PARTS[part]} at {_newton_metres(abs(state.torque))}",
-            changes=single_changes(reducer, remedies),
+            **single_remedies(reducer, remedies),
             **numbers(pressure, allowed, MEGAPASCAL),
         )
 
@@ -174,21 +171,19 @@ def _concentration(state: RatedLoad) -> Check:
         else _threshold(lambda share: rated_load(tighter(share)).concentration <= STRENGTH.max_concentration)
     )
     limits = [Limit(f"clearance.{name}", "at most", share * getattr(design.clearance, name)) for name in names]
+    remedy = joint_remedy(reducer, [] if passed else limits)
+    if not share:
+        stiffer = "a wider face or more rollers make the cam stiffer (gear.face_width_mm, contact.cam_rollers)"
+        remedy = {"remedy": f"smaller clearances are not enough: {stiffer}", "changes": ()}
     return Check(
         name="load_concentration",
         passed=passed,
         got=got,
         limit=f"{limit} (assumed)",
         why="with clearances and a compliant cam, few teeth carry what ideal sharing distributes over half of them",
-        remedy=""
-        if passed
-        else joint_remedy(reducer, limits)
-        if share
-        else "smaller clearances are not enough: a wider face or more rollers make the cam stiffer"
-        " (gear.face_width_mm, contact.cam_rollers)",
         severity="warning",
         key="the largest tooth force over that of ideal load sharing",
-        changes=() if passed or not share else joint_change(reducer, limits),
+        **remedy,
         **numbers(ratio, STRENGTH.max_concentration, NONE),
     )
 
@@ -222,20 +217,18 @@ def _pressure_angle(state: RatedLoad) -> Check:
         Limit("gear.eccentricity", "at least", better.gear.eccentricity),
         Limit("output.hole_radius", "at least", better.output.hole_radius),
     ]
+    remedy = joint_remedy(reducer, [] if passed else limits)
+    if not share:
+        remedy = {"remedy": "a larger eccentricity is not enough: lower the clearances", "changes": ()}
     return Check(
         name="pressure_angle",
         passed=passed,
         got=f"{got} (weighted by force)",
         limit=f"{limit} (assumed)",
         why="with a larger angle the tooth forces load cam and housing instead of turning the disc",
-        remedy=""
-        if passed
-        else joint_remedy(reducer, limits)
-        if share
-        else "a larger eccentricity is not enough: lower the clearances",
         severity="warning",
         key="the mean pressure angle at the nominal torque",
-        changes=() if passed or not share else joint_change(reducer, limits),
+        **remedy,
         **numbers(angle, STRENGTH.max_pressure_angle, DEGREE),
     )
 
@@ -323,10 +316,9 @@ def _wall(state: RatedLoad, wall: Wall) -> Check:
         limit=f"{limit} (the yield strength in {kind} over {STRENGTH.wall_safety:g}, assumed)",
         why=f"the largest force there, {state.peak_force(wall.kind):.4g} N, must not tear the wall of"
         f" {1e3 * wall.thickness:.4g} mm",
-        remedy=alternatives(reducer, remedies),
         severity="warning",
         key=f"the wall {wall.where}",
-        changes=single_changes(reducer, remedies),
+        **single_remedies(reducer, remedies),
         **numbers(stress, strength, MEGAPASCAL),
     )
 

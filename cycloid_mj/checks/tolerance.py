@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from cycloid_mj.checks.check import Check
-from cycloid_mj.checks.limit import Limit, single_changes, value_and_limit
+from cycloid_mj.checks.limit import Limit, single_remedies, value_and_limit
 from cycloid_mj.design.units import MICROMETRE
 from cycloid_mj.reducer import Reducer
 
@@ -55,8 +55,7 @@ def _tolerance_check(
         got=f"{got} ({SIGMAS:g} standard deviations, or the largest listed)",
         limit=f"{limit} (the clearance)",
         why="a part whose error exceeds its clearance is pressed and takes load from the others",
-        remedy="" if passed else ", or ".join(filter(None, (enough.remedy(reducer), lower))),
         severity="warning",
         key=f"the error of {what}",
-        changes=() if passed else single_changes(reducer, [enough]),
+        **single_remedies(reducer, [] if passed else [enough], lower),
     )

@@ -13,7 +13,7 @@ from numba import njit
 from cycloid_mj.base.array import Array
 
 
-class FootPointSettings(NamedTuple):
+class TrochoidFootSettings(NamedTuple):
     """Settings of the foot point on a trochoid: Newton's method from a closed-form start (`trochoid_distance`)."""
 
     max_iterations: int = 30
@@ -25,7 +25,7 @@ class FootPointSettings(NamedTuple):
     """Smallest distance of a point from the centre of curvature at its foot, over the radius there."""
 
 
-SETTINGS = FootPointSettings()
+SETTINGS = TrochoidFootSettings()
 
 NO_WAVES: Array = np.zeros((0, 2))
 """Waves of an unmodified profile."""

@@ -14,7 +14,7 @@ from numba import njit
 from cycloid_mj.dynamics.contact.gap import Flank, Trochoid, flank_distance, trochoid_curvature, trochoid_distance
 
 
-class ExpansionSettings(NamedTuple):
+class OsculatingCircleSettings(NamedTuple):
     """Settings of the local expansion: Newton steps to the foot point, the last by the osculating circle."""
 
     max_iterations: int = 6
@@ -28,7 +28,7 @@ class ExpansionSettings(NamedTuple):
     """Largest Newton step, times the number of teeth [rad]; beyond it the foot point is searched."""
 
 
-SETTINGS = ExpansionSettings()
+SETTINGS = OsculatingCircleSettings()
 
 
 class Start(NamedTuple):

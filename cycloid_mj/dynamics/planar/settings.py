@@ -6,7 +6,7 @@ They are named tuples, which compiled code reads as constants.
 from typing import NamedTuple
 
 
-class NewtonSettings(NamedTuple):
+class StepNewtonSettings(NamedTuple):
     """Settings of the semismooth Newton method of a step (``equations.solve``), an active-set method in stages."""
 
     max_iterations: int = 100
@@ -28,7 +28,7 @@ class NewtonSettings(NamedTuple):
     """Largest change of a sliding contact's normal force in the last Tresca iteration, over the largest one."""
 
 
-NEWTON = NewtonSettings()
+NEWTON = StepNewtonSettings()
 
 
 class ContactSearchSettings(NamedTuple):
