@@ -7,7 +7,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.dynamics.contact import each_step
 from cycloid_mj.dynamics.contact.each_step import EachStep
 from cycloid_mj.dynamics.contact.forces import pair_index
-from cycloid_mj.dynamics.contact.samples import OF_PAIR
+from cycloid_mj.dynamics.contact.sample_layout import OF_PAIR
 
 
 class Stepped(NamedTuple):

@@ -47,8 +47,6 @@ def with_tried_advice(reducer: Reducer, checks: Checks) -> Checks:
 
     Parameters
     ----------
-    reducer
-        Of the design.
     checks
         All of its checks, or those of `soundness` alone.
     """

@@ -67,8 +67,8 @@ def balance(reducer: Reducer) -> Rule:
 
     It requires a feasible disc and a counterweight larger than the shaft.
 
-    Static moments about the axis: w c (q S_gear + S_cam) < 2/3 (R^3 - r^3) L with the face width w, areas S, the disc's
-    density over the shaft's q, radii R and r of counterweight and shaft, and the shaft's length L.
+    The static moments about the axis are w c (q S_gear + S_cam) < 2/3 (R^3 - r^3) L, with the face width w, areas S,
+    ratio q of the densities of disc and shaft, radii R and r of counterweight and shaft, and the shaft's length L.
     """
     shaft = reducer.design.shaft
     moment, moment_per_length = _static_moments(reducer)

@@ -259,8 +259,8 @@ def bent_pins(reducer: Reducer) -> Iterator[str]:
     """Warn of output pins that bend so far under one disc that they press on the back of another disc's holes.
 
     Runs neglect this contact (docs/decisions/11-bent-output-pins.md). With the flexibility C and the compliance
-    g = C(d, d) + 1/k at a disc, a pin that carries F in disc d penetrates the back of disc d' by s = F (C(d', d) - g)
-    less twice the clearance, and presses there with f. Disc d carries f as well, which bends the pin farther:
+    g = C(d, d) + 1/k at a disc, a force F in disc d moves the pin into the back of disc d' by s = F (C(d', d) - g) less
+    twice the clearance. The contact force f there also acts on disc d, which increases the bending:
     f g' = s + f (C(d', d) - g). The share f/F is an upper limit, because disc d seldom carries the full load.
     """
     flexibility, output = reducer.contacts.pin_flexibility, reducer.contacts["output"]

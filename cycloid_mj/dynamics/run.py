@@ -39,12 +39,9 @@ from cycloid_mj.base.names import (
 from cycloid_mj.base.record import Deferred, Run, own
 from cycloid_mj.base.version import __version__
 from cycloid_mj.design import Named, dump, resolve
-from cycloid_mj.dynamics.contact import collider, each_step
+from cycloid_mj.dynamics.contact import collider, each_step, sample_layout
 from cycloid_mj.dynamics.contact.each_step import EachStep
 from cycloid_mj.dynamics.contact.forces import drag_rows, pair_index
-from cycloid_mj.dynamics.contact.samples import FRICTION_POWER as FRICTION_COLUMN
-from cycloid_mj.dynamics.contact.samples import NORMAL_POWER as NORMAL_COLUMN
-from cycloid_mj.dynamics.contact.samples import OF_PAIR, WARNINGS
 from cycloid_mj.dynamics.contact.shared import Shared
 from cycloid_mj.dynamics.drive_cycle import DriveCycle, initial_state, ramp_and_hold
 from cycloid_mj.dynamics.jam import jamming_power, moving_means
@@ -412,7 +409,7 @@ class _Stepping:
     most_iterations: float = math.inf
 
     def late_warnings(self, unconverged: int, plan: Schedule) -> tuple[str, ...]:
-        """Return the warnings of a run that has ended, with the number of steps of `unconverged` contact geometry."""
+        """Return the warnings at the end of a run; the contact geometry of `unconverged` steps did not converge."""
         if self.warning or not unconverged:
             return ()
         return (
@@ -472,7 +469,7 @@ class _Recorder:
     def advance(self, samples: int) -> tuple[Array, str]:
         """Return the rows of the next samples up to the first that fails a check, and the problem, "" for none."""
         rows = self.steps.advance(samples)
-        self.noted += int(rows[:, self.steps.solver][:, WARNINGS].sum())
+        self.noted += int(rows[:, self.steps.solver][:, sample_layout.WARNINGS].sum())
         checks = list(self._checks(rows))
         wrong = np.any([failed for failed, _ in checks], axis=0)
         if not wrong.any():
@@ -483,15 +480,17 @@ class _Recorder:
     def tables(self, rows: Array) -> dict[str, Array]:
         """Compute the values of samples by topic, one row for each."""
         seen, solver, drags = (rows[:, part] for part in (self.steps.copied, self.steps.solver, self.steps.drags))
-        pairs = rows[:, self.steps.pairs].reshape(len(rows), -1, OF_PAIR)
-        powers = np.stack([pairs[:, of_kind, FRICTION_COLUMN:].sum(axis=1) for of_kind in self._kinds], axis=1)
+        pairs = rows[:, self.steps.pairs].reshape(len(rows), -1, sample_layout.OF_PAIR)
+        powers = np.stack(
+            [pairs[:, of_kind, sample_layout.FRICTION_POWER :].sum(axis=1) for of_kind in self._kinds], axis=1
+        )
         energies = seen[:, self._read :]
         q = carried_point((0.0, self._design.output.pin_circle_radius), seen[:, self._pose], seen[:, self._motion])
         compiled = [seen[:, : self._first_pin], solver[:, :4], energies, powers.reshape(len(rows), -1), drags, *q]
         tables = {REDUCER: np.concatenate(compiled, axis=1)}
         if self._has_pins:
             tables[PINS] = seen[:, self._first_pin : self._read]
-        return tables | {FORCES: pairs[:, :, :FRICTION_COLUMN].reshape(len(rows), -1)}
+        return tables | {FORCES: pairs[:, :, : sample_layout.FRICTION_POWER].reshape(len(rows), -1)}
 
     def _checks(self, rows: Array) -> Iterator[tuple[Marks, Callable[[int], str]]]:
         """Yield every check: which samples fail it, and a function that describes the problem of one."""
@@ -502,8 +501,11 @@ class _Recorder:
         yield ~sound, lambda sample: unsound
         if warning := self._warning:
             yield warnings > 0.0, lambda sample: warning()
-        pairs = rows[:, self.steps.pairs].reshape(len(rows), -1, OF_PAIR)
-        lost, pressed = pairs[:, :, FRICTION_COLUMN].sum(axis=1), pairs[:, :, NORMAL_COLUMN].sum(axis=1)
+        pairs = rows[:, self.steps.pairs].reshape(len(rows), -1, sample_layout.OF_PAIR)
+        lost, pressed = (
+            pairs[:, :, sample_layout.FRICTION_POWER].sum(axis=1),
+            pairs[:, :, sample_layout.NORMAL_POWER].sum(axis=1),
+        )
         taken = moving_means(lost, self._lost)
         self._lost = np.concatenate([self._lost, lost])[len(lost) :]
         yield taken > self._jamming, partial(self._jam, "friction dissipates", taken)

@@ -54,7 +54,7 @@ def mesh_period(gear: CycloidGear, count: int) -> Array:
 def pressure(lines: ContactLines, force: float, length: float, modulus: float) -> Array:
     """Hertz's peak pressure [Pa] of each line if it carried `force` [N] over the face width `length` [m].
 
-    `modulus` E* [Pa] as in `statics.contact_modulus`. Hertz's strip must be narrow against both bodies: near the
+    `modulus` E* [Pa] as in `ideal_loads.contact_modulus`. Hertz's strip must be narrow against both bodies: near the
     junctions of arc and Sigma, where the relative curvature vanishes, it is not, and the pressure vanishes.
     """
     curvature = np.maximum(lines.relative_curvature, np.finfo(float).tiny)

@@ -235,8 +235,6 @@ def ring_outline(reducer: Reducer, outline: Array, normals: Array, drawn: Drawin
 
     Parameters
     ----------
-    reducer
-        The reducer.
     outline, normals
         Points and unit normals into the bore, shape (m, 2).
     drawn

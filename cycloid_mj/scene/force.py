@@ -113,8 +113,6 @@ def contact_forces(
 
     Parameters
     ----------
-    reducer
-        The reducer.
     columns
         Values by name, shape (n,), in SI units.
     drawn

@@ -37,8 +37,6 @@ def poses(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Array]:
 
     Parameters
     ----------
-    reducer
-        The reducer.
     columns
         Values by name, shape (n,), in SI units; fixed pins have no columns and do not move, massless pins are in
         contact with disc and socket.

@@ -30,10 +30,6 @@ def write_rerun(run: Run, reducer: Reducer, path: str | os.PathLike[str]) -> Non
 
     Parameters
     ----------
-    run
-        The run.
-    reducer
-        Its reducer.
     path
         File to write; replaced if it exists.
     """

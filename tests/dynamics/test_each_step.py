@@ -16,7 +16,7 @@ from cycloid_mj.dynamics.contact import collider, each_step
 from cycloid_mj.dynamics.contact.each_step import EachStep
 from cycloid_mj.dynamics.contact.forces import pair_index, surface_name
 from cycloid_mj.dynamics.contact.layout import discover_steps
-from cycloid_mj.dynamics.contact.samples import OF_PAIR
+from cycloid_mj.dynamics.contact.sample_layout import OF_PAIR
 from cycloid_mj.dynamics.drive_cycle import initial_state, ramp_and_hold
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.run import Contact, blocks, reducer_model, schedule, simulate

@@ -25,21 +25,12 @@ from numba import njit, types
 from cycloid_mj.base import compiling
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import cacheable, cfunc
-from cycloid_mj.dynamics.contact import selftest
+from cycloid_mj.dynamics.contact import sample_layout, selftest
 from cycloid_mj.dynamics.contact.forces import PairIndex, gather, pair_of
 from cycloid_mj.dynamics.contact.layout import discover_steps
 from cycloid_mj.dynamics.contact.library import answer, callback, function_address
 from cycloid_mj.dynamics.contact.memory import read_address, read_float, read_int, write_float
 from cycloid_mj.dynamics.contact.reference_correction import bind_multiplication, correct_references, multiply_jacobian
-from cycloid_mj.dynamics.contact.samples import (
-    ACCELERATION_SUM,
-    ITERATIONS,
-    OF_PAIR,
-    OF_SOLVER,
-    PEAK_FORCE,
-    WARNINGS,
-    sample_slices,
-)
 from cycloid_mj.dynamics.contact.shared import Shared
 from cycloid_mj.dynamics.contact.step_state import ARRAYS, FIELDS, INDEX, POINTERS, STEP_STATE, StepState, step_state_at
 from cycloid_mj.reducer import impact
@@ -91,8 +82,8 @@ class EachStep:
     """Stepper of a MuJoCo run on one ``MjData``; it must be used within `install`.
 
     The first step is sampled, at its start. A sample is a row of the values at `sources`, potential and kinetic energy
-    [J] (`copied`), ``samples.SOLVER_COLUMNS`` (`solver`), ``samples.PAIR_COLUMNS`` of each pair (`pairs`), and the
-    power of each drag [W] (`drags`). The normal force of a pair is the sum over its contacts.
+    [J] (`copied`), ``sample_layout.SOLVER_COLUMNS`` (`solver`), ``sample_layout.PAIR_COLUMNS`` of each pair (`pairs`),
+    and the power of each drag [W] (`drags`). The normal force of a pair is the sum over its contacts.
 
     Parameters
     ----------
@@ -136,7 +127,7 @@ class EachStep:
         self._sum = np.zeros_like(self._peak)
         self._commands = np.zeros((0, len(data.ctrl)))
         self._half_timestep, self._saved_qvel = np.array([0.5 * model.opt.timestep]), np.zeros(model.nv)
-        self.copied, self.solver, self.pairs, self.drags, self._width = sample_slices(
+        self.copied, self.solver, self.pairs, self.drags, self._width = sample_layout.sample_slices(
             self._sources.size, self._peak.size, self._drags.size
         )
         self._every = every
@@ -370,9 +361,9 @@ def _sample(run: StepState) -> None:
     for k in range(run.source_count):
         write_float(row, read_float(read_address(run.sources + 8 * k)))
         row += 8
-    pairs = row + 8 * OF_SOLVER
+    pairs = row + 8 * sample_layout.OF_SOLVER
     for k in range(run.pairs):
-        write_float(pairs + 8 * (OF_PAIR * k + PEAK_FORCE), read_float(run.peak + 8 * k))
+        write_float(pairs + 8 * (sample_layout.OF_PAIR * k + sample_layout.PEAK_FORCE), read_float(run.peak + 8 * k))
         write_float(run.peak + 8 * k, 0.0)
     gather(run, row, pairs)
     iterations, acceleration_sum, warnings = 0, 0.0, 0
@@ -382,10 +373,10 @@ def _sample(run: StepState) -> None:
         acceleration_sum += read_float(run.qacc + 8 * k)
     for k in range(run.warning_kinds):
         warnings += read_int(run.warning_number + run.warning_stride * k)
-    write_float(row + 8 * ITERATIONS, float(iterations))
-    write_float(row + 8 * ACCELERATION_SUM, acceleration_sum)
-    write_float(row + 8 * WARNINGS, float(warnings))
-    drags = pairs + 8 * OF_PAIR * run.pairs
+    write_float(row + 8 * sample_layout.ITERATIONS, float(iterations))
+    write_float(row + 8 * sample_layout.ACCELERATION_SUM, acceleration_sum)
+    write_float(row + 8 * sample_layout.WARNINGS, float(warnings))
+    drags = pairs + 8 * sample_layout.OF_PAIR * run.pairs
     for k in range(run.drag_count):
         row = 8 * read_int(run.drags + 4 * k)
         force, speed = read_float(read_address(run.efc_force) + row), read_float(read_address(run.efc_vel) + row)

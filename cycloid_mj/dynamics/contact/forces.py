@@ -11,19 +11,9 @@ from numba import njit
 
 from cycloid_mj.base import compiling
 from cycloid_mj.base.array import Array
+from cycloid_mj.dynamics.contact import sample_layout
 from cycloid_mj.dynamics.contact.gap import flank_distance
 from cycloid_mj.dynamics.contact.memory import read_address, read_float, read_int, write_float
-from cycloid_mj.dynamics.contact.samples import (
-    ACTIVE,
-    FORCE_X,
-    FORCE_Y,
-    FRICTION_POWER,
-    LARGEST_FORCE,
-    MOMENT,
-    NORMAL_POWER,
-    OF_PAIR,
-    PENETRATION,
-)
 from cycloid_mj.dynamics.contact.step_state import StepState
 from cycloid_mj.dynamics.contact.teeth import PLAY, read_teeth
 from cycloid_mj.reducer.bodies import Role
@@ -103,8 +93,8 @@ def gather(state: StepState, summary: int, of_pairs: int) -> None:
     """Sum the contacts of the current step by pair.
 
     Writes, at `summary`, the number of contacts that carry a force, the deepest geometric penetration [m] and the
-    largest force of one contact [N]; at `of_pairs`, the ``samples.PAIR_COLUMNS`` of every pair, which must be zero
-    except for peak forces.
+    largest force of one contact [N]; at `of_pairs`, the ``sample_layout.PAIR_COLUMNS`` of every pair, which must be
+    zero except for peak forces.
     """
     contacts, forces = read_address(state.contact), read_address(state.efc_force)
     active, depth, peak = 0, 0.0, 0.0
@@ -119,24 +109,27 @@ def gather(state: StepState, summary: int, of_pairs: int) -> None:
         speed = read_address(state.efc_vel) + 8 * row
         fx = read_float(force) * read_float(contact + state.frame)
         fy = read_float(force) * read_float(contact + state.frame + 8)
-        columns = of_pairs + 8 * OF_PAIR * pair
+        columns = of_pairs + 8 * sample_layout.OF_PAIR * pair
         for axis in range(1, read_int(contact + state.dim)):
             along, tangent = read_float(force + 8 * axis), contact + state.frame + 24 * axis
             fx += along * read_float(tangent)
             fy += along * read_float(tangent + 8)
-            _add(columns + 8 * FRICTION_POWER, -along * read_float(speed + 8 * axis))
+            _add(columns + 8 * sample_layout.FRICTION_POWER, -along * read_float(speed + 8 * axis))
         origin = state.xpos + 24 * read_int(state.origin + 4 * pair)
         x, y = read_float(contact + state.pos), read_float(contact + state.pos + 8)
-        _add(columns + 8 * FORCE_X, sign * fx)
-        _add(columns + 8 * FORCE_Y, sign * fy)
-        _add(columns + 8 * MOMENT, sign * ((x - read_float(origin)) * fy - (y - read_float(origin + 8)) * fx))
-        _add(columns + 8 * NORMAL_POWER, -read_float(force) * read_float(speed))
+        _add(columns + 8 * sample_layout.FORCE_X, sign * fx)
+        _add(columns + 8 * sample_layout.FORCE_Y, sign * fy)
+        _add(
+            columns + 8 * sample_layout.MOMENT,
+            sign * ((x - read_float(origin)) * fy - (y - read_float(origin + 8)) * fx),
+        )
+        _add(columns + 8 * sample_layout.NORMAL_POWER, -read_float(force) * read_float(speed))
         magnitude = math.sqrt(fx * fx + fy * fy)
         active += magnitude > 0.0
         peak = max(peak, magnitude)
-    write_float(summary + 8 * ACTIVE, float(active))
-    write_float(summary + 8 * PENETRATION, depth)
-    write_float(summary + 8 * LARGEST_FORCE, peak)
+    write_float(summary + 8 * sample_layout.ACTIVE, float(active))
+    write_float(summary + 8 * sample_layout.PENETRATION, depth)
+    write_float(summary + 8 * sample_layout.LARGEST_FORCE, peak)
 
 
 @njit(inline="always")

@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 import mujoco
 
 from cycloid_mj.base.compile_cache import folder
+from cycloid_mj.dynamics.contact import sample_layout
 from cycloid_mj.dynamics.contact.forces import PairIndex, pair_index
 from cycloid_mj.dynamics.contact.gap import NO_WAVES, Flank, Trochoid
 from cycloid_mj.dynamics.contact.library import CYLINDER, TYPES, answer, callback, collision_table, unfit
-from cycloid_mj.dynamics.contact.samples import FORCE_Y, OF_PAIR, PEAK_FORCE
 from cycloid_mj.dynamics.contact.teeth import USER_DATA, Teeth, user_data
 from cycloid_mj.reducer.bodies import Role
 
@@ -161,10 +161,10 @@ def try_steps(add_sensor: Callable[[Any], None], each_step: Callable[[Any, Any, 
     data, pairs = mujoco.MjData(model), [_Pair(name, "floor") for name in weights]
     run = each_step(model, data, pair_index(model, pairs), SETTLED)
     row = run.advance(3)[-1]
-    samples = row[run.pairs].reshape(len(pairs), OF_PAIR)
+    samples = row[run.pairs].reshape(len(pairs), sample_layout.OF_PAIR)
     upward, largest = (
         {name: float(force) for name, force in zip(weights, samples[:, column], strict=True)}
-        for column in (FORCE_Y, PEAK_FORCE)
+        for column in (sample_layout.FORCE_Y, sample_layout.PEAK_FORCE)
     )
     if row[run.solver][0] != len(pairs):
         return f"{row[run.solver][0]:g} contacts carry where {len(pairs)} do"

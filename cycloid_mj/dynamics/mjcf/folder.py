@@ -174,7 +174,7 @@ def _manifest(
 
 
 def quality_um(quality: Quality) -> dict[str, float]:
-    """Compute the figures of a decomposition with micrometres, rounded."""
+    """Return the errors of a convex decomposition, rounded, with lengths in micrometres."""
     return {
         "parts": quality.parts,
         "max_overfill_um": round(1e6 * quality.max_overfill, 4),

@@ -147,7 +147,7 @@ def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
 
 
 def add_rest(spec: Any, reducer: Reducer, number: int, rest: Rest) -> None:
-    """Add the convex pieces behind the working surfaces of a part, which meet objects from outside."""
+    """Add the convex pieces behind the working surfaces of a part, which collide with other objects only."""
     sector, ahead = rest.sector, reducer.phases
     bodies = reducer.gears if sector.part == names.GEAR else (sector.part,)
     for index, piece in enumerate(rest.pieces, start=1):

@@ -23,8 +23,6 @@ class PlanarModel:
 
     Attributes
     ----------
-    reducer
-        The reducer.
     system
         Its arrays for the solver.
     timestep

@@ -13,24 +13,8 @@ import numpy as np
 from cycloid_mj.base import compiling
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import announce_compilation, cacheable
+from cycloid_mj.dynamics.contact import sample_layout
 from cycloid_mj.dynamics.contact.contact_search import STRIDE
-from cycloid_mj.dynamics.contact.samples import (
-    ACCELERATION_SUM,
-    ACTIVE,
-    FORCE_X,
-    FORCE_Y,
-    FRICTION_POWER,
-    ITERATIONS,
-    LARGEST_FORCE,
-    MOMENT,
-    NORMAL_POWER,
-    OF_PAIR,
-    OF_SOLVER,
-    PEAK_FORCE,
-    PENETRATION,
-    WARNINGS,
-    sample_slices,
-)
 from cycloid_mj.dynamics.planar.contacts import MAX_TOUCHES, OPEN, Contacts, allocate_contacts, find, njit
 from cycloid_mj.dynamics.planar.equations import Equations, allocate_equations, solve
 from cycloid_mj.dynamics.planar.settings import CONTACT_SEARCH
@@ -95,7 +79,9 @@ class Stepper:
         # angle, speed and torque of two shafts; pose and speeds of discs; position and spin of pins; two energies
         copied = 2 * 3 + 6 * discs + 4 * teeth * system.free + 2
         drags = int((system.drag[:, 0] > 0.0).sum())
-        self.copied, self.solver, self.pairs, self.drags, self._width = sample_slices(copied, pairs, drags)
+        self.copied, self.solver, self.pairs, self.drags, self._width = sample_layout.sample_slices(
+            copied, pairs, drags
+        )
 
     def command(self, commands: Array) -> None:
         """Set the commands of crank and output for the next steps, shape (steps, 2); the last one persists."""
@@ -263,15 +249,15 @@ def _write_sample(
     column = _write_motion(system, q, v, command, row)
     row[column], row[column + 1] = _energies(system, q, v, size)
     solver = column + 2
-    pairs = solver + OF_SOLVER
+    pairs = solver + sample_layout.OF_SOLVER
     for pair in range(len(motion.peak)):
-        row[pairs + OF_PAIR * pair + PEAK_FORCE] = motion.peak[pair]
+        row[pairs + sample_layout.OF_PAIR * pair + sample_layout.PEAK_FORCE] = motion.peak[pair]
         motion.peak[pair] = 0.0
     _write_contacts(contacts, count, row, solver, pairs)
-    row[solver + ITERATIONS], row[solver + WARNINGS] = iterations, unconverged
+    row[solver + sample_layout.ITERATIONS], row[solver + sample_layout.WARNINGS] = iterations, unconverged
     for i in range(len(v)):
-        row[solver + ACCELERATION_SUM] += v[i]
-    column = pairs + OF_PAIR * len(motion.peak)
+        row[solver + sample_layout.ACCELERATION_SUM] += v[i]
+    column = pairs + sample_layout.OF_PAIR * len(motion.peak)
     for shaft in (1, 0):
         limit = system.drag[shaft, 0]
         if limit > 0.0:
@@ -313,16 +299,24 @@ def _write_contacts(contacts: Contacts, count: int, row: Array, solver: int, pai
         normal_force, friction_force = contact.normal_force, contact.friction_force
         active += 1
         largest = max(largest, math.hypot(normal_force, friction_force))
-        column = pairs + OF_PAIR * contact.pair
+        column = pairs + sample_layout.OF_PAIR * contact.pair
         arms = contact.disc_normal, contact.disc_tangent
         if contact.disc < 0:
             arms = contact.pin_normal, contact.pin_tangent
-        row[column + FORCE_X] += normal_force * contact.nx - friction_force * contact.ny
-        row[column + FORCE_Y] += normal_force * contact.ny + friction_force * contact.nx
-        row[column + MOMENT] += normal_force * arms[0] + friction_force * arms[1]
-        row[column + FRICTION_POWER] -= friction_force * contact.slip
-        row[column + NORMAL_POWER] -= normal_force * contact.speed
-    row[solver + ACTIVE], row[solver + PENETRATION], row[solver + LARGEST_FORCE] = active, deepest, largest
+        row[column + sample_layout.FORCE_X] += normal_force * contact.nx - friction_force * contact.ny
+        row[column + sample_layout.FORCE_Y] += normal_force * contact.ny + friction_force * contact.nx
+        row[column + sample_layout.MOMENT] += normal_force * arms[0] + friction_force * arms[1]
+        row[column + sample_layout.FRICTION_POWER] -= friction_force * contact.slip
+        row[column + sample_layout.NORMAL_POWER] -= normal_force * contact.speed
+    (
+        row[solver + sample_layout.ACTIVE],
+        row[solver + sample_layout.PENETRATION],
+        row[solver + sample_layout.LARGEST_FORCE],
+    ) = (
+        active,
+        deepest,
+        largest,
+    )
 
 
 @njit
