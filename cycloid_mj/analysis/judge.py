@@ -77,13 +77,13 @@ def judge(motion: Series, log: str | None = None) -> Findings:
         wall_s=float(provenance["wall_s"]) if "wall_s" in provenance else None,
         crank=_crank(motion),
         gear_speed=_speed(motion.gear_speed, motion),
-        q_path=_path(motion, motion.judged),
-        q_speed=_velocity(motion.q_velocity, motion.judged),
+        q_path=_path(motion, motion.evaluation_mask),
+        q_speed=_velocity(motion.q_velocity, motion.evaluation_mask),
         transmission_error=output,
         contact_summary=contacts,
         pin1=_pin_1(motion),
-        q_speed_magnitude=_velocity(motion.q_velocity.size, motion.judged),
-        q_acceleration=_acceleration(motion, motion.judged),
+        q_speed_magnitude=_velocity(motion.q_velocity.size, motion.evaluation_mask),
+        q_acceleration=_acceleration(motion, motion.evaluation_mask),
         ramp=_ramp(motion),
         output_speed=_speed(motion.output_speed, motion),
         output_transmission_error=output,
@@ -116,8 +116,8 @@ def _discs(motion: Series) -> tuple[Disc, ...]:
             name=series_of_disc.gear,
             speed=_speed(series_of_disc.gear_speed, series_of_disc),
             transmission_error=_transmission_error(series_of_disc.gear_angle, series_of_disc),
-            q_path=_path(series_of_disc, series_of_disc.judged),
-            q_speed=_velocity(series_of_disc.q_velocity, series_of_disc.judged),
+            q_path=_path(series_of_disc, series_of_disc.evaluation_mask),
+            q_speed=_velocity(series_of_disc.q_velocity, series_of_disc.evaluation_mask),
         )
         for series_of_disc in each
     )
@@ -127,8 +127,8 @@ def _speed(speed: Compared, motion: Series) -> SpeedFindings:
     return SpeedFindings(
         theory_rad_s=_mean(speed.theory, motion),
         mean_rad_s=_mean(speed.simulated, motion),
-        rms_error_rad_s=rms(speed.error[motion.judged]),
-        peak_error_rad_s=peak(speed.error[motion.judged]),
+        rms_error_rad_s=rms(speed.error[motion.evaluation_mask]),
+        peak_error_rad_s=peak(speed.error[motion.evaluation_mask]),
     )
 
 
@@ -158,13 +158,13 @@ def _acceleration(motion: Series, rows: Mask) -> AccelerationFindings | None:
 
 
 def _transmission_error(angle: Compared, motion: Series) -> TransmissionError:
-    error = angle.error[motion.judged]
-    swings = [np.ptp(error[turn]) for turn in turn_by_turn(motion.crank_angle[motion.judged])]
+    error = angle.error[motion.evaluation_mask]
+    swings = [np.ptp(error[turn]) for turn in turn_by_turn(motion.crank_angle[motion.evaluation_mask])]
     return TransmissionError(ARCSECONDS * float(np.mean(swings)), ARCSECONDS * _mean(angle.error, motion))
 
 
 def _contacts(motion: Series) -> ContactSummary:
-    run, judged = motion.run, motion.judged
+    run, judged = motion.run, motion.evaluation_mask
     return ContactSummary(
         mean_active=_mean(run["contacts"], motion),
         max_penetration_um=1e6 * float(run["penetration"][judged].max()),
@@ -174,7 +174,7 @@ def _contacts(motion: Series) -> ContactSummary:
 
 def _pin_1(motion: Series) -> Pin1 | None:
     pin = motion.pin_1
-    return Pin1(1e6 * peak(pin.radial[motion.judged]), _mean(pin.spin, motion)) if pin else None
+    return Pin1(1e6 * peak(pin.radial[motion.evaluation_mask]), _mean(pin.spin, motion)) if pin else None
 
 
 def _ramp(motion: Series) -> Ramp | None:
@@ -216,7 +216,7 @@ def _losses(motion: Series) -> tuple[Loss, ...]:
 
 
 def _window(motion: Series) -> Window:
-    time, angle = motion.time[motion.judged], motion.crank_angle[motion.judged]
+    time, angle = motion.time[motion.evaluation_mask], motion.crank_angle[motion.evaluation_mask]
     turns = float(abs(angle[-1] - angle[0]) / (2 * np.pi))
     return Window(float(time[0]), float(time[-1]), time.size, turns, motion.phase)
 

@@ -70,7 +70,7 @@ class PinPath:
     spin
         Its speed of rotation [rad/s], counter-clockwise positive, shape (n,).
     clearance
-        How far the centre can go before they touch [m].
+        Largest displacement of the centre without contact [m].
     """
 
     position: Array
@@ -158,21 +158,21 @@ class Series:
         return "hold" if self.hold.any() else "ramp"
 
     @property
-    def judged(self) -> Mask:
+    def evaluation_mask(self) -> Mask:
         """Mask of the evaluated samples, shape (n,): the settled hold, or the entire run without one."""
         return self.hold if self.hold.any() else np.ones_like(self.hold)
 
     @property
     def whole_periods(self) -> slice:
         """Samples of mean values: full crank turns of the evaluated samples, or else full mesh periods."""
-        first = int(np.argmax(self.judged))
+        first = int(np.argmax(self.evaluation_mask))
         part = window.whole_periods(self.crank_angle[first:], 2 * np.pi / self.reducer.mesh_periods)
         return slice(first, first + part.stop)
 
     @property
     def one_turn(self) -> slice:
         """Samples of a crank turn: of the hold, from crank angle 0 if it is long enough, or the last of the ramp."""
-        first = int(np.argmax(self.judged))
+        first = int(np.argmax(self.evaluation_mask))
         chosen = window.one_turn if self.phase == "hold" else window.last_turn
         part = chosen(self.crank_angle[first:])
         return slice(first + part.start, first + part.stop)

@@ -10,7 +10,7 @@ from cycloid_mj.reducer import Reducer
 
 @dataclass(frozen=True)
 class Rule:
-    """A limit that a design must meet; `evaluate` makes a check of it.
+    """A limit on a design, from which `evaluate` creates a check.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ def wall_rule(
     share, radius
         Assumed least share, and E [m].
     where
-        What the wall is between.
+        Position of the wall, in words.
     """
     limit, *others = limits(share)
     why = f"the wall {where} should be at least {millimetres(share * radius)} thick ({share:.0%} of E, assumed)"

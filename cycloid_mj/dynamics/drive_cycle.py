@@ -40,7 +40,7 @@ class DriveCycle:
     Attributes
     ----------
     angle, speed
-        Of the crank at t = 0 [rad, rad/s]; all other bodies start at their closed-form positions.
+        Angle and speed of the crank at t = 0 [rad, rad/s]; all other bodies start at their closed-form positions.
     drive, load
         Commands of crank and output at times [s], shape (n,): the position [rad] of the driven shaft, the torque about
         +z [N m] on the other one.

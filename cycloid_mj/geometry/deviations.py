@@ -34,7 +34,7 @@ class Deviations:
     eccentricity
         Difference of the cams' eccentricity from that of the teeth [m].
     waves
-        How far the flanks of all discs stand back: of each order from 1 on the amplitude of its cosine and of its sine
+        Inward offset of the flanks of all discs: amplitudes of cosine and sine of each order from 1 on
         [m], shape (N, 2); see `profile_error`.
     """
 
@@ -76,7 +76,7 @@ def deviations(design: Design) -> Deviations:
 
 
 def profile_error(waves: Array, t: Array) -> Array:
-    """Compute how far the flanks stand back [m] at parameters t [rad] of the gear's trochoid, in the shape of t.
+    """Compute the inward offset of the flanks [m] at parameters t [rad] of the gear's trochoid, in the shape of t.
 
     It is the sum of a_k cos(k t) + b_k sin(k t) over the orders k = 1, 2, ..., with the `waves` (a_k, b_k) of
     `Deviations`: cycles in a turn of the gear, as measuring machines report a profile's error by order. The trochoid

@@ -25,11 +25,11 @@ class FlankEnds:
     Attributes
     ----------
     tip
-        How far before the tip's parameter t it ends [rad].
+        Distance of its end from the tip's parameter t [rad].
     tip_radius
         Distance of the tip's corner from the gear's centre [m].
     valley
-        How far beyond the valley's parameter t it ends [rad].
+        Distance of its end beyond the valley's parameter t [rad].
     valley_radius
         Distance of the valley's corner from the gear's centre [m].
     """

@@ -68,10 +68,10 @@ class CurvatureLaw:
     reference, constant
         Dimensionless; see ``ideal_loads.line_contact_constant``.
     stiffness
-        Of a pin on a flat [N/m].
+        Stiffness of a pin on a flat [N/m].
     deflection
-        Of a pin on a flat under the working force [m]: lines with less of a gap between them are one patch; 0: each
-        line is a contact of its own.
+        Deflection of a pin on a flat under the working force [m]: lines with a smaller gap between them are one patch;
+        0 keeps all lines separate.
     """
 
     reference: float

@@ -45,13 +45,13 @@ class Fit:
     room
         Smallest gap of any pair in this pose [m]; negative where the parts only go together pressed into each other.
     shift
-        Of each disc's centre from the ideal one, seen from the ring [m], shape (D, 2).
+        Displacement of each disc's centre from the ideal one, seen from the ring [m], shape (D, 2).
     gear_turn
         Angle of each disc less the ideal one [rad], shape (D,).
     output_turn
         Angle of the output less the ideal one [rad].
     pin_shift
-        Of each pin or sleeve that moves, out of the gear's way [m], shape (N, 2); zero for pins that do not.
+        Displacement of each moving pin or sleeve that avoids an overlap [m], shape (N, 2); zero for fixed pins.
     """
 
     room: float

@@ -77,7 +77,7 @@ def _run_data(item: Reviewed, runs: int) -> dict[str, Any]:
     motion, signals = item.motion, curves(item.motion)
     max_samples = min(MAX_SAMPLES, MAX_VALUES // (runs * len(signals)))
     time, values = decimate(motion.time, np.stack(list(signals.values()), axis=1), max_samples)
-    judged, turn = motion.time[motion.judged], motion.time[motion.one_turn]
+    judged, turn = motion.time[motion.evaluation_mask], motion.time[motion.one_turn]
     paths = [figure.path for figure in FIGURES if figure.path and figure.shows(motion)]
     return {
         "name": item.name,

@@ -90,8 +90,8 @@ class RingPin(NamedTuple):
     sine, cosine
         Direction of its home position, clockwise from +y; both 0 for a pin on a ring that rotates about the origin.
     play, yielding, min_cosine
-        Of a massless pin, otherwise 0: its clearance [m]; the stiffness of a pin on a flat over that of its seat; and
-        one more than the smallest cosine of the angle to its home direction at which the seat supports it.
+        Parameters of a massless pin, otherwise 0: its clearance [m]; the stiffness of a pin on a flat over that of its
+        seat; and one more than the smallest cosine of the angle to its home direction at which the seat supports it.
     """
 
     radius: float

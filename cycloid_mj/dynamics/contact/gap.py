@@ -358,11 +358,11 @@ def nearest_on_arc(dx: float, dy: float, arc: PartialCircle) -> tuple[float, boo
     Returns
     -------
     side
-        Of the middle on which the place is, 1.0 clockwise.
+        Side of the arc's middle on which the position is, 1.0 clockwise.
     on_arc
-        Whether the arc's own points are nearest, not its edge on this side.
+        Whether the nearest point is on the arc, not its edge on this side.
     other
-        Whether the other edge is a nearest point of its own, across the opening.
+        Whether the other edge, across the opening, is a second nearest point.
     """
     along, across = dx * arc.x + dy * arc.y, dx * arc.y - dy * arc.x
     side = 1.0 if across >= 0.0 else -1.0

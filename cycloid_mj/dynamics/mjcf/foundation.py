@@ -16,9 +16,9 @@ def slice_law(law: ContactParameters, factor: float, part: Slice, force: float) 
     Parameters
     ----------
     law
-        Of the whole line contact.
+        Law of the entire line contact.
     factor
-        Its stiffness there, as a share of the law's.
+        Local stiffness over that of the law.
     part
         The slice: a face wider than the patch, or a hull that carries alone, has the whole stiffness.
     force

@@ -106,7 +106,7 @@ def solve(
     contacts, count
         Contacts, and their number, at the `predicted` midpoint speeds.
     command
-        Of output and crank: an angle [rad] or a torque [N m].
+        Commands of output and crank: an angle [rad] or a torque [N m].
     pin_span
         Time [s] in which forces accelerate pins from v0 to v: half a step, or a full step by implicit Euler.
 

@@ -51,7 +51,7 @@ class Stepper:
     timestep
         Time step [s].
     places, speeds
-        Of all unknowns at time 0.
+        Values of all unknowns at time 0, and their rates.
     every
         Time steps from one sample to the next.
     midpoint_pins
