@@ -6,6 +6,7 @@ import json
 import re
 import zipfile
 from collections import Counter
+from dataclasses import replace
 from itertools import combinations, pairwise
 from pathlib import Path
 from xml.etree import ElementTree
@@ -40,10 +41,10 @@ from cycloid_mj.parts.export import (
     threemf_bytes,
     widen_clearances,
 )
-from cycloid_mj.parts.export.casing import casing
+from cycloid_mj.parts.export.casing import RULES, casing
 from cycloid_mj.parts.export.clearance import flank_distance
 from cycloid_mj.parts.export.plate import GAP, shelves
-from cycloid_mj.parts.export.printable import COUPON, MIN_PRINTED_WALL, coupon, print_warnings, thinnest_wall
+from cycloid_mj.parts.export.printable import COUPON, coupon, print_warnings, thinnest_wall
 from cycloid_mj.parts.export.printing import manufactured_parts, printed_parts
 from cycloid_mj.parts.export.supports import SUPPORTS, overhangs, support
 from cycloid_mj.reducer import Reducer
@@ -358,7 +359,7 @@ def test_the_coupon_is_a_pin_and_a_block_with_three_sockets_by_their_clearances(
     for solid in drawn.values():
         shape = mesh(solid)
         assert trimesh.Trimesh(shape.vertices, shape.faces, process=False).body_count == 1
-    assert thinnest_wall(block) > MIN_PRINTED_WALL
+    assert thinnest_wall(block) > RULES.min_printed_wall
 
 
 def test_thin_walls_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -368,7 +369,7 @@ def test_thin_walls_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     sizes = casing(reducer)
     laid = plate(reducer, CHORD_ERROR, 0.0, sizes)
     assert not list(print_warnings(reducer, laid.hanging, CHORD_ERROR, sizes))
-    monkeypatch.setattr("cycloid_mj.parts.export.printable.MIN_PRINTED_WALL", 2e-3)
+    monkeypatch.setattr("cycloid_mj.parts.export.printable.RULES", replace(RULES, min_printed_wall=2e-3))
     assert any(
         "output_cover has a wall of" in text for text in print_warnings(reducer, laid.hanging, CHORD_ERROR, sizes)
     )

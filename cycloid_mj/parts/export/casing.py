@@ -34,46 +34,62 @@ CAM_BEARING, SHAFT_BEARING, OUTPUT_BEARING = "cam_bearing", "shaft_bearing", "ou
 Motor = MotorName | MotorFlange
 """The name of a motor's interface, or an interface of one's own."""
 
-WALL_SHARE, MIN_WALL, MIN_PRINTED_WALL = 0.02, 0.5e-3, 0.8e-3
-"""Minimum wall around holes: share of the outer radius; limits in metal and plastic (two 0.4 mm lines) [m]."""
-
-BEARING_RATIO = 1.4
-"""Outside diameter of a shaft bearing relative to its bore, if none in stock fits (as its rollers are rated)."""
-
-PILOT_DEPTH = 2.5e-3
-"""Depth of the recess for the pilot of a motor [m]."""
-
-THREAD_SHARE = 0.09
-"""Largest thread of the cover screws relative to the outer radius."""
-
-MAX_SCREWS = 8
-"""Number of cover screws that the design does not state."""
-
-ENGAGEMENT = 1.5
-"""Engaged length of a thread in thread diameters."""
-
-HEAD_PLAY = 0.2e-3
-"""Radial play of a screw head in its counterbore [m] (assumed; DIN 974-1 has 0.5 mm, for which walls are too thin)."""
-
 LIGHT_METAL = "aluminium 6061"
 """Material of covers on a ring of a heavier metal, unless another is chosen: a third of the mass of steel."""
 
-FLANGE_SCREWS, FLANGE_CIRCLE, FLANGE_THREAD = (8, 6), 0.8, 0.16
-"""Numbers of screws of the output flange, of which the first that fits is taken; their circle radius and thread
-relative to the radius of the hub."""
 
-AXIAL_PLAY, PRINTED_AXIAL_PLAY = 0.1e-3, 0.2e-3
-"""Least distance of parts that move against each other, in metal and in plastic [m]: above the flatness of a cover and
-the unevenness of a layer."""
+@dataclass(frozen=True)
+class CasingRules:
+    """Proportions of the casing that no standard prescribes; lengths in metres, all assumed unless a source is stated.
 
-BLIND_ROOM = 3e-3
-"""Depth of the bore of the crank beyond the motor shaft [m]: those of NEMA 17 are up to 24 instead of 22 mm long."""
+    Attributes
+    ----------
+    wall_share, min_wall, min_printed_wall
+        Minimum wall around holes: share of the outer radius, and limits in metal and plastic (two lines of 0.4 mm).
+    bearing_ratio
+        Outside diameter of a shaft bearing relative to its bore, if none in stock fits (as its rollers are rated).
+    pilot_depth
+        Depth of the recess for the pilot of a motor.
+    thread_share, max_screws
+        Largest thread of the cover screws relative to the outer radius, and their number.
+    engagement
+        Engaged length of a thread in thread diameters.
+    head_play
+        Radial play of a screw head in its counterbore (DIN 974-1 has 0.5 mm, for which walls are too thin).
+    flange_screws, flange_circle, flange_thread
+        Numbers of screws of the output flange, of which the first that fits is taken; their circle radius and thread
+        relative to the radius of the hub.
+    axial_play, printed_axial_play
+        Least distance of parts that move against each other, in metal and in plastic: above the flatness of a cover
+        and the unevenness of a layer.
+    blind_room
+        Depth of the bore of the crank beyond the motor shaft: those of NEMA 17 are up to 24 instead of 22 mm long.
+    collar
+        Length of the collar of the crank between counterweight and bearing, and depth of recesses next to bearings.
+    shoulder_share
+        Height of a shoulder relative to the section of its bearing.
+    """
 
-COLLAR = 0.5 * AXIAL_GAP
-"""Length of the collar of the crank between counterweight and bearing, and depth of recesses next to bearings [m]."""
+    wall_share: float = 0.02
+    min_wall: float = 0.5e-3
+    min_printed_wall: float = 0.8e-3
+    bearing_ratio: float = 1.4
+    pilot_depth: float = 2.5e-3
+    thread_share: float = 0.09
+    max_screws: int = 8
+    engagement: float = 1.5
+    head_play: float = 0.2e-3
+    flange_screws: tuple[int, ...] = (8, 6)
+    flange_circle: float = 0.8
+    flange_thread: float = 0.16
+    axial_play: float = 0.1e-3
+    printed_axial_play: float = 0.2e-3
+    blind_room: float = 3e-3
+    collar: float = 0.5 * AXIAL_GAP
+    shoulder_share: float = 0.3
 
-SHOULDER_SHARE = 0.3
-"""Height of a shoulder relative to the section of its bearing."""
+
+RULES = CasingRules()
 
 
 @dataclass(frozen=True)
@@ -218,16 +234,18 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
     end = ring_end(reducer)
     through = _grip(screws.bolt, wall) + 2.0 * ((0.0 if screws.outside else end) - axial_play(reducer))
     tip = (end if screws.outside else -end) - hole_depth(reducer, screws.bolt.thread, screws.length - through) - wall
-    bored = _bore_end(reducer) - flange.shaft_length - BLIND_ROOM
+    bored = _bore_end(reducer) - flange.shaft_length - RULES.blind_room
     journal = prisms["journal"].z0 - axial_play(reducer)
-    face = min(min(journal, first - wall) - PILOT_DEPTH, floor - under, tip - under, bored)
+    face = min(min(journal, first - wall) - RULES.pilot_depth, floor - under, tip - under, bored)
     dowel, dowel_angles, dowel_circle = _dowel(reducer, screws, wall)
     room = screws.circle - counterbore(screws.bolt) - 2.0 * wall
     hub = _hub(min(room, design.ring_root_radius), rim - wall, seat + 2.0 * wall if straddles else 0.0)
-    bolt = thickest_bolt(FLANGE_THREAD * hub.bore / 2.0, inserted=is_plastic(reducer))
+    bolt = thickest_bolt(RULES.flange_thread * hub.bore / 2.0, inserted=is_plastic(reducer))
     flange_circle, flange_screws = _flange_pattern(reducer, hub, bolt, wall)
     hub_floor = half + AXIAL_GAP + output.disc_thickness + AXIAL_GAP
-    deepest = max(far[1] + COLLAR if straddles else 0.0, hub_floor) + 2.0 * wall + 2.0 * ENGAGEMENT * bolt.thread
+    deepest = (
+        max(far[1] + RULES.collar if straddles else 0.0, hub_floor) + 2.0 * wall + 2.0 * RULES.engagement * bolt.thread
+    )
     return Casing(
         outer=outer,
         wall=wall,
@@ -283,7 +301,7 @@ def ring_end(reducer: Reducer) -> float:
 
 def axial_play(reducer: Reducer) -> float:
     """Return the least distance of parts that move against each other [m]."""
-    return PRINTED_AXIAL_PLAY if is_plastic(reducer) else AXIAL_PLAY
+    return RULES.printed_axial_play if is_plastic(reducer) else RULES.axial_play
 
 
 def casing_or_none(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto") -> tuple[Casing | None, str]:
@@ -304,8 +322,8 @@ def casing_or_none(reducer: Reducer, motor: Motor = "auto", cover_material: str 
 
 def least_wall(reducer: Reducer) -> float:
     """Compute the minimum wall around holes of a drive [m]."""
-    least = MIN_PRINTED_WALL if is_plastic(reducer) else MIN_WALL
-    return max(least, WALL_SHARE * reducer.design.housing.outer_radius)
+    least = RULES.min_printed_wall if is_plastic(reducer) else RULES.min_wall
+    return max(least, RULES.wall_share * reducer.design.housing.outer_radius)
 
 
 def covers_fit(reducer: Reducer) -> bool:
@@ -320,7 +338,7 @@ def seat_radius(reducer: Reducer, width: float) -> float:
     """Return the radius of the seats of the shaft bearings [m]: of a bearing in stock, or as the rollers are rated."""
     radius = reducer.design.shaft.radius
     stocked = stock.bearings_on(2.0 * radius, width)
-    return 0.5 * stocked[0].outside if stocked else BEARING_RATIO * radius
+    return 0.5 * stocked[0].outside if stocked else RULES.bearing_ratio * radius
 
 
 def thickest_bolt(thread: float, *, inserted: bool = False) -> stock.Bolt:
@@ -340,7 +358,7 @@ def _screws(reducer: Reducer, wall: float) -> Screws:
     """
     design = reducer.design
     ring, housing = design.ring, design.housing
-    around = wall if is_plastic(reducer) else max(0.5 * wall - HEAD_PLAY, 0.5 * MIN_WALL)
+    around = wall if is_plastic(reducer) else max(0.5 * wall - RULES.head_play, 0.5 * RULES.min_wall)
     for bolt in _bolts_up_to(housing.outer_radius, is_plastic(reducer)):
         hole, head = 0.5 * stock.bolt_hole(bolt.thread), counterbore(bolt)
         if housing.support == "bolts":
@@ -358,27 +376,27 @@ def _screws(reducer: Reducer, wall: float) -> Screws:
             )
         if fits and stock.bolt_length(bolt.thread, _min_screw_length(bolt, wall, design.gear.stack_width)):
             return _screws_of_length(bolt, circle, angles, wall, design.gear.stack_width)
-    bolt = thickest_bolt(THREAD_SHARE * housing.outer_radius, inserted=is_plastic(reducer))
+    bolt = thickest_bolt(RULES.thread_share * housing.outer_radius, inserted=is_plastic(reducer))
     circle = housing.outer_radius + max(0.5 * stock.bolt_hole(bolt.thread), counterbore(bolt)) + wall
-    angles = tuple(2.0 * math.pi * number / MAX_SCREWS for number in range(MAX_SCREWS))
+    angles = tuple(2.0 * math.pi * number / RULES.max_screws for number in range(RULES.max_screws))
     return _screws_of_length(bolt, circle, angles, wall, 0.0)
 
 
 def _bolts_up_to(radius: float, inserted: bool) -> Iterator[stock.Bolt]:
-    most = thickest_bolt(THREAD_SHARE * radius, inserted=inserted)
+    most = thickest_bolt(RULES.thread_share * radius, inserted=inserted)
     usable = (bolt for bolt in reversed(stock.bolts()) if not inserted or stock.insert_of(bolt.thread))
     yield from (bolt for bolt in usable if bolt.thread <= most.thread)
 
 
 def _lands(teeth: int) -> tuple[float, ...]:
     """Return the angles [rad] of screws between pins, clockwise from +y; at least two lands stay free for dowels."""
-    count = max(min(MAX_SCREWS, teeth - 2), 2)
+    count = max(min(RULES.max_screws, teeth - 2), 2)
     return tuple(2.0 * math.pi * (number * teeth // count + 0.5) / teeth for number in range(count))
 
 
 def _min_screw_length(bolt: stock.Bolt, wall: float, through: float) -> float:
     """Compute the minimum length of a screw through a cover and a ring, wide as the discs, into the other cover [m]."""
-    return _grip(bolt, wall) + through + ENGAGEMENT * bolt.thread
+    return _grip(bolt, wall) + through + RULES.engagement * bolt.thread
 
 
 def _screws_of_length(
@@ -413,7 +431,7 @@ def _dowel(reducer: Reducer, screws: Screws, wall: float) -> tuple[stock.Dowel |
 
 def counterbore(bolt: stock.Bolt) -> float:
     """Compute the radius of the counterbore of a screw head [m]."""
-    return 0.5 * bolt.head + HEAD_PLAY
+    return 0.5 * bolt.head + RULES.head_play
 
 
 def _cavity(reducer: Reducer, screws: Screws, second: float, wall: float) -> tuple[float, float]:
@@ -473,7 +491,7 @@ def _motor_flange(reducer: Reducer, motor: Motor, outer: float, seat: float, wal
             f"the bearing {2e3 * seat:.4g} mm, the crank {2e3 * reducer.design.shaft.radius:.4g} mm; "
             "choose another motor"
         )
-    thread = thickest_bolt(THREAD_SHARE * outer, inserted=is_plastic(reducer)).thread
+    thread = thickest_bolt(RULES.thread_share * outer, inserted=is_plastic(reducer)).thread
     circle = outer - thread_radius(reducer, thread) - 2.0 * wall
     return MotorFlange("bolt circle", max(0.6 * circle, min(seat, circle - thread)), circle, thread)
 
@@ -494,7 +512,7 @@ def motor_screw(motor: MotorFlange, wall: float) -> tuple[stock.Bolt, float]:
 
 def _heads_end(motor: MotorFlange) -> float:
     """Compute the minimum radius of a cavity with the counterbores of the motor screws in its floor [m]."""
-    return motor.circle + counterbore(thickest_bolt(motor.thread)) + HEAD_PLAY
+    return motor.circle + counterbore(thickest_bolt(motor.thread)) + RULES.head_play
 
 
 def motor_grip(motor: MotorFlange, wall: float) -> float:
@@ -507,7 +525,7 @@ def _floor_thickness(reducer: Reducer, motor: MotorFlange, wall: float) -> float
     """Compute the thickness of the cover behind its cavity that the motor screws need [m]."""
     if motor.tapped:
         return motor_grip(motor, wall) + thickest_bolt(motor.thread).head_height
-    return hole_depth(reducer, motor.thread, ENGAGEMENT * motor.thread) + wall
+    return hole_depth(reducer, motor.thread, RULES.engagement * motor.thread) + wall
 
 
 def _fits_shaft(reducer: Reducer, motor: MotorFlange, wall: float) -> bool:
@@ -580,13 +598,13 @@ def bearing_width_of(reducer: Reducer) -> float:
 def flange_screw_length(sizes: Casing) -> float:
     """Return the length of the screws of the output's flange [m]."""
     bolt = sizes.flange_bolt
-    return stock_screw_length(bolt, sizes.flange_thickness - bolt.head_height + ENGAGEMENT * bolt.thread)
+    return stock_screw_length(bolt, sizes.flange_thickness - bolt.head_height + RULES.engagement * bolt.thread)
 
 
 def motor_bore(reducer: Reducer, sizes: Casing) -> tuple[float, float, float] | None:
     """Return radius, start and end [m] of the bore of the crank for the motor shaft; None if that is unknown."""
     motor, start = sizes.motor, crank_stretches(reducer)["journal"].z0
-    return (motor.shaft, start, sizes.face + motor.shaft_length + BLIND_ROOM) if motor.shaft else None
+    return (motor.shaft, start, sizes.face + motor.shaft_length + RULES.blind_room) if motor.shaft else None
 
 
 def stock_screw_length(bolt: stock.Bolt, reach: float) -> float:
@@ -608,7 +626,7 @@ def stock_screw_length(bolt: stock.Bolt, reach: float) -> float:
 
 def shoulder_radius(ring: float, other: float) -> float:
     """Compute the radius of a shoulder [m] that touches the ring of a bearing with the first radius only."""
-    return ring + SHOULDER_SHARE * (other - ring)
+    return ring + RULES.shoulder_share * (other - ring)
 
 
 def flange_centres(sizes: Casing) -> Array:
@@ -621,9 +639,9 @@ def _flange_pattern(reducer: Reducer, hub: stock.StockBearing, bolt: stock.Bolt,
     """Return circle radius [m] and number of the flange screws in a hub, with walls around all holes."""
     radius, hole, head = 0.5 * hub.bore, thread_radius(reducer, bolt.thread), counterbore(bolt)
     flange = shoulder_radius(radius, 0.5 * hub.outside)
-    circle = min(FLANGE_CIRCLE * radius, radius - hole - wall, flange - head - wall)
-    fitting = (one for one in FLANGE_SCREWS if 2.0 * circle * math.sin(0.5 * math.pi / one) >= head + hole + wall)
-    return circle, next(fitting, FLANGE_SCREWS[-1])
+    circle = min(RULES.flange_circle * radius, radius - hole - wall, flange - head - wall)
+    fitting = (one for one in RULES.flange_screws if 2.0 * circle * math.sin(0.5 * math.pi / one) >= head + hole + wall)
+    return circle, next(fitting, RULES.flange_screws[-1])
 
 
 def motor_centres(sizes: Casing) -> Array:

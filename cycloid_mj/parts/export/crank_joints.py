@@ -23,9 +23,9 @@ from cycloid_mj.parts.export.bearings import (
 )
 from cycloid_mj.parts.export.casing import (
     CAM_BEARING,
-    MIN_WALL,
     MOTOR_COVER,
     OUTPUT_COVER,
+    RULES,
     Casing,
     in_one_piece,
     motor_bore,
@@ -85,8 +85,8 @@ def cam_key(reducer: Reducer, sizes: Casing) -> CamKey | None:
     walls = (towards + np.sqrt(towards**2 + outer**2 - eccentricity**2)).min(axis=1)
     best, bore = int(np.argmax(walls)), motor_bore(reducer, sizes)
     core = bore[0] if bore and bore[2] > low else 0.0
-    fits = walls[best] >= math.hypot(radius + key.in_hub, 0.5 * key.width) + MIN_WALL
-    if not (fits and radius - key.in_shaft >= core + MIN_WALL):
+    fits = walls[best] >= math.hypot(radius + key.in_hub, 0.5 * key.width) + RULES.min_wall
+    if not (fits and radius - key.in_shaft >= core + RULES.min_wall):
         return None
     middle = 0.5 * (low + high)
     return CamKey(key, float(angles[best]), middle - 0.5 * key.length, middle + 0.5 * key.length)

@@ -10,7 +10,7 @@ from cycloid_mj.base import names
 from cycloid_mj.design import stock
 from cycloid_mj.parts import crank_stretches
 from cycloid_mj.parts.export.bearings import cam_radius, shaft_bearing
-from cycloid_mj.parts.export.casing import COLLAR, MIN_WALL, Casing, shoulder_radius
+from cycloid_mj.parts.export.casing import RULES, Casing, shoulder_radius
 from cycloid_mj.parts.shaft import COUNTERWEIGHT
 from cycloid_mj.reducer import Reducer
 
@@ -36,7 +36,7 @@ def crank_rings(reducer: Reducer, sizes: Casing) -> tuple[CrankRing, ...]:
 def counterweight_shift(reducer: Reducer) -> float:
     """Compute how far the counterweight stands closer to the disc than in the mechanism, for its ring [m]."""
     offset = reducer.design.shaft.bearing_offset
-    return max(COLLAR - offset, 0.0) if reducer.design.gear.discs == 1 else 0.0
+    return max(RULES.collar - offset, 0.0) if reducer.design.gear.discs == 1 else 0.0
 
 
 def hub_radius(reducer: Reducer, sizes: Casing) -> float:
@@ -52,7 +52,7 @@ def _rings(reducer: Reducer, sizes: Casing) -> Iterator[CrankRing]:
     cams = [stretch for name, stretch in along.items() if names.family(name) == names.CAM]
     before = along[COUNTERWEIGHT].z0 + counterweight_shift(reducer) if COUNTERWEIGHT in along else cams[0].z0
     back = sizes.play if shaft_bearing(reducer) in stock.needle_bearings() else 0.0
-    thinnest, beyond = shaft.radius + MIN_WALL, min(radius, hub_radius(reducer, sizes))
+    thinnest, beyond = shaft.radius + RULES.min_wall, min(radius, hub_radius(reducer, sizes))
     if radius >= thinnest:
         yield CrankRing(names.numbered(CRANK_RING, 1), radius, sizes.near[1] + back, before)
     if sizes.far and beyond >= thinnest:

@@ -12,9 +12,7 @@ from cycloid_mj.design import stock
 from cycloid_mj.parts import crank_stretches
 from cycloid_mj.parts.export.bearings import DOWEL_FIT, HUB_BEARING_FIT, shaft_bearing, shaft_bearing_fit
 from cycloid_mj.parts.export.casing import (
-    COLLAR,
     DOWEL,
-    ENGAGEMENT,
     FLANGE,
     FLANGE_INSERT,
     FLANGE_SCREW,
@@ -24,7 +22,7 @@ from cycloid_mj.parts.export.casing import (
     MOTOR_SCREW,
     OUTPUT_BEARING,
     OUTPUT_COVER,
-    PILOT_DEPTH,
+    RULES,
     SCREW,
     SCREW_INSERT,
     SHAFT_BEARING,
@@ -102,7 +100,7 @@ def _motor_shaft(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
 
 
 def _motor_pilot(sizes: Casing) -> Joint:
-    recess = (AXIS, sizes.motor.pilot, sizes.face, sizes.face + PILOT_DEPTH)
+    recess = (AXIS, sizes.motor.pilot, sizes.face, sizes.face + RULES.pilot_depth)
     return Joint("pilot of the motor", JointKind.LOCATED, (MOTOR, MOTOR_COVER), ((MOTOR_COVER, recess),))
 
 
@@ -111,7 +109,7 @@ def _cover_shaft_bearings(reducer: Reducer, sizes: Casing) -> Joint:
     first = sizes.near[0]
     shoulder = shoulder_radius(sizes.seat, reducer.design.shaft.radius)
     holes: tuple[Hole, ...] = (
-        (AXIS, shoulder, sizes.face + PILOT_DEPTH, first),
+        (AXIS, shoulder, sizes.face + RULES.pilot_depth, first),
         (AXIS, sizes.seat, first, sizes.floor),
     )
     numbers = (2,) if sizes.far else (1, 2)
@@ -135,7 +133,7 @@ def _hub_shaft_bearing(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
         recess = shoulder_radius(sizes.seat, reducer.design.shaft.radius)
         holes: tuple[tuple[str, Hole], ...] = (
             (names.OUTPUT, (AXIS, sizes.seat, disc, sizes.far[1])),
-            (names.OUTPUT, (AXIS, recess, sizes.far[1], sizes.far[1] + COLLAR)),
+            (names.OUTPUT, (AXIS, recess, sizes.far[1], sizes.far[1] + RULES.collar)),
         )
         bearing = _shaft_bearings(reducer, sizes, (1,))
         parts = (names.SHAFT, names.OUTPUT)
@@ -222,7 +220,7 @@ def _motor_screws(reducer: Reducer, sizes: Casing) -> Joint:
     motor, centres, face = sizes.motor, motor_centres(sizes), sizes.face
     name, parts = "screws of the motor", (MOTOR, MOTOR_COVER)
     if not motor.tapped:
-        depth = hole_depth(reducer, motor.thread, ENGAGEMENT * motor.thread)
+        depth = hole_depth(reducer, motor.thread, RULES.engagement * motor.thread)
         thread = (centres, core_radius(reducer, motor.thread), face, face + depth)
         inserts = tuple(_inserts(reducer, MOTOR_INSERT, motor.thread, names.HOUSING, centres, face, 1.0))
         threads = (_tapped(reducer, MOTOR_COVER, centres, motor.thread, depth),)

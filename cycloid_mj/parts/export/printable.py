@@ -10,7 +10,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import Prism, Solid, circle
 from cycloid_mj.parts.accuracy import SAME_LENGTH
-from cycloid_mj.parts.export.casing import MIN_PRINTED_WALL, Casing, is_printed
+from cycloid_mj.parts.export.casing import RULES, Casing, is_printed
 from cycloid_mj.parts.export.printing import material_part, printed_parts
 from cycloid_mj.reducer import Reducer
 
@@ -70,8 +70,8 @@ def print_warnings(
         if not is_printed(reducer, material_part(reducer, name)):
             continue
         wall = min(map(thinnest_wall, part.solid.prisms))
-        if wall < MIN_PRINTED_WALL - SAME_LENGTH:
-            least = MILLIMETRES * MIN_PRINTED_WALL
+        if wall < RULES.min_printed_wall - SAME_LENGTH:
+            least = MILLIMETRES * RULES.min_printed_wall
             yield f"{name} has a wall of {MILLIMETRES * wall:.2g} mm; one prints from {least:g} mm on"
         hole = min((_diameter(one) for prism in part.solid.prisms for one in prism.holes), default=np.inf)
         if hole < MIN_HOLE:
