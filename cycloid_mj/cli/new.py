@@ -16,6 +16,8 @@ from cycloid_mj.base.result import Table
 from cycloid_mj.cli.delivery import Destination, claim_page, deliver
 from cycloid_mj.cli.flags import FLAT, NAMES, Delivery, SetFlag, load_design, out_flag, whole, whole_number
 from cycloid_mj.cli.outfile import folder
+from cycloid_mj.cli.progress import show_activity
+from cycloid_mj.cli.terminal import tell
 from cycloid_mj.design import PRESETS, dump, reasons
 
 if TYPE_CHECKING:
@@ -252,7 +254,8 @@ def new(
     if ratio_range:
         wanted = best_ratio(wanted, low, high)
     place = _claim_files(stem, delivery)
-    answer = size_drive(wanted)
+    with show_activity("searching for a drive", delivery.quiet):
+        answer = size_drive(wanted, lambda found: None if delivery.quiet else tell(_best_so_far(found)))
     if answer.drives:
         return _sized_outcome(stem, answer, place, delivery)
     if delivery.json:
@@ -261,6 +264,15 @@ def new(
         return deliver(outcome, place, delivery)
     best = f"of the ratios {ratio_range}, {wanted.ratio} allows the highest torque: " if ratio_range else ""
     raise DesignError(best + answer.refusal)
+
+
+def _best_so_far(found: "Answer") -> str:
+    """Return the first drive, the last remedy, or the largest torque of an unfinished search."""
+    if found.drives:
+        return f"found: {found.line}"
+    if found.remedies:
+        return f"feasible with {found.remedies[-1].words}"
+    return f"largest torque found: {found.most:g} N m ({found.limit}); searching for changes that are feasible"
 
 
 def _claim_files(stem: str, wanted: NewDelivery) -> Destination:

@@ -386,7 +386,7 @@ def rate_jam_difference(reducer: Reducer, loadings: Sequence[Loading]) -> Iterat
     Losses and conductances are those at 20 °C, without the fixed point of `thermal`.
     """
     worst = max(loadings, key=lambda loading: abs(loading.point.torque))
-    network = network_of(reducer, worst, reducer.design.service.ambient_temperature)
+    network = network_of(reducer, worst, reducer.design.service.ambient_temperature, steady=True)
     rises = network.rises(heat_by_node(reducer, _mean(reducer, loadings)))
     difference, limit = rises["disc"] - rises["ring"], jam_difference(reducer.design)
     yield RatedItem(

@@ -174,8 +174,11 @@ def heat_by_node(reducer: Reducer, losses: Mapping[str, float]) -> dict[str, flo
     return heat
 
 
-def network_of(reducer: Reducer, loading: Loading, wall: float) -> Network:
-    """Build the network of a drive under the loads of a point of its duty; `wall` is the housing's temperature [°C]."""
+def network_of(reducer: Reducer, loading: Loading, wall: float, *, steady: bool = False) -> Network:
+    """Build the network of a drive under the loads of a point of its duty; `wall` is the housing's temperature [°C].
+
+    A `steady` network is for `Network.rises` only: its capacities are 1 J/K, as those of the solids take 0.1 s of CPU.
+    """
     torque = math.copysign(abs(loading.point.torque), loading.reducer.design.drive.speed)
     contact_loads = loads(loading.reducer, loading.springs, torque)
     links = (
@@ -184,7 +187,7 @@ def network_of(reducer: Reducer, loading: Loading, wall: float) -> Network:
         *_face_links(reducer.design),
         *_housing_links(reducer, wall),
     )
-    return Network(tuple(links), _capacities(reducer))
+    return Network(tuple(links), dict.fromkeys(HEATED, 1.0) if steady else _capacities(reducer))
 
 
 def _contact_links(reducer: Reducer, contact_loads: Loads) -> Iterator[Conductance]:

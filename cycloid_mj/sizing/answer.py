@@ -155,8 +155,9 @@ def solve(requirement: Requirement) -> tuple[Solution | None, Answer]:
             if solution:
                 return solution, Answer(fixed, ())
             refusals.append(_refusal(fixed, pool))
-    none = Answer(requirement, (), 0.0, _no_room(requirement))
-    return None, max(refusals, key=lambda refused: refused.most, default=none)
+    if not refusals:
+        return None, Answer(requirement, (), 0.0, _no_room(requirement))
+    return None, max(refusals, key=lambda refused: refused.most)
 
 
 def _variants(requirement: Requirement) -> Iterator[Requirement]:

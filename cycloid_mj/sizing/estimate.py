@@ -31,7 +31,10 @@ ENDURANCE_SHARE = 0.35
 """Pulsating endurance limit over tensile strength, with size, surface and notch of a usual part (Shigley, 6-7)."""
 
 LENGTH, MASS = np.array([1.1, 0.9, 2.5, 0.36]), np.array([1.3, 2.0, 5.2, 0.58])
-"""Coefficients of the regressions of length and mass, of 210 drives of 10:1 to 100:1 and 40 to 300 mm (5 and 12 %)."""
+"""Coefficients of the regressions of length and mass, of 210 drives of 10:1 to 100:1 and 40 to 300 mm.
+
+They scatter by 8 % in length and 24 % in mass, with steel covers instead of the usual aluminium; ratings correct them.
+"""
 
 ROUNDS = 3
 """Evaluations at the torque of the one before, as shares of the load depend on it."""

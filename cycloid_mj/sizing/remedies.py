@@ -1,14 +1,14 @@
 """Changes of a requirement that make it feasible, in the order in which a user can act on them, each verified."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 from cycloid_mj.base.units import MILLIMETRES, RPM
 from cycloid_mj.design import fits
 from cycloid_mj.sizing.answer import Remedy, solve
 from cycloid_mj.sizing.process import COOLING, PROCESSES
 from cycloid_mj.sizing.requirement import LARGEST_PAIR, MAX_DISCS, Requirement
-from cycloid_mj.sizing.search import Pool, pool_of
+from cycloid_mj.sizing.search import SETTINGS, Pool, pool_of
 
 TOLERANCE = 1.05
 """A remedy's value is at most this factor above the smallest at which the search finds a drive."""
@@ -18,6 +18,9 @@ TORQUE_EXPONENT = 2.5
 
 MIN_SPEED, MAX_DIAMETER = 30.0 * RPM, 3.0
 """Slowest crank [rad/s] and largest diameter [m] of a remedy."""
+
+MAX_GAIN = 4.0
+"""Ratio of the required torque to the largest beyond which no other material, discs or clearances are searched."""
 
 MAX_STEPS = 6
 """Largest number of diameters tried one after the other."""
@@ -43,7 +46,7 @@ def _single(requirement: Requirement, most: float) -> Iterator[Remedy]:
     """Yield feasible single changes, each with the smallest value that suffices; a diameter is among them."""
     searches: list[Iterator[Remedy]] = [
         *(_conditions(requirement) if most else ()),
-        _first(_options(requirement)),
+        *([_first(_options(requirement))] if requirement.torque <= MAX_GAIN * most or not most else ()),
         _longer(requirement),
     ]
     count = 0
@@ -70,7 +73,8 @@ def _capacity(requirement: Requirement) -> float:
     """
     if requirement.backlash < math.inf:
         return requirement.torque if is_feasible(requirement) else 0.0
-    largest = (pool.largest(requirement.length, requirement.torque) for pool in _pools(requirement))
+    ratings = SETTINGS.remedy_ratings
+    largest = (pool.largest(requirement.length, requirement.torque, ratings) for pool in _pools(requirement))
     return max((one.capacity for one in largest if one), default=0.0)
 
 
@@ -98,8 +102,24 @@ def _conditions(requirement: Requirement) -> Iterator[Iterator[Remedy]]:
             requirement.speed / MIN_SPEED,
             lambda changed: f"{changed.speed / RPM:.4g} rpm",
         )
-    cooled = (name for name, film in COOLING.items() if film > requirement.film)
-    yield _first(Remedy(f"cooling: {name}", requirement.but(film=COOLING[name])) for name in cooled)
+    yield _cooled(requirement)
+
+
+def _cooled(requirement: Requirement) -> Iterator[Remedy]:
+    """Yield the weakest kind of cooling that suffices."""
+    for name, film in COOLING.items():
+        changed = requirement.but(film=film)
+        if film > requirement.film and _exists_under(changed, _pools(requirement)) and is_feasible(changed):
+            yield Remedy(f"cooling: {name}", changed)
+            return
+
+
+def _exists_under(changed: Requirement, pools: Iterable[Pool]) -> bool:
+    """Return whether pools rated under other conditions have a candidate for a requirement."""
+    return any(
+        pool.under(changed.but(discs=pool.requirement.discs).without_limits).exists(changed.torque, changed.length)
+        for pool in pools
+    )
 
 
 def _smallest(
@@ -112,11 +132,7 @@ def _smallest(
     pools = [*_pools(change(1.0))]
 
     def exists(factor: float) -> bool:
-        changed = change(factor)
-        return any(
-            pool.under(changed.but(discs=pool.requirement.discs).without_limits).exists(changed.torque, changed.length)
-            for pool in pools
-        )
+        return _exists_under(change(factor), pools)
 
     if most <= TOLERANCE or not exists(most):
         return
@@ -172,24 +188,32 @@ def _longer(requirement: Requirement) -> Iterator[Remedy]:
 
 
 def _larger(requirement: Requirement, most: float) -> Iterator[Remedy]:
-    """Yield the smallest feasible diameter, by steps along the power law of the torque and bisection."""
+    """Yield the smallest feasible diameter, by steps along the power law of the torque and secants."""
     largest = min(MAX_DIAMETER, fits.LARGEST / LARGEST_PAIR) if requirement.fit else MAX_DIAMETER
-    low, high, capacity = requirement.diameter, requirement.diameter, most
+    low, high, capacity, below = requirement.diameter, requirement.diameter, most, most
     for _ in range(MAX_STEPS):
         share = max((requirement.torque / capacity) ** (1.0 / TORQUE_EXPONENT), TOLERANCE) if capacity else 1.5
         low, high = high, _rounded_up(share * high)
-        found = _capacity(requirement.but(diameter=high)) if high <= largest else 0.0
-        if found >= requirement.torque:
+        below, capacity = capacity, _capacity(requirement.but(diameter=high)) if high <= largest else 0.0
+        if capacity >= requirement.torque:
             break
-        if high > largest or found < capacity:
+        if high > largest or capacity < below:
             return
-        capacity = found
     else:
         return
-    while high > TOLERANCE * low and _rounded_up(math.sqrt(low * high)) < high:
-        middle = _rounded_up(math.sqrt(low * high))
-        enough = _capacity(requirement.but(diameter=middle)) >= requirement.torque
-        low, high = (low, middle) if enough else (middle, high)
+    while high > TOLERANCE * low:
+        middle = math.sqrt(low * high)
+        if 0.0 < below < requirement.torque < capacity < math.inf:  # secant of the logarithms
+            share = math.log(requirement.torque / below) / math.log(capacity / below)
+            middle = min(max(low * (high / low) ** share, TOLERANCE * low), high / TOLERANCE)
+        middle = _rounded_up(middle)
+        if not low < middle < high:
+            break
+        found = _capacity(requirement.but(diameter=middle))
+        if found >= requirement.torque:
+            high, capacity = middle, found
+        else:
+            low, below = middle, found
     for diameter in (high, _rounded_up(TOLERANCE * high)):
         if is_feasible(requirement.but(diameter=diameter)):
             yield Remedy(f"{MILLIMETRES * diameter:g} mm", requirement.but(diameter=diameter))

@@ -33,8 +33,8 @@ class SearchSettings:
         largest.
     scatter, line
         Standard deviations of a child about its parent and along the line to another elite, as recommended.
-    calibrations, ratings
-        Elites that are rated first, and the most ratings of a search: 1 s of CPU.
+    calibrations, ratings, remedy_ratings
+        Elites that are rated first, and the most ratings of a search and of one for a remedy: 0.07 s of CPU each.
     margin
         Estimates that miss the best by less are rated as well.
     poses
@@ -50,6 +50,7 @@ class SearchSettings:
     line: float = 0.2
     calibrations: int = 6
     ratings: int = 20
+    remedy_ratings: int = 6
     rounds: int = 2
     prior: float = 1.0
     margin: float = 0.04
@@ -75,8 +76,11 @@ class Rated:
 
     @property
     def mass(self) -> float:
-        """Mass of the drive [kg]."""
-        return self.figures["mass"]
+        """Mass of the drive [kg], from the solids of all parts in 0.05 s of CPU; infinite if a part does not fit."""
+        try:
+            return drive_mass(self.reducer)
+        except CycloidError:
+            return math.inf
 
     @property
     def length(self) -> float:
@@ -90,6 +94,10 @@ class Rated:
         return min((life for life in lives if life is not None), default=math.inf)
 
 
+def _figure(rated: Rated, key: str) -> float:
+    return rated.mass if key == "mass" else rated.figures.get(key, NO_LIMIT)
+
+
 def rate_drive(
     requirement: Requirement, reducer: Reducer, torque: float, estimated: tuple[str, ...] = (), poses: int = POSES
 ) -> Rated | None:
@@ -99,14 +107,14 @@ def rate_drive(
     loaded = reducer.but(drive={"torque": needed, "power": drive.power * needed / drive.torque})
     try:
         rating = rate(loaded.design, requirement.duty_at(torque), requirement.life, poses=poses)
-        size = {"mass": drive_mass(loaded), "length": 1e-3 * drive_length(loaded)}
+        length = 1e-3 * drive_length(loaded)
     except CycloidError:
         return None
     items = {key: item for key, item in rating.items.items() if item.decisive}
     limits = torque_limits(items.values(), torque, requirement.life)
     other = min((limit for key, limit in limits.items() if key not in estimated), default=NO_LIMIT)
     weakest = min(limits, key=lambda key: limits[key])
-    return Rated(loaded, torque, rating, {**limits, "other": other, **size}, limits[weakest], items[weakest])
+    return Rated(loaded, torque, rating, {**limits, "other": other, "length": length}, limits[weakest], items[weakest])
 
 
 Objective = Callable[[Array, Array, Array], Array]
@@ -142,8 +150,11 @@ class Pool:
             self.rated[index] = next((rated for rated in tries if rated), None)
         return self.rated[index]
 
-    def corrected(self) -> tuple[dict[str, Array], Array, Array]:
-        """Return torque limits by item [N m], mass [kg] and length [m] of all candidates, corrected by the ratings."""
+    def corrected(self, *, weighed: bool = False) -> tuple[dict[str, Array], Array, Array]:
+        """Return torque limits by item [N m], mass [kg] and length [m] of all candidates, corrected by the ratings.
+
+        The mass is that of the estimate unless the rated candidates are `weighed`.
+        """
         limits, mass, length = dict(self.estimated.limits), self.estimated.mass, self.estimated.length
         if not self.rated:
             return limits, mass, length
@@ -153,13 +164,15 @@ class Pool:
 
         def factor(key: str, guess: Array) -> Array:
             unsound = UNSOUND if key == "other" else 1.0
-            true = [one.figures.get(key, NO_LIMIT) if one else unsound * guess[row] for row, one in self.rated.items()]
+            true = [_figure(one, key) if one else unsound * guess[row] for row, one in self.rated.items()]
             return np.asarray(
                 np.exp(weight @ np.log(np.clip(np.array(true) / np.maximum(guess[rows], 1e-9), 0.05, 20.0)))
             )
 
         limits = {key: limit * factor(key, limit) for key, limit in limits.items()}
-        return limits, mass * factor("mass", mass), length * factor("length", length)
+        if weighed:
+            mass = mass * factor("mass", mass)
+        return limits, mass, length * factor("length", length)
 
     def under(self, requirement: Requirement) -> "Pool":
         """Return the same candidates under other conditions: life, speed, share of the time, cooling."""
@@ -177,16 +190,25 @@ class Pool:
         largest = self.largest(length, torque)
         return largest is not None and largest.capacity >= torque
 
-    def largest(self, length: float = math.inf, enough: float = math.inf) -> Rated | None:
+    def largest(
+        self, length: float = math.inf, enough: float = math.inf, ratings: int = SETTINGS.ratings
+    ) -> Rated | None:
         """Find the candidate of the largest capacity within a length [m], or the first with enough of it [N m]."""
         return self._best(
-            lambda capacity, mass, length: -capacity, lambda capacity, size: size <= length, lambda _: True, -enough
+            lambda capacity, mass, length: -capacity,
+            lambda capacity, size: size <= length,
+            lambda _: True,
+            -enough,
+            ratings,
         )
 
     def lightest(self, torque: float, length: float = math.inf, accept: Accept = lambda _: True) -> Rated | None:
         """Find the lightest candidate for a torque [N m] within a length [m]."""
         return self._best(
-            lambda capacity, mass, length: mass, lambda capacity, size: (capacity >= torque) & (size <= length), accept
+            lambda capacity, mass, length: mass,
+            lambda capacity, size: (capacity >= torque) & (size <= length),
+            accept,
+            weighed=True,
         )
 
     def shortest(self, torque: float) -> Rated | None:
@@ -201,15 +223,18 @@ class Pool:
         meets: Meets,
         accept: Accept,
         enough: float = -math.inf,
+        ratings: int = SETTINGS.ratings,
+        *,
+        weighed: bool = False,
     ) -> Rated | None:
         """Rate the candidate with the best corrected estimate until none is left that could be better."""
         rejected: set[int] = set()
         rounds = 0
-        for _ in range(SETTINGS.ratings):
-            limits, mass, length = self.corrected()
+        for _ in range(ratings):
+            limits, mass, length = self.corrected(weighed=weighed)
             capacity = np.min(list(limits.values()), axis=0)
             value, feasible = objective(capacity, mass, length), meets(capacity, length)
-            known = self._known(objective, meets, rejected)
+            known = self._known(objective, meets, rejected, weighed)
             if known:
                 index, best = known
                 if best <= enough:
@@ -226,7 +251,7 @@ class Pool:
                 self._extend(index)
             else:
                 break
-        while known := self._known(objective, meets, rejected):
+        while known := self._known(objective, meets, rejected, weighed):
             if accept(self._of(known[0])):
                 return self._of(known[0])
             rejected.add(known[0])
@@ -249,10 +274,11 @@ class Pool:
         assert rated
         return rated
 
-    def _known(self, objective: Objective, meets: Meets, rejected: set[int]) -> tuple[int, float] | None:
+    def _known(self, objective: Objective, meets: Meets, rejected: set[int], weighed: bool) -> tuple[int, float] | None:
         """Return the best rated candidate and its objective; None if no rated candidate is feasible."""
         rows = [index for index, one in self.rated.items() if one and index not in rejected]
-        numbers = np.array([(self._of(row).capacity, self._of(row).mass, self._of(row).length) for row in rows])
+        rated = [self._of(row) for row in rows]
+        numbers = np.array([(one.capacity, one.mass if weighed else 0.0, one.length) for one in rated])
         if not rows:
             return None
         value = np.where(meets(numbers[:, 0], numbers[:, 2]), objective(*numbers.T), np.inf)
@@ -279,7 +305,7 @@ def pool_of(requirement: Requirement) -> Pool | None:
     factors: dict[str, float] = {}
     guesses = {**limits, "mass": first.estimated.mass, "length": first.estimated.length}
     for key, limit in guesses.items() if known else ():
-        ratios = [np.clip(one.figures.get(key, NO_LIMIT) / limit[index], 0.05, 20.0) for index, one in known.items()]
+        ratios = [np.clip(_figure(one, key) / limit[index], 0.05, 20.0) for index, one in known.items()]
         factors[key] = float(np.exp(np.median(np.log(ratios))))
     return _illuminate(requirement, sample, factors)
 
