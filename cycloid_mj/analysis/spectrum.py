@@ -178,7 +178,9 @@ def _inverse(rising: Array, targets: Array) -> Array:
 
 
 def between_samples(values: Array, places: Array) -> Array:
-    """Compute the band-limited signal through even samples, right to 1e-3 up to ``SPECTRUM.band`` of their rate.
+    """Compute the band-limited signal through evenly spaced samples.
+
+    It is accurate to 1e-3 up to ``SPECTRUM.band`` of their rate.
 
     Parameters
     ----------
@@ -206,7 +208,7 @@ def decimate(values: Array, every: int, means: bool = False) -> Array:
     Parameters
     ----------
     values
-        Even samples, shape (n,) or (n, k).
+        Evenly spaced samples, shape (n,) or (n, k).
     every
         Frequencies above ``1 - SPECTRUM.band`` of the new rate are attenuated to 1e-3, those below ``SPECTRUM.band`` of
         it are kept.
@@ -238,7 +240,7 @@ def density(values: Array, rate: float, segment: int) -> tuple[Array, Array]:
     Parameters
     ----------
     values
-        Even samples, shape (n,) or (n, k).
+        Evenly spaced samples, shape (n,) or (n, k).
     rate
         Samples per second.
     segment

@@ -69,7 +69,7 @@ def geometry(reducer: Reducer, required: Any = None) -> dict[str, Any]:
 
 
 def errors(reducer: Reducer) -> list[dict[str, Any]]:
-    """Return the checks that a design fails and without which it cannot be built; empty for a sound design."""
+    """Return the checks that a design fails and without which it cannot be built; empty for a valid design."""
     return _unmet(reducer, (check for check in soundness(reducer) if check.severity == "error"))
 
 
@@ -97,7 +97,7 @@ def remedies(reducer: Reducer) -> dict[str, Any]:
 
 
 def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
-    """Return the figures of a sound design by statics, at its load, judged by requirements; errors as `quick_sheet`."""
+    """Return the figures of a valid design by statics, at its load, judged by requirements; errors as `quick_sheet`."""
     design = reducer.design
     sheet = quick_sheet(reducer)
     computed = {figure(key).key: quantity for key, quantity in sheet.quantities.items()}
@@ -124,7 +124,7 @@ def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
 
 
 def life(reducer: Reducer, required: Any = None) -> dict[str, Any]:
-    """Return the rating of a sound design at its load: its items, its life, and the torque for its required life.
+    """Return the rating of a valid design at its load: its items, its life, and the torque for its required life.
 
     Figures are judged by `required`, the requirements of the start form; the life by the one of the design.
     """
@@ -157,7 +157,7 @@ def life(reducer: Reducer, required: Any = None) -> dict[str, Any]:
 
 
 def rating_at_load(reducer: Reducer) -> Rating:
-    """Rate a sound design at its load and speed for its required life."""
+    """Rate a valid design at its load and speed for its required life."""
     design = reducer.design
     load, _ = load_of(reducer)
     return rate(design, constant_duty(load, design.drive.speed), design.service.life)

@@ -25,8 +25,8 @@ from cycloid_mj.bench.parameters import (
     RUBBING,
     STANDS_FOR_RUBBING,
     Model,
+    fit_parameters,
     needs_contact_friction,
-    parameters,
 )
 from cycloid_mj.bench.search import MODEL_ERROR, SETTINGS, FitProblem, Trials
 from cycloid_mj.design import Design, Friction, Named, resolve
@@ -340,7 +340,7 @@ def _loop_json(fitted: Fitted, number: int) -> dict[str, Any]:
         "width_at_zero_torque_deg": width_of(loop).value / DEGREE,
         "offset_torque_nm": float(offset[0]),
         "offset_deg": float(offset[1]) / DEGREE,
-        "points_left_out": loop.lead,
+        "points_left_out": loop.points_left_out,
         "sign_turned": loop.flipped,
     }
 
@@ -392,7 +392,7 @@ def calibrate(
     model = Model(reducer, Losses(drag), needs_contact_friction(keys))
     bench = LoopCondition(held, crank, max(loop.most for loop in loops))
     _require_units(model, loops, bench)
-    chosen, trials = parameters(reducer, keys, loops), Trials(progress)
+    chosen, trials = fit_parameters(reducer, keys, loops), Trials(progress)
     _require_sensitivity(FitProblem(model, chosen, tuple(loops), bench, Trials()))
     fits: dict[str, Fitted] = {}
     compared: tuple[model_selection.ModelFit, ...] = ()
@@ -455,7 +455,7 @@ def compare_losses(
         base = replace(
             fitted.model, reducer=Reducer(fitted.model.reducer.design if rough else smooth), contact_friction=True
         )
-        chosen = parameters(fitted.model.reducer, [*common, *extra], fitted.loops)
+        chosen = fit_parameters(fitted.model.reducer, [*common, *extra], fitted.loops)
         loops, offset = fitted.loops, fitted.torque_offset
         fits[key, meaning] = fit(base, chosen, loops, fitted.bench, trials, intervals=False, torque_offset=offset)
         trials.later = (len(LOSSES) - len(fits)) * trials.done / len(fits)
@@ -582,7 +582,11 @@ def _notes(fitted: Fitted) -> tuple[str, ...]:
     for loop in fitted.loops:
         notes += [f"{loop.name} {sign}"] if loop.flipped else []
     for loop in fitted.loops:
-        notes += [f"{loop.name}: the first {loop.lead} points lead to the loop and are not used"] if loop.lead else []
+        notes += (
+            [f"{loop.name}: the first {loop.points_left_out} points lead to the loop and are not used"]
+            if loop.points_left_out
+            else []
+        )
     notes += [
         f"{item.key} is at the limit of the search, {value:.4g} {item.unit}: its interval is one-sided"
         for item, value, scaled in zip(fitted.parameters, fitted.values, fitted.scaled, strict=False)

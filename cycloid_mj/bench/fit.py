@@ -150,13 +150,13 @@ class Fitted:
     def rms(self, number: int) -> float:
         """Compute the rms difference of a loop's deflection from the model's at the same torque [rad]."""
         loop = self.loops[number]
-        return rms((self.turns[number] - loop.deflection)[loop.lead :])
+        return rms((self.turns[number] - loop.deflection)[loop.points_left_out :])
 
     def rms_without_offset(self, number: int) -> float:
         """Compute that difference for an offset of torque of 0, as in a scene, and the best of deflection [rad]."""
         loop = self.loops[number]
         turn = deflections(loop, model_branches(self.calibrated, self.bench, loop))
-        return float(np.std((turn - loop.deflection)[loop.lead :]))
+        return float(np.std((turn - loop.deflection)[loop.points_left_out :]))
 
 
 class FitStopped(KeyboardInterrupt):

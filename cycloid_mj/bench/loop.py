@@ -64,8 +64,8 @@ class MeasuredLoop(Presented):
         Number of reversals before each point, shape (n,).
     flipped
         Whether the sign of the deflection was changed, as the file counts it against the torque.
-    lead
-        Number of first points before the loop, as of a bench that starts from rest.
+    points_left_out
+        Number of first points that lead to the loop, as of a bench that starts from rest; figures and fits omit them.
     """
 
     name: str
@@ -74,7 +74,7 @@ class MeasuredLoop(Presented):
     turns: tuple[float, ...]
     branch: Integers
     flipped: bool = False
-    lead: int = 0
+    points_left_out: int = 0
 
     @property
     def frame(self) -> Frame:
@@ -113,7 +113,7 @@ class MeasuredLoop(Presented):
     def moving(self, direction: int) -> Mask:
         """Return which points of the loop have a rising (`direction` 1) or falling torque (-1), shape (n,)."""
         rising = (self.branch % 2 == 0) == self.rising
-        return (rising == (direction > 0)) & (np.arange(len(self.torque)) >= self.lead)
+        return (rising == (direction > 0)) & (np.arange(len(self.torque)) >= self.points_left_out)
 
 
 def _interpolate(along: Array, values: Array, level: float | Array) -> Array:
@@ -238,8 +238,8 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, where: str = 
         )
     flipped = float(np.polyfit(torque, deflection_deg, 1)[0]) < 0.0
     deflection = DEGREE * deflection_deg * (-1.0 if flipped else 1.0)
-    lead = _lead(torque, deflection, branch)
-    loop = MeasuredLoop(name, torque, deflection, turns, branch, flipped, lead)
+    points_left_out = _count_lead_points(torque, deflection, branch)
+    loop = MeasuredLoop(name, torque, deflection, turns, branch, flipped, points_left_out)
     if _opening(loop) < -SETTINGS.max_negative_opening * loop.height:
         raise UsageError(
             f"{where}: the loop releases energy: at the same torque, the output is turned less far while the torque "
@@ -292,7 +292,7 @@ def _median_filter(values: Array) -> Array:
     return np.asarray(np.median(np.lib.stride_tricks.sliding_window_view(padded, SETTINGS.median_window), axis=1))
 
 
-def _lead(torque: Array, deflection: Array, branch: Integers) -> int:
+def _count_lead_points(torque: Array, deflection: Array, branch: Integers) -> int:
     """Count the points before the loop: those of a first branch that starts away from the later ones in its direction.
 
     A bench that starts from rest starts in the middle of the loop, and a closed loop on its own branch.

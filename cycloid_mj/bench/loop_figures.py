@@ -187,7 +187,7 @@ def width_of(loop: MeasuredLoop) -> LoopFigure:
 
 def coulomb_of(loop: MeasuredLoop) -> LoopFigure:
     """Compute half the torque between the branches of a loop halfway up its deflection [N m]."""
-    inner = loop.deflection[loop.lead :]
+    inner = loop.deflection[loop.points_left_out :]
     value, low, high = _apart(loop, loop.deflection, loop.torque, 0.5 * float(inner.max() + inner.min()))
     return LoopFigure(-0.5 * value, -0.5 * high, -0.5 * low)
 

@@ -12,7 +12,7 @@ from cycloid_mj.bench.fit import Fitted, fit
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.loop_figures import READING, coulomb_of
 from cycloid_mj.bench.overlay import LoopCondition
-from cycloid_mj.bench.parameters import DEFAULT, STANDS_FOR_RUBBING, Model, parameters
+from cycloid_mj.bench.parameters import DEFAULT, STANDS_FOR_RUBBING, Model, fit_parameters
 from cycloid_mj.bench.search import MODEL_ERROR, FitProblem, Trials
 
 WRITTEN = "hysteresis"
@@ -115,7 +115,7 @@ def fit_candidates(
     FitStopped
         Ctrl-C.
     """
-    chosen = {key: parameters(model.reducer, (*COMMON, *extra), loops) for key, (_, extra) in CANDIDATES.items()}
+    chosen = {key: fit_parameters(model.reducer, (*COMMON, *extra), loops) for key, (_, extra) in CANDIDATES.items()}
     problems = {key: FitProblem(model, values, tuple(loops), bench, trials) for key, values in chosen.items()}
     expected = {key: problem.usual_trials(intervals=False) for key, problem in problems.items()}
     final = problems[WRITTEN].usual_trials(intervals=True)

@@ -84,7 +84,7 @@ def distances(loop: MeasuredLoop, branches: Branches, torque: float, deflection:
     """Compute the signed distance of each point from the model's branch, as a share of the loop's ranges.
 
     The model's loop is moved by an offset of `torque` [N m] and of `deflection` [rad]. Points before the loop are
-    left out, shape (n - lead,).
+    omitted, shape (n - points_left_out,).
     """
     ranges = float(np.ptp(loop.torque)), loop.height
     distance = np.zeros(len(loop.torque))
@@ -93,7 +93,7 @@ def distances(loop: MeasuredLoop, branches: Branches, torque: float, deflection:
         for number, (loads, turns) in enumerate(branches):
             line = (loads + torque) / ranges[0], (turns + deflection) / ranges[1]
             _fill_distances(points, loop.branch == number, line, distance)
-    return distance[loop.lead :]
+    return distance[loop.points_left_out :]
 
 
 @njit(cache=True)

@@ -138,13 +138,15 @@ def needs_contact_friction(keys: Sequence[str]) -> bool:
     return bool(rubbing)
 
 
-def parameters(reducer: Reducer, keys: Sequence[str], loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
-    """Return the parameters of some keys, with start, scale and bounds by the loops.
+def fit_parameters(reducer: Reducer, keys: Sequence[str], loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
+    """Return the fit parameters for `keys`.
+
+    Those that depend on the measured loops take start, scale and bounds from `loops`.
 
     Raises
     ------
     UsageError
-        A key is unknown, not a number, or repeated.
+        There is no key, or a key is unknown, not a number, or repeated.
     """
     if not keys:
         raise UsageError(f"--fit needs at least one value, such as {','.join(DEFAULT)}")

@@ -78,9 +78,9 @@ def predict_loops(reducer: Reducer, loops: Sequence[MeasuredLoop], crank: float 
     turns = []
     for loop in loops:
         turn = deflections(loop, model_branches(model, condition, loop))
-        turns.append(turn + float(np.mean((loop.deflection - turn)[loop.lead :])))
+        turns.append(turn + float(np.mean((loop.deflection - turn)[loop.points_left_out :])))
     shares = tuple(
-        float(np.std((turn - loop.deflection)[loop.lead :])) / loop.height
+        float(np.std((turn - loop.deflection)[loop.points_left_out :])) / loop.height
         for turn, loop in zip(turns, loops, strict=True)
     )
     modelled = [replace(loop, deflection=turn) for loop, turn in zip(loops, turns, strict=True)]

@@ -108,7 +108,7 @@ class FitProblem:
     @cached_property
     def point_weights(self) -> Array:
         """Share of its loop that each residual is; 1 for the residual of a prior."""
-        lengths = [len(loop.torque) - loop.lead for loop in self.loops]
+        lengths = [len(loop.torque) - loop.points_left_out for loop in self.loops]
         weights = [np.full(length, 1.0 / length) for length in lengths]
         return np.concatenate([*weights, np.ones(np.count_nonzero(self.prior_weights))])
 
@@ -167,7 +167,7 @@ class FitProblem:
         """Compute the residuals of the points of each loop, as shares of its ranges."""
         residuals = []
         for loop, branches, (torque, turn) in self._modelled_loops(scaled):
-            failed = np.full(len(loop.torque) - loop.lead, FAILED_RESIDUAL)
+            failed = np.full(len(loop.torque) - loop.points_left_out, FAILED_RESIDUAL)
             residuals.append(failed if branches is None else distances(loop, branches, torque, turn))
         return residuals
 
@@ -188,20 +188,21 @@ class FitProblem:
         off = MODEL_ERROR * (self.prior_weights * (scaled - self.prior_means))[self.prior_weights > 0.0]
         return np.concatenate([*(part / np.sqrt(len(part)) for part in self.residuals_by_loop(scaled)), off])
 
-    def deflection_errors(self, scaled: Array) -> Array:
-        """Compute the model's deflection less the measured one at the same torque, over the loops' heights.
+    def deflection_errors(self, scaled_values: Array) -> Array:
+        """Compute (model deflection - measured deflection) / loop height at each measured torque.
 
-        Each loop has the same weight.
+        The errors of all loops are concatenated, without the first `points_left_out` points of each loop. Those of a
+        loop are divided by the square root of their number: all loops have the same weight in the sum of squares.
         """
         self.trials()
         errors = []
-        for loop, branches, (torque, turn) in self._modelled_loops(scaled):
+        for loop, branches, (torque_offset, deflection_offset) in self._modelled_loops(scaled_values):
             if branches is None:
                 error = np.full(len(loop.torque), FAILED_RESIDUAL * loop.height)
             else:
-                moved = [(loads + torque, turns) for loads, turns in branches]
-                error = deflections(loop, moved) - loop.deflection + turn
-            errors.append(error[loop.lead :] / (loop.height * np.sqrt(len(error) - loop.lead)))
+                shifted = [(torque + torque_offset, deflection) for torque, deflection in branches]
+                error = deflections(loop, shifted) - loop.deflection + deflection_offset
+            errors.append(error[loop.points_left_out :] / (loop.height * np.sqrt(len(error) - loop.points_left_out)))
         return np.concatenate(errors)
 
     def slopes(

@@ -24,7 +24,7 @@ def roller_contacts(reducer: Reducer) -> Iterator[tuple[str, float]]:
     shaft, roller, bore = design.material_of("shaft"), reducer.contacts.roller_radius, design.gear.bore_radius
     on_cam = ideal_loads.contact_modulus(shaft.youngs_modulus, shaft.poisson)
     yield "shaft", math.sqrt(on_cam / contact.modulus)
-    yield "gear", math.sqrt((1.0 / roller - 1.0 / bore) / contact.curvature)
+    yield "gear", math.sqrt((1.0 / roller - 1.0 / bore) / contact.relative_curvature)
 
 
 def cam_pressure_limit(reducer: Reducer, factor: float, strength: str) -> float:

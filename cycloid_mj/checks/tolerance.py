@@ -40,22 +40,24 @@ def _tolerance_of(deviation: float, *listed: Sequence[float]) -> float:
 
 
 def _tolerance_check(
-    reducer: Reducer, name: str, what: str, size: float, pair: str, available: float
+    reducer: Reducer, name: str, quantity: str, error: float, pair: str, available: float
 ) -> Iterator[Check]:
     """Check that an error of a `size` [m] is within `available` [m], which includes the clearance of a `pair`."""
-    if size == 0.0:
+    if error == 0.0:
         return
-    passed = size <= available
-    got, limit = value_and_limit(size, "at most", available, MICROMETRE)
-    enough = Limit(f"clearance.{pair}", "at least", getattr(reducer.design.clearance, pair) + size - available)
-    lower = f"lower the errors to {available / size:.0%} of what they are"
+    passed = error <= available
+    size_text, limit_text = value_and_limit(error, "at most", available, MICROMETRE)
+    clearance_limit = Limit(
+        f"clearance.{pair}", "at least", getattr(reducer.design.clearance, pair) + error - available
+    )
+    error_remedy = f"lower the errors to {available / error:.0%} of what they are"
     yield Check(
         name=name,
         passed=passed,
-        got=f"{got} ({SIGMAS:g} standard deviations, or the largest listed)",
-        limit=f"{limit} (the clearance)",
+        got=f"{size_text} ({SIGMAS:g} standard deviations, or the largest listed)",
+        limit=f"{limit_text} (the clearance)",
         why="a part whose error exceeds its clearance is pressed and takes load from the others",
         severity="warning",
-        key=f"the error of {what}",
-        **single_remedies(reducer, [] if passed else [enough], lower),
+        key=f"the error of {quantity}",
+        **single_remedies(reducer, [] if passed else [clearance_limit], error_remedy),
     )

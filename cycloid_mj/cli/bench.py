@@ -133,7 +133,7 @@ def calibrate(
     from cycloid_mj.bench import calibrate as calibrated
     from cycloid_mj.bench import compare_losses, read_loop
     from cycloid_mj.bench.calibration import CalibrationStopped, calibrated_name
-    from cycloid_mj.bench.parameters import DEFAULT, parameters
+    from cycloid_mj.bench.parameters import DEFAULT, fit_parameters
     from cycloid_mj.cli.progress import count_progress
 
     if not math.isfinite(crank_deg):
@@ -149,7 +149,7 @@ def calibrate(
             "results can be distinguished"
         )
     design = chosen.resolve_checked()
-    parameters(Reducer(design), keys, loops)  # refuses a wrong one
+    fit_parameters(Reducer(design), keys, loops)  # raises for an unknown or repeated key
     name = calibrated_name(Reducer(design))
     place = claim_destination(delivery, name, [f"{name}{rest}" for rest in FILES], OUT, paged=True)
     silent = replace(delivery, quiet=True)

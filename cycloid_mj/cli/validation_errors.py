@@ -79,13 +79,13 @@ def _describe(error: CycloptsError) -> str:
 
 def _within_groups(word: str) -> list[str]:
     """List the commands of that name within groups of commands, `design check` for `check`."""
-    found = []
-    for name, one in ((name, one) for group in GROUPS.values() for name, one in group.items()):
-        if one.function.endswith(":commands"):
+    matches = []
+    for name, command in ((name, command) for group in GROUPS.values() for name, command in group.items()):
+        if command.function.endswith(":commands"):
             app = App()
-            one.add_to(app, name, Group(name), 0)
-            found += [f"{name} {word}"] * (word in commands(app[name]))
-    return found
+            command.add_to(app, name, Group(name), 0)
+            matches += [f"{name} {word}"] * (word in commands(app[name]))
+    return matches
 
 
 def _missing(flag: str, unused: Sequence[str], place: str) -> str:

@@ -77,7 +77,7 @@ def warnings(reducer: Reducer, compiled: Compiled) -> tuple[str, ...]:
         *stiff,
         *_leading(reducer, compiled),
         *_circling(reducer, compiled),
-        *_raised_mass(compiled),
+        *_raised_mass_warnings(compiled),
         *bent_pins(reducer),
         *at_rest(reducer, compiled.laws),
     )
@@ -239,19 +239,19 @@ def _noise(reducer: Reducer, kind: str) -> Iterator[str]:
         )
 
 
-def _raised_mass(compiled: Compiled) -> Iterator[str]:
+def _raised_mass_warnings(compiled: Compiled) -> Iterator[str]:
     """Warn of an added mass that MuJoCo's minimum impedance increases."""
     model = compiled.model
-    first = {pair.kind: pair for pair in reversed(compiled.pairs)} if model.nuser_geom else {}
-    for kind, pair in first.items():
+    pair_by_kind = {pair.kind: pair for pair in reversed(compiled.pairs)} if model.nuser_geom else {}
+    for kind, pair in pair_by_kind.items():
         law = compiled.laws[kind]
-        weight = sum(model.body_invweight0[model.geom(name).bodyid[0], 0] for name in (pair.on, pair.by))
-        least = MIN_IMPEDANCE / (1.0 - MIN_IMPEDANCE) / float(weight)
-        if least - law.added_mass > LIMITS.max_raised_mass * law.effective_mass:
+        inverse_weight = sum(model.body_invweight0[model.geom(name).bodyid[0], 0] for name in (pair.on, pair.by))
+        min_added_mass = MIN_IMPEDANCE / (1.0 - MIN_IMPEDANCE) / float(inverse_weight)
+        if min_added_mass - law.added_mass > LIMITS.max_raised_mass * law.effective_mass:
             yield (
                 f"{kind}: MuJoCo's minimum impedance, {MIN_IMPEDANCE:g}, raises the added mass of this contact from "
-                f"{law.added_mass:.3g} to {least:.3g} kg, {least / law.effective_mass:.1%} of the mass that moves on "
-                f"it; use heavier parts or fewer contacts (ring.teeth, output.pins)"
+                f"{law.added_mass:.3g} to {min_added_mass:.3g} kg, {min_added_mass / law.effective_mass:.1%} of the "
+                f"mass that moves on it; use heavier parts or fewer contacts (ring.teeth, output.pins)"
             )
 
 

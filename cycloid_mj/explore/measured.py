@@ -65,9 +65,9 @@ def _statics(reducer: Reducer, _: MeasureSettings) -> Measured:
 
 def _measure(name: str, reducer: Reducer, options: MeasureSettings) -> Measured:
     measurement = MEASURES[name](reducer.design, quick=options.quick, solver=options.solver)
-    warned = {text: None for run in measurement.runs.values() for text in run.warnings}
-    assumed = (f"runs are {SOLVERS[options.solver]}", *measurement.assumptions)
-    return _from_quantities(measurement.quantities.values(), assumptions=assumed, warnings=tuple(warned))
+    warnings = {text: None for run in measurement.runs.values() for text in run.warnings}
+    assumptions = (f"runs are {SOLVERS[options.solver]}", *measurement.assumptions)
+    return _from_quantities(measurement.quantities.values(), assumptions=assumptions, warnings=tuple(warnings))
 
 
 def _simulate(reducer: Reducer, options: MeasureSettings) -> Measured:
@@ -77,16 +77,18 @@ def _simulate(reducer: Reducer, options: MeasureSettings) -> Measured:
 
     if reducer.design.drive.speed == 0.0:
         raise DesignError("drive.speed_rpm is 0, so the crank would not turn; set another speed, such as 1640")
-    light = not options.real_pins and abs(reducer.design.load.torque) > reducer.contacts.own_load
-    ran = massless(reducer) if light else reducer
-    compiled = model_for(options.solver, ran)
-    if (steps := schedule(ran, compiled.timestep).steps) > RUN.max_steps:
+    is_massless = not options.real_pins and abs(reducer.design.load.torque) > reducer.contacts.own_load
+    simulated_reducer = massless(reducer) if is_massless else reducer
+    compiled = model_for(options.solver, simulated_reducer)
+    if (steps := schedule(simulated_reducer, compiled.timestep).steps) > RUN.max_steps:
         raise RunError(f"the run would take {steps:.3g} time steps; allowed: {RUN.max_steps:.0e}. Shorten drive.hold_s")
-    findings = analyze(simulate(ran.design, compiled))
-    pins = ran.design.ring.pins if ran.design.ring.kind == "pin" else "none"
+    findings = analyze(simulate(simulated_reducer.design, compiled))
+    pins = simulated_reducer.design.ring.pins if simulated_reducer.design.ring.kind == "pin" else "none"
     values = {"solver": options.solver, "pins": pins, **dict(_flat(findings.as_json()))}
     assumptions = (
-        massless_assumptions(reducer, "loaded runs (mean values; speeds sway up to a fifth less)") if light else ()
+        massless_assumptions(reducer, "loaded runs (mean values; speeds sway up to a fifth less)")
+        if is_massless
+        else ()
     )
     return Measured(values, assumptions=assumptions, warnings=findings.warnings)
 
@@ -118,11 +120,11 @@ def _checks(reducer: Reducer, _: MeasureSettings) -> Measured:
     from cycloid_mj.checks import check
 
     results = check(reducer.design)
-    failed = [one for one in results if not one.passed]
+    failed = [result for result in results if not result.passed]
     values: dict[str, Cell] = {
-        "failed_errors": sum(one.severity == "error" for one in failed),
-        "failed_warnings": sum(one.severity == "warning" for one in failed),
-        "failed_checks": "; ".join(one.name for one in failed),
+        "failed_errors": sum(result.severity == "error" for result in failed),
+        "failed_warnings": sum(result.severity == "warning" for result in failed),
+        "failed_checks": "; ".join(result.name for result in failed),
     }
     units: dict[str, str] = {}
     for result in results:
@@ -131,8 +133,8 @@ def _checks(reducer: Reducer, _: MeasureSettings) -> Measured:
             values[column] = result.value
             units |= {column: result.unit} if result.unit else {}
     if not values["failed_errors"]:
-        more = _summed_up(reducer)
-        values, units = {**values, **more.values}, {**units, **more.units}
+        summary_values = _summed_up(reducer)
+        values, units = {**values, **summary_values.values}, {**units, **summary_values.units}
     return Measured(values, units)
 
 

@@ -116,7 +116,7 @@ def list_rows(rows: Iterable[Mapping[str, Any]]) -> Points:
     for number, row in enumerate(rows, 1):
         if set(row) != set(fields) or None in row.values():
             raise UsageError(f"row {number} of the table must have a value for each of {', '.join(fields)}")
-        points.append(tuple(_value(key, fields[key], row[key]) for key in fields))
+        points.append(tuple(_parse_value(key, fields[key], row[key]) for key in fields))
     return Points(tuple(fields), tuple(points))
 
 
@@ -171,11 +171,11 @@ def parse_axis(key: str, wanted: Wanted) -> Axis:
         values = np.asarray(wanted, dtype=object).ravel().tolist()
         if not values:
             raise UsageError(f"{key}: the list of values is empty; give at least one value, e.g. {key}=1,2,3")
-        return Axis(key, field, tuple(_value(key, field, value) for value in values))
+        return Axis(key, field, tuple(_parse_value(key, field, value) for value in values))
     parts = wanted.split(":")
     if len(parts) in (2, 3) and field.annotation in (int, float):
         return _parse_range(key, field, wanted, parts)
-    return Axis(key, field, tuple(_value(key, field, word.strip()) for word in wanted.split(",")))
+    return Axis(key, field, tuple(_parse_value(key, field, word.strip()) for word in wanted.split(",")))
 
 
 def _parse_range(key: str, field: FieldInfo, wanted: str, parts: Sequence[str]) -> Axis:
@@ -220,8 +220,16 @@ def axis_values(axis: Axis) -> tuple[Value, ...]:
     return tuple(map(int, values))
 
 
-def _value(key: str, field: FieldInfo, value: Any) -> Value:
-    """Convert to a value of a key's kind; the design decides later whether it is allowed."""
+def _parse_value(key: str, field: FieldInfo, value: Any) -> Value:
+    """Convert a value to the type of a key: float, int, bool, text, or one of the key's words.
+
+    Limits of numbers are checked later, by the design.
+
+    Raises
+    ------
+    UsageError
+        The value cannot be converted, or is none of the key's words.
+    """
     kind, words = field.annotation, _words(field)
     text = str(value).strip().strip("\"'")
     try:
@@ -235,8 +243,8 @@ def _value(key: str, field: FieldInfo, value: Any) -> Value:
             return text
     except (ValueError, OverflowError):
         pass
-    kinds: dict[Any, str] = {float: "a number", int: "a whole number", bool: "true or false"}
-    allowed = kinds.get(kind, ", ".join(words))
+    descriptions: dict[Any, str] = {float: "a number", int: "a whole number", bool: "true or false"}
+    allowed = descriptions.get(kind, ", ".join(words))
     raise UsageError(f"{key}: {str(value)!r:.60} is not allowed; expected {allowed}")
 
 

@@ -78,10 +78,12 @@ def ideal_load_sharing(gear: CycloidGear, torque: npt.ArrayLike, crank_angle: np
     return _sharing(profile.moment_arm(gear, B), normals, torque, theta)
 
 
-def ideal_ring_load_sharing(gear: CycloidGear, torque: float, crank_angle: float) -> LoadSharing:
-    """Share the load between the N arcs of the double-enveloping ring and, after them, its `sigma_contacts`.
+def ideal_internal_gear_load_sharing(gear: CycloidGear, torque: float, crank_angle: float) -> LoadSharing:
+    """Share a load torque on the gear between its contacts with the double-enveloping internal gear.
 
-    All contacts are equally stiff; `torque` [N m], `crank_angle` [rad], counter-clockwise.
+    The arrays contain first the contacts with the N arcs, in the order of `envelope.arc_contacts`, then those with the
+    curve Sigma that joins the arcs, in the order of `envelope.sigma_contacts`. All contacts are equally stiff. `torque`
+    [N m] acts on the gear; it and `crank_angle` [rad] are counter-clockwise.
     """
     contacts = envelope.arc_contacts(gear, crank_angle), envelope.sigma_contacts(gear, crank_angle)
     arms = profile.moment_arm(gear, np.concatenate([part.B for part in contacts]))

@@ -112,15 +112,15 @@ class ScrewedJoint:
         return f"{self.count} x M{1e3 * self.thread.diameter:g} {self.property_class}"
 
 
-def rate_joints(reducer: Reducer, peak: float, worst: Loading) -> Iterator[RatedItem]:
-    """Rate all joints of a drive at a peak output torque [N m]; forces are in proportion to the worst loading."""
+def rate_joints(reducer: Reducer, peak: float, loading: Loading) -> Iterator[RatedItem]:
+    """Rate all joints of a drive at a peak output torque [N m]; forces are in proportion to those of a `loading`."""
     torques = JointTorques.at_output(reducer, peak)
     if has_casing(reducer):
         yield from _rate_faces(reducer, torques)
         yield from _rate_crank(reducer, torques)
-    scale = peak / abs(worst.point.torque)
-    yield from _rate_output_pins(reducer, worst, scale)
-    yield from _rate_ring_pins(reducer, worst, scale)
+    force_scale = peak / abs(loading.point.torque)
+    yield from _rate_output_pins(reducer, loading, force_scale)
+    yield from _rate_ring_pins(reducer, loading, force_scale)
 
 
 def screwed_joints(reducer: Reducer) -> tuple[ScrewedJoint, ...]:
@@ -352,14 +352,14 @@ def _rate_key(reducer: Reducer, joint: Joint, torque: float, shaft: float) -> Ra
     )
 
 
-def _rate_output_pins(reducer: Reducer, worst: Loading, scale: float) -> Iterator[RatedItem]:
+def _rate_output_pins(reducer: Reducer, loading: Loading, force_scale: float) -> Iterator[RatedItem]:
     """Rate the seats of the output pins in their discs: pressure of the bent pin, and friction against turning."""
     design, output = reducer.design, reducer.design.output
     if in_one_piece(reducer):
         return
     disc = _material(reducer, names.OUTPUT)
-    force = scale * float(worst.output.sum(axis=1).max())
-    moment = scale * float(pin_moment(reducer, worst.output).max())
+    force = force_scale * float(loading.output.sum(axis=1).max())
+    moment = force_scale * float(pin_moment(reducer, loading.output).max())
     diameter, depth, limit = 2.0 * output.root_radius, output.disc_thickness, disc.yield_strength
     if output.support == "cantilever":
         pressure, support = strength.clamped_pin_pressure(force, moment, diameter, depth), "clamped in its hole"
@@ -378,37 +378,37 @@ def _rate_output_pins(reducer: Reducer, worst: Loading, scale: float) -> Iterato
         "forces in proportion to the torque",
     )
     if not is_printed(reducer, names.OUTPUT):
-        turning = design.friction_of("output") * force * output.root_radius
+        friction_torque = design.friction_of("output") * force * output.root_radius
         yield _pressed_pin(
             reducer,
             ("joint_output_pin_press", "output pin in its disc, press fit against turning"),
-            turning,
+            friction_torque,
             (output.root_radius, output.disc_thickness, names.OUTPUT, disc),
         )
 
 
-def _rate_ring_pins(reducer: Reducer, worst: Loading, scale: float) -> Iterator[RatedItem]:
+def _rate_ring_pins(reducer: Reducer, loading: Loading, force_scale: float) -> Iterator[RatedItem]:
     """Rate the seats of ring pins that are pressed in or glued, against the friction that turns them."""
     design, ring = reducer.design, reducer.design.ring
     if ring.kind != "pin" or ring.has_sockets or is_printed(reducer, names.PIN):
         return
-    force, length = scale * worst.teeth, design.gear.stack_width
+    force, length = force_scale * loading.teeth, design.gear.stack_width
     if ring.has_sleeves:
         core, length = sleeve_core_radius(reducer), 2.0 * sleeve_pin_depth(reducer)
-        turning = design.friction_of("pin_sleeve") * force * core
+        friction_torque = design.friction_of("pin_sleeve") * force * core
         yield _pressed_pin(
             reducer,
             ("joint_ring_pin_press", "ring pin in both covers, press fit against turning"),
-            turning,
+            friction_torque,
             (core, length, names.PIN, _material(reducer, names.HOUSING)),
         )
         return
-    turning = design.friction_of("pin_gear") * force * ring.pin_radius
+    friction_torque = design.friction_of("pin_gear") * force * ring.pin_radius
     half = 0.5 * strength.glued_force(2.0 * ring.pin_radius, length) * ring.pin_radius
     yield _item(
         "joint_ring_pin_glue",
         "fixed ring pin in its half-open socket, glued against turning",
-        turning,
+        friction_torque,
         half,
         f"half of {GLUE_SOURCE}",
         f"friction {design.friction_of('pin_gear'):g} of the disc turns the pin; assumed: retaining compound on half "

@@ -25,7 +25,10 @@ def preamble(provenance: Mapping[str, str], attachments: Iterable[str]) -> dict[
 
 
 def missing_contents(metadata: Metadata, attachments: Iterable[str]) -> list[str]:
-    """Return what a truncated log lacks; logs of earlier versions can show only that their provenance is missing."""
+    """Return a clause for each missing or damaged part of a truncated log, such as "its provenance is missing".
+
+    Logs of earlier versions have no checksum and no list of attachments: of them only missing provenance is reported.
+    """
     package, stored = metadata[PACKAGE], metadata.get(PROVENANCE)
     missing = []
     if stored is None:

@@ -105,4 +105,4 @@ def relative_curvature(reducer: Reducer, kind: str, crank_angle: Array) -> Array
         ]
         halves = reducer.design.ring.halves
         return np.concatenate([np.stack(of_disc) for of_disc in lines for _ in range(halves)], axis=1)
-    return np.array([reducer.contacts[kind].curvature])
+    return np.array([reducer.contacts[kind].relative_curvature])

@@ -95,8 +95,8 @@ def ring_stretches(reducer: Reducer) -> list[tuple[float, float, float]]:
     half = design.gear.stack_width / 2
     if design.ring.halves == 1:
         return [(-half, half, 0.0)]
-    (one, other), slit = design.ring.ahead, SLIT_SHARE * half
-    return [(-half, -slit, one), (slit, half, other)]
+    (first_angle, second_angle), slit = design.ring.ahead, SLIT_SHARE * half
+    return [(-half, -slit, first_angle), (slit, half, second_angle)]
 
 
 def _cores(reducer: Reducer) -> list[Stretch]:
@@ -149,9 +149,9 @@ class PinwheelContour:
         socket = np.array([self.centre, 0.0]) + arc(self.radius, -self.half_angle, self.half_angle, chord_error)
         edge, pitch = math.atan2(socket[-1, 1], socket[-1, 0]), 2 * math.pi / self.teeth
         land = arc(self.wall, edge, pitch - edge, chord_error)[1:-1]
-        one = np.concatenate([socket, land])
+        pitch_outline = np.concatenate([socket, land])
         return np.concatenate(
-            [rotate_points(one, math.pi / 2 + 2 * math.pi * i / self.teeth) for i in range(self.teeth)]
+            [rotate_points(pitch_outline, math.pi / 2 + 2 * math.pi * i / self.teeth) for i in range(self.teeth)]
         )
 
     def curves(self, splines: int) -> tuple[Curve, ...]:
@@ -175,12 +175,12 @@ class InternalGearContour:
 
     def curves(self, splines: int) -> tuple[Curve, ...]:
         """Return splines for each root and one arc for the lobe after it."""
-        return _internal_curves(self.reducer, splines)
+        return _internal_tooth_outline(self.reducer, splines)
 
 
 @once
-def _internal_curves(reducer: Reducer, splines: int) -> tuple[Curve, ...]:
-    """Return splines and arcs; Sigma from B0 to 2 pi - B0 is the full root counter-clockwise of lobe 1."""
+def _internal_tooth_outline(reducer: Reducer, splines: int) -> tuple[Curve, ...]:
+    """Return the outline of the internal gear: for each tooth, splines for the root and an arc for the next lobe."""
     gear = reducer.tooth_profile
     pitch, alpha, B0 = 2.0 * math.pi / gear.ring_teeth, envelope.largest_alpha(gear), gear.best_phase
     lobe = Arc((0.0, gear.pin_circle_radius), gear.pin_radius, -math.pi / 2.0 - alpha, -math.pi / 2.0 + alpha)
@@ -190,6 +190,7 @@ def _internal_curves(reducer: Reducer, splines: int) -> tuple[Curve, ...]:
         tangents=lambda B: unit(envelope.Sigma(gear, B).normal_angle - math.pi / 2.0),
         curvature=lambda B: -1.0 / envelope.Sigma(gear, B).radius,
     )
+    # Sigma from B0 to 2 pi - B0 is the full root counter-clockwise of lobe 1.
     root = fit_splines(flank, B0, 2.0 * math.pi - B0, splines)
-    following = rotate_curve(lobe, -pitch)
-    return tuple(rotate_curve(curve, -i * pitch) for i in range(gear.ring_teeth) for curve in (*root, following))
+    next_lobe = rotate_curve(lobe, -pitch)
+    return tuple(rotate_curve(curve, -i * pitch) for i in range(gear.ring_teeth) for curve in (*root, next_lobe))

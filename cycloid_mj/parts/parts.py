@@ -72,13 +72,13 @@ def body_solids(reducer: Reducer) -> dict[str, Solid]:
 
     The shaft is then the entire crank, and the output has its rollers, after its own prisms.
     """
-    whole = {
+    joined_solids = {
         body: make(reducer.shape)
         for body, make in ((names.SHAFT, _whole_crank), (names.OUTPUT, _whole_output))
         if attached_parts(reducer, body)
     }
-    included = {part for body in whole for part, _ in attached_parts(reducer, body).values()}
-    return {name: whole.get(name, solid) for name, solid in parts(reducer).items() if name not in included}
+    joined_parts = {part for body in joined_solids for part, _ in attached_parts(reducer, body).values()}
+    return {name: joined_solids.get(name, solid) for name, solid in parts(reducer).items() if name not in joined_parts}
 
 
 def attached_parts(reducer: Reducer, body: str) -> dict[str, tuple[str, Array]]:

@@ -206,8 +206,12 @@ class Contact:
         )
 
     @property
-    def curvature(self) -> float:
-        """Relative curvature [1/m] of all contacts except teeth; of a rolling cam, that of its rollers."""
+    def relative_curvature(self) -> float:
+        """Relative curvature [1/m], one value for all contacts of this kind; not defined for teeth, where it varies.
+
+        It is that of a pin or cam in its bore. With rollers it is that of a roller on the cam, both convex, where the
+        pressure is higher than in the bore; the radius of the cam's raceway is taken as that of the bore.
+        """
         design = self._reducer.design
         if self.kind == "cam" and self._has_rollers:
             return 1.0 / self._reducer.contacts.roller_radius + 1.0 / design.gear.bore_radius
@@ -302,7 +306,7 @@ class Contact:
             return law.stiffness / (1.0 + law.stiffness / on_cam) * (design.contact.cam_rollers / STRIBECK)
         if kind in ("pin_gear", "tooth"):
             return law.stiffness
-        return law.stiffness * law.factor(self.curvature)
+        return law.stiffness * law.factor(self.relative_curvature)
 
     def _roller_on_cam(self) -> float:
         """Return the stiffness of a roller (shaft material) on the cam [N/m]; 0 if the design sets it for all pairs."""

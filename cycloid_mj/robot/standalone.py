@@ -49,28 +49,28 @@ PARAMETERS = (
 
 
 def varied(values: Mapping[str, Any], factors: Mapping[str, float]) -> dict[str, Any]:
-    """Return the values of a joint with its parameters scaled by factors, by the keys of `PARAMETERS`.
+    """Return a copy of the values of a joint with its parameters scaled by factors, by the keys of `PARAMETERS`.
 
     The middle of the play and the torques of the springs stay. Load-dependent friction is scaled by the factor of the
     loss.
     """
     play, stiffness, friction, loss, te = (float(factors[key]) for key in PARAMETERS)
-    other = copy.deepcopy(dict(values))
+    scaled = copy.deepcopy(dict(values))
     low, high = values["stops"]
     middle, half = 0.5 * (low + high), 0.5 * play * (high - low)
-    other["stops"] = [middle - half, middle + half]
-    for spring in other["springs"]:
+    scaled["stops"] = [middle - half, middle + half]
+    for spring in scaled["springs"]:
         spring["start"] /= stiffness
         spring["stiffness"] *= stiffness
-    other["polynomial"] = [item * stiffness ** (n + 1) for n, item in enumerate(values["polynomial"])]
-    other["damping"] = values["damping"] * stiffness
+    scaled["polynomial"] = [item * stiffness ** (n + 1) for n, item in enumerate(values["polynomial"])]
+    scaled["damping"] = values["damping"] * stiffness
     for side in ("driving", "driven"):
-        other["friction"][side] = [
-            [friction * row[0] + loss * (lost - row[0]) for lost in row] for row in values["friction"][side]
+        scaled["friction"][side] = [
+            [friction * row[0] + loss * (torque - row[0]) for torque in row] for row in values["friction"][side]
         ]
     for key in [key for key in values["ripple"] if key.endswith(("_cos", "_sin", "_error"))]:
-        other["ripple"][key] = [[te * item for item in row] for row in values["ripple"][key]]
-    return other
+        scaled["ripple"][key] = [[te * item for item in row] for row in values["ripple"][key]]
+    return scaled
 
 
 class Joint:
@@ -100,16 +100,22 @@ class Joint:
         return -self.values["way"] / self.values["ratio"]
 
     def varied(self, sample: Mapping[str, Any]) -> "Joint":
-        """Return the joint of one drive: a row of samples.csv, whose columns have the names of `PARAMETERS`.
+        """Return a copy of the joint with the parameters of one sampled drive.
 
-        A parameter that is 0 in the nominal design, such as the error of ideal parts, is not changed.
+        `sample` is a row of samples.csv, whose columns have the names of `PARAMETERS`. A parameter that is 0 in the
+        nominal design, such as the error of ideal parts, is not changed.
+
+        Raises
+        ------
+        ValueError
+            reducer.json has no distributions of the parameters (``--spread``).
         """
         if not self.nominal:
             raise ValueError("reducer.json has no distributions; create it with `cycloid-mj reduce --spread`")
-        other = copy.copy(self)
-        factors = {key: float(sample[key]) / own if own else 1.0 for key, own in self.nominal.items()}
-        other.values = varied(self.values, factors)
-        return other
+        joint = copy.copy(self)
+        factors = {key: float(sample[key]) / nominal if nominal else 1.0 for key, nominal in self.nominal.items()}
+        joint.values = varied(self.values, factors)
+        return joint
 
     def write(self, model: Any, joint: str = "output") -> None:
         """Write play, stiffness, damping and no-load friction into a model, for its joint of this name."""

@@ -96,7 +96,7 @@ def solve_error(reducer: Reducer, load: float, direction: int, on_turn: Callable
     Returns
     -------
     Array
-        Errors at even crank angles from 0, `RIPPLE.poses_per_period` in each mesh period, shape (n,).
+        Errors at evenly spaced crank angles from 0, `RIPPLE.poses_per_period` in each mesh period, shape (n,).
     """
     errors = []
     for turn in range(turns(reducer)):

@@ -58,7 +58,7 @@ def peak_pressure(reducer: Reducer, springs: Springs, contact_loads: Loads, kind
         Kind of contact: ``pin_gear``, ``tooth``, ``output`` or ``cam``.
     """
     contact = reducer.contacts[kind]
-    curvature = springs.curvature if kind == reducer.design.tooth_pair else contact.curvature
+    curvature = springs.curvature if kind == reducer.design.tooth_pair else contact.relative_curvature
     return float(contact.pressure(forces(contact_loads, kind) * contact.line_share, curvature).max())
 
 
@@ -117,7 +117,7 @@ def torque_at_pressure(
 def is_narrow(reducer: Reducer, springs: Springs, contact_loads: Loads, kind: str) -> bool:
     """Return whether the contact of a kind with the largest pressure is loaded and a narrow strip (Hertz theory)."""
     contact = reducer.contacts[kind]
-    curvature = springs.curvature if kind == reducer.design.tooth_pair else np.array(contact.curvature)
+    curvature = springs.curvature if kind == reducer.design.tooth_pair else np.array(contact.relative_curvature)
     force = forces(contact_loads, kind) * contact.line_share
     worst = np.argmax(contact.pressure(force, curvature))
     return bool(force.flat[worst] > 0.0 and contact.hertz_holds(force, curvature).flat[worst])

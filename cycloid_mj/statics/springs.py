@@ -89,7 +89,7 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
     Parameters
     ----------
     reducer
-        Reducer of a sound design.
+        Reducer of a valid design.
     crank
         Crank angles [rad], shape (m,); by default all round.
     friction
@@ -170,7 +170,7 @@ def _bending(reducer: Reducer) -> Array | None:
     return flexibility * np.cos(np.subtract.outer(at, at)) if flexibility.any() else None
 
 
-def body_force(reducer: Reducer, crank: Array, phase: float = 0.0) -> Array:
+def body_force(reducer: Reducer, crank_angle: Array, phase: float = 0.0) -> Array:
     """Compute weight and centrifugal force of a disc in the frame of the ring [N], shape (m, 2).
 
     The mass is that of `Reducer.disc_section`.
@@ -179,17 +179,23 @@ def body_force(reducer: Reducer, crank: Array, phase: float = 0.0) -> Array:
     ----------
     reducer
         The reducer.
-    crank
+    crank_angle
         Crank angles [rad], shape (m,).
     phase
         Phase of the disc on the crank [rad].
     """
     design = reducer.design
-    x, y, turned = design.environment.gravity_x, design.environment.gravity_y, reducer.member.ring_angle(crank)
-    gravity = np.stack([x * np.cos(turned) + y * np.sin(turned), y * np.cos(turned) - x * np.sin(turned)], axis=-1)
-    flung = design.drive.speed**2 * kinematics.gear_centre(
-        reducer.tooth_profile, reducer.member.against_ring(crank) + phase
+    x, y, ring_angle = (
+        design.environment.gravity_x,
+        design.environment.gravity_y,
+        reducer.member.ring_angle(crank_angle),
+    )
+    gravity = np.stack(
+        [x * np.cos(ring_angle) + y * np.sin(ring_angle), y * np.cos(ring_angle) - x * np.sin(ring_angle)], axis=-1
+    )
+    centrifugal = design.drive.speed**2 * kinematics.gear_centre(
+        reducer.tooth_profile, reducer.member.against_ring(crank_angle) + phase
     )
     return np.asarray(
-        design.material_of("gear").density * design.gear.face_width * reducer.disc_section * (gravity + flung)
+        design.material_of("gear").density * design.gear.face_width * reducer.disc_section * (gravity + centrifugal)
     )

@@ -198,7 +198,7 @@ def line_contact(reducer: Reducer, kind: str, force: Array, curvature: Array | f
     ``measure loads``: of a rolling cam, those of the most loaded roller.
     """
     contact = reducer.contacts[kind]
-    bend = contact.curvature if curvature is None else curvature
+    bend = contact.relative_curvature if curvature is None else curvature
     force = force * contact.line_share
     pressure = contact.pressure(force, bend)
     load = 2.0 * force / (np.pi * reducer.design.gear.face_width)

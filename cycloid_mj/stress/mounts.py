@@ -108,9 +108,15 @@ def printed_of(reducer: Reducer, modulus: float) -> Reducer:
 def studs_compliance(reducer: Reducer, studs: StudSeats, loads: PartLoads) -> dict[str, float]:
     """Compute the compliance of the output pins in their plates, and of the second plate on them [rad/(N m)].
 
-    It is the work of the loads of a disc, shape (k, m, 2), on pins with a fixed far plate. A free far plate adds its
-    rotation: it carries the share s of the torque, which n pins with lateral stiffness K return, s^2/(n K r^2). Means
-    over the k crank angles.
+    A pin has the lateral compliance c with a fixed far plate. The forces F of a disc on its m pins at k crank angles,
+    shape (k, m, 2), do work on the pins, which is referred to the torque T = ``load.torque``, not 0: the compliance at
+    the output is mean(c sum F^2)/T^2, the mean over the k angles. A free far plate adds its rotation: it carries the
+    share s of the torque, and n pins with the lateral stiffness K on the radius r turn it by s^2/(n K r^2) per torque.
+
+    Returns
+    -------
+    dict
+        "studs": compliance of the pins; "far_plate": that of the second plate on them, 0 if it cannot turn.
 
     Raises
     ------
@@ -123,9 +129,11 @@ def studs_compliance(reducer: Reducer, studs: StudSeats, loads: PartLoads) -> di
             f"[studs] of the mounts needs two plates and one disc; {design.name} has {design.gear.discs} disc(s) and "
             f'output.support = "{output.support}". Remove [studs], or set output.support=both_ends'
         )
-    compliance, share, across = stud_stiffness(reducer, studs)
+    compliance, share, lateral_stiffness = stud_stiffness(reducer, studs)
     work = compliance * np.mean(np.sum(loads.force**2, axis=(1, 2))) / design.load.torque**2
-    rotation = share**2 / (output.pins * across * output.pin_circle_radius**2) if studs.far_plate_free else 0.0
+    rotation = (
+        share**2 / (output.pins * lateral_stiffness * output.pin_circle_radius**2) if studs.far_plate_free else 0.0
+    )
     return {"studs": float(work), "far_plate": rotation}
 
 
@@ -153,10 +161,9 @@ def stud_stiffness(reducer: Reducer, studs: StudSeats) -> tuple[float, float, fl
     spring, load = (_to_nodes(item) for item in (modulus * supported, loaded / width))
     stiffness[np.arange(0, 2 * nodes, 2), np.arange(0, 2 * nodes, 2)] += spring
     far = np.where(np.arange(nodes) <= SLICES, spring, 0.0)
-    moved, pushed = np.linalg.solve(stiffness, np.stack([_displacement_loads(load), _displacement_loads(far)], axis=1))[
-        ::2
-    ].T
-    return float(load @ moved), float(far @ moved), float(np.sum(far) - far @ pushed)
+    loads = np.stack([_displacement_loads(load), _displacement_loads(far)], axis=1)
+    by_load, by_far_plate = np.linalg.solve(stiffness, loads)[::2].T
+    return float(load @ by_load), float(far @ by_load), float(np.sum(far) - far @ by_far_plate)
 
 
 def crank_compliance(reducer: Reducer, crank: CrankSeats) -> float:

@@ -190,12 +190,12 @@ def stress_study(
     names = tuple(dict.fromkeys(parts)) or part_names(reducer)
     for part in names:
         require_part(reducer, part)
-    start, studied = time.perf_counter(), []
+    start, unordered = time.perf_counter(), []
     for number, part in enumerate(in_order(names)):
         on_part(part, number, len(names))
-        studied.append(part_study(run, reducer, part, settings, (grids or {}).get(part)))
+        unordered.append(part_study(run, reducer, part, settings, (grids or {}).get(part)))
     order = part_names(reducer)
-    studies = tuple(sorted(studied, key=lambda study: order.index(study.findings.part)))
+    studies = tuple(sorted(unordered, key=lambda study: order.index(study.findings.part)))
     findings = StressFindings(
         design=design.name,
         ring=design.ring.kind,
@@ -224,7 +224,7 @@ def part_study(run: Run, reducer: Reducer, part: str, settings: StudySettings, g
     start = time.perf_counter()
     loads = part_loads(run, reducer, part, settings.turn)
     grid = grid or part_grid(reducer.design, part, settings.grid(part))
-    (stress, drawn, ranged, corners), lines = (
+    (stress, stress_map, stress_range, corners), lines = (
         _solve_part(reducer, grid, loads, settings.map_angle),
         line_stress(loads, reducer),
     )
@@ -250,14 +250,14 @@ def part_study(run: Run, reducer: Reducer, part: str, settings: StudySettings, g
         near_field=_near_field(loads, reducer, stress.bulk_distance),
         imbalance=_imbalance(stress, grid),
         notches=notches_of(reducer, loads, stress),
-        stress_range=ranged,
-        variants=_variants(reducer, part, settings, loads, stress),
+        stress_range=stress_range,
+        variants=_stress_with_other_supports(reducer, part, settings, loads, stress),
         yield_strength=material.yield_strength,
         refinement=_converge(reducer, grid, settings, loads, stress),
         wall=time.perf_counter() - start,
         by_corner=corners,
     )
-    return PartStudy(grid, loads, stress, drawn, findings)
+    return PartStudy(grid, loads, stress, stress_map, findings)
 
 
 def _solve_part(
@@ -278,21 +278,21 @@ def _solve_part(
     stress = maxima(part, seen=keep)
     angle = loads.angle[stress.bulk_stress.argmax()] if map_angle is None else map_angle
     row = int(np.argmax(np.cos(loads.angle - angle)))
-    ranged = critical_stress_range(part, states, stress.bulk_distance) if swinging else None
+    stress_range = critical_stress_range(part, states, stress.bulk_distance) if swinging else None
     corners = by_corner(part, int(stress.bulk_stress.argmax()), stress.bulk_distance)
-    return stress, evaluate_map(part, row, stress.bulk_distance), ranged, corners
+    return stress, evaluate_map(part, row, stress.bulk_distance), stress_range, corners
 
 
 def at_angles(loads: PartLoads, rows: npt.ArrayLike) -> PartLoads:
     """Compute the loads at some of their crank angles."""
-    chosen = np.asarray(rows)
+    indices = np.asarray(rows)
     count = len(loads.angle)
-    kept: dict[str, Any] = {
-        field.name: getattr(loads, field.name)[chosen]
+    selected: dict[str, Any] = {
+        field.name: getattr(loads, field.name)[indices]
         for field in fields(loads)
         if isinstance(getattr(loads, field.name), np.ndarray) and len(getattr(loads, field.name)) == count
     }
-    return replace(loads, **kept)
+    return replace(loads, **selected)
 
 
 def _converge(
@@ -301,11 +301,11 @@ def _converge(
     """Compute the convergence study: some crank angles on a finer grid."""
     rows = _checked_rows(stress.bulk_stress, settings.checked)
     finer = part_grid(reducer.design, grid.part, settings.grid(grid.part, settings.finer(grid)))
-    solved = solve(reducer.design, finer, at_angles(loads, rows), distance=stress.bulk_distance)
+    finer_stress = solve(reducer.design, finer, at_angles(loads, rows), distance=stress.bulk_distance)
     return Refinement(
-        unknowns=(stress.unknowns, solved.unknowns),
+        unknowns=(stress.unknowns, finer_stress.unknowns),
         angle=loads.angle[rows],
-        stress=np.stack([stress.bulk_stress[rows], solved.bulk_stress]),
+        stress=np.stack([stress.bulk_stress[rows], finer_stress.bulk_stress]),
     )
 
 
@@ -322,7 +322,7 @@ def notches_of(reducer: Reducer, loads: PartLoads, stress: PartStress) -> tuple[
     return output_roots(reducer, loads) if stress.part == "output" else ()
 
 
-def _variants(
+def _stress_with_other_supports(
     reducer: Reducer, part: str, settings: StudySettings, loads: PartLoads, stress: PartStress
 ) -> tuple[tuple[str, float], ...]:
     """Compute the largest bulk stress [Pa] of a part with its other supports, by name, at some crank angles."""
@@ -330,13 +330,13 @@ def _variants(
         return ()
     key, choices = SUPPORTS[part]
     table, name = key.split(".")
-    some = at_angles(loads, _checked_rows(stress.bulk_stress, 5))
+    checked_loads = at_angles(loads, _checked_rows(stress.bulk_stress, 5))
     variants = []
     for choice in choices:
         if choice != getattr(getattr(reducer.design, table), name):
-            other = override(reducer.design, [f'{key}="{choice}"'])
-            solved = solve(other, part_grid(other, part, settings.grid(part)), some)
-            variants.append((f"{key} = {choice}", float(solved.bulk_stress.max())))
+            changed_design = override(reducer.design, [f'{key}="{choice}"'])
+            changed_stress = solve(changed_design, part_grid(changed_design, part, settings.grid(part)), checked_loads)
+            variants.append((f"{key} = {choice}", float(changed_stress.bulk_stress.max())))
     return tuple(variants)
 
 

@@ -92,7 +92,9 @@ def ideal_forces(reducer: Reducer, crank: float) -> Array:
     design = reducer.design
     gear, torque = tooth_profile(design), design.load.torque
     lobes, normals, _ = _ideal_contacts(reducer, crank)
-    share = ideal_loads.ideal_ring_load_sharing if design.ring.kind == "nonpin" else ideal_loads.ideal_load_sharing
+    share = (
+        ideal_loads.ideal_internal_gear_load_sharing if design.ring.kind == "nonpin" else ideal_loads.ideal_load_sharing
+    )
     return _by_lobe(gear, lobes, share(gear, torque, crank).forces, normals)
 
 

@@ -35,7 +35,7 @@ from cycloid_mj.bench.fit import Fitted, evaluate_fit, fit, widen_intervals
 from cycloid_mj.bench.loop_figures import loop_figures
 from cycloid_mj.bench.model_selection import compare_fits
 from cycloid_mj.bench.overlay import LoopCondition, apply_values, model_branches
-from cycloid_mj.bench.parameters import DEFAULT, Model, parameters
+from cycloid_mj.bench.parameters import DEFAULT, Model, fit_parameters
 from cycloid_mj.bench.search import FAILED_RESIDUAL, MODEL_ERROR, FitProblem, Trials
 from cycloid_mj.bench.uncertainty import INTERVAL, FitUncertainty, autocorrelation_time, estimate_uncertainty
 from cycloid_mj.checks import require_sound
@@ -183,7 +183,7 @@ class Known:
         ends = measured_loop("ends", *[course(0.0, 1.0, -1.0, 0.0)] * 2)
         return apply_values(
             Model(Reducer(self.design), Losses()),
-            parameters(Reducer(self.design), tuple(self.values), [ends]),
+            fit_parameters(Reducer(self.design), tuple(self.values), [ends]),
             np.array(list(self.values.values())),
         )
 
@@ -241,7 +241,7 @@ def locked_model(contacts: float) -> Model:
     """Put `LOCKED` into the printed drive, with contacts as many times as stiff."""
     design = resolve("printed").but(stiffness={"pin_gear": contacts * 1.5e7})
     ends = measured_loop("ends", *[course(0.0, 25.0, -25.0, 0.0)] * 2)
-    chosen = parameters(Reducer(design), tuple(LOCKED), [ends])
+    chosen = fit_parameters(Reducer(design), tuple(LOCKED), [ends])
     return apply_values(
         Model(Reducer(design), Losses(), contact_friction=False), chosen, np.array(list(LOCKED.values()))
     )
@@ -424,7 +424,7 @@ def test_a_measured_loop_closes_in_stock_mujoco(kind: str, made_from: str) -> No
     for held in ("crank", "output") if made_from == "both" else ("crank",):
         for number, (loop, offset) in enumerate(zip(loops, found.fitted.offsets[:, 0], strict=True)):
             left = scene_loop(reduced, loop, float(offset), held) - loop.deflection
-            assert np.std(left[loop.lead :]) < 0.08 * loop.height, (held, loop.name)
+            assert np.std(left[loop.points_left_out :]) < 0.08 * loop.height, (held, loop.name)
             if not found.fitted.torque_offset:
                 assert found.fitted.rms_without_offset(number) < 0.08 * loop.height, loop.name
 
@@ -437,13 +437,13 @@ def unlike_sides(loop: MeasuredLoop) -> float:
         order = np.argsort(loop.torque[other])
         turn = np.interp(-loop.torque[here], loop.torque[other][order], loop.deflection[other][order])
         differs[here] = 0.5 * (loop.deflection[here] + turn)
-    return float(np.std(differs[loop.lead :]))
+    return float(np.std(differs[loop.points_left_out :]))
 
 
 def test_the_loop_is_repeated_best_within_the_intervals() -> None:
     """By a model that is off, the likeliest values miss the turns by more; none leaves its interval."""
     loops = locked_loops(1.0, 0.03, 0)
-    chosen = parameters(Reducer(resolve("printed")), DEFAULT, loops)
+    chosen = fit_parameters(Reducer(resolve("printed")), DEFAULT, loops)
     search = FitProblem(locked_model(1.0), chosen, tuple(loops), LoopCondition("crank", 0.0, 25.0), Trials())
     known = [one.to_scale(LOCKED[one.key]) for one in chosen]
     start = np.concatenate([known, np.zeros(4)])
@@ -566,9 +566,9 @@ def test_values_of_another_drive_come_back() -> None:
 def test_the_way_to_the_loop_is_left_out() -> None:
     """A bench that starts from rest begins inside the loop; one that goes round has no such points."""
     model = KNOWN["printed"].model
-    assert made_loop(model, 20.0, 0, begin=0.0).lead == pytest.approx(COUNT, abs=3)
-    assert made_loop(model, 20.0, 0).lead == 0
-    assert [read_loop(path).lead for path in BENCH] == [0, 0]
+    assert made_loop(model, 20.0, 0, begin=0.0).points_left_out == pytest.approx(COUNT, abs=3)
+    assert made_loop(model, 20.0, 0).points_left_out == 0
+    assert [read_loop(path).points_left_out for path in BENCH] == [0, 0]
 
 
 def test_a_loop_turns_round_where_its_torque_does() -> None:
@@ -654,9 +654,9 @@ def test_a_loop_without_any_balance_is_told_by_name() -> None:
     class Locked(FitProblem):
         def residuals_by_loop(self, places: Array) -> list[Array]:
             _, other = super().residuals_by_loop(places)
-            return [np.full(len(loops[0].torque) - loops[0].lead, FAILED_RESIDUAL), other]
+            return [np.full(len(loops[0].torque) - loops[0].points_left_out, FAILED_RESIDUAL), other]
 
-    chosen = parameters(Reducer(resolve("printed")), ("drag",), loops)
+    chosen = fit_parameters(Reducer(resolve("printed")), ("drag",), loops)
     problem = Locked(locked_model(1.0), chosen, tuple(loops), LoopCondition("crank", 0.0, 25.0), Trials())
     with pytest.raises(RunError, match="loop-4: no model has a static balance near the design"):
         evaluate_fit(problem, problem.starts()[0])
@@ -666,7 +666,7 @@ def test_a_loop_without_any_balance_is_told_by_name() -> None:
 def bench() -> Fitted:
     """Compute the fit to the printed drive's loops, from near where the search of many starts ends."""
     loops, design = [read_loop(path) for path in BENCH], resolve("printed")
-    chosen = parameters(Reducer(design), FIVE, loops)
+    chosen = fit_parameters(Reducer(design), FIVE, loops)
     near = [one.to_scale(value) for one, value in zip(chosen, NEAR, strict=True)]
     return fit(
         Model(Reducer(design), Losses()),

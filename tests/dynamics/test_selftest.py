@@ -23,7 +23,7 @@ def test_the_release_that_is_installed_passes():
     assert collide() == ""
     with each_step._installation.kept():
         assert selftest.try_steps(each_step.add_sensor, each_step.EachStep) == ""
-    lift = reference_correction.between_speeds_and_forces(layout.discover_steps())
+    lift = reference_correction.compile_control_callback(layout.discover_steps())
     assert selftest.try_lift(lift.address) == ""
 
 

@@ -72,7 +72,7 @@ def test_paper_design_at_its_theoretical_torque(sign):
 @pytest.mark.slow
 def test_ring_of_the_paper_design_shares_the_load_with_sigma():
     one_pitch = np.linspace(0, np.pi / 18, 401)
-    shared = [ideal_loads.ideal_ring_load_sharing(PAPER, TORQUE, crank) for crank in one_pitch]
+    shared = [ideal_loads.ideal_internal_gear_load_sharing(PAPER, TORQUE, crank) for crank in one_pitch]
     largest = np.array([load.forces.max() for load in shared])
     # A range from a coarser study: the force jumps as Sigma contacts come and go, so its ends move with the grid.
     assert largest.min() == pytest.approx(92.5, abs=0.3)
@@ -89,7 +89,7 @@ def test_pins_and_eccentric_hold_the_gear_in_equilibrium(gear, torque):
         for shared, contacts in [
             (ideal_loads.ideal_load_sharing(gear, torque, crank), [envelope.arc_contacts(gear, crank)]),
             (
-                ideal_loads.ideal_ring_load_sharing(gear, torque, crank),
+                ideal_loads.ideal_internal_gear_load_sharing(gear, torque, crank),
                 [envelope.arc_contacts(gear, crank), envelope.sigma_contacts(gear, crank)],
             ),
         ]:
@@ -137,7 +137,7 @@ def test_shapes_broadcast_and_no_torque_means_no_force():
 
 def test_undercut_ring_is_refused():
     with pytest.raises(DesignError, match="undercut"):
-        ideal_loads.ideal_ring_load_sharing(dataclasses.replace(PAPER, pin_radius=2.7e-3), TORQUE, 0.0)
+        ideal_loads.ideal_internal_gear_load_sharing(dataclasses.replace(PAPER, pin_radius=2.7e-3), TORQUE, 0.0)
 
 
 def test_hertz_pressure_carries_the_force_and_fits_the_curvature():

@@ -1,4 +1,4 @@
-"""One way to do the same work for many items: results come as they are done, from wherever they are done."""
+"""Apply a function to many items in threads, in processes or on a cluster; results arrive in order of completion."""
 
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -15,7 +15,7 @@ Progress = Callable[[int, int], None]
 """Called after each piece of work: how many are done, and how many there are."""
 
 Lost = Callable[[int, str], R]
-"""Called for an item whose worker died each time, with its place and why: gives the result in its stead, or raises."""
+"""Called for an item whose worker died each time, with its index and the cause: returns a result for it, or raises."""
 
 
 _within_a_piece = ContextVar("within_a_piece", default=False)
@@ -43,7 +43,7 @@ def silent(done: int, whole: int) -> None:
 
 @dataclass(frozen=True)
 class Engine:
-    """Where work is done, and by how many at once.
+    """Choice of threads, processes or a cluster, and the number of workers.
 
     Attributes
     ----------
@@ -65,56 +65,56 @@ class Engine:
         return 1 if _within_a_piece.get() else self.workers or _most_workers.get() or cores()
 
     def stream(
-        self, work: Callable[[T], R], items: Iterable[T], lost: Lost[R] | None = None
+        self, function: Callable[[T], R], items: Iterable[T], lost: Lost[R] | None = None
     ) -> Iterator[tuple[int, R]]:
         """Apply a function to each item; yield the index of each item with its result, in the order of completion.
 
-        Work for processes or a cluster is a function of a module (or a `functools.partial` of one), so that it can be
-        sent; items and results should be small. The results do not depend on the worker. The first error of
-        a piece of work ends everything. Ctrl-C, and closing the iterator, leave what is not begun and stop the rest.
+        Processes and a cluster need a function of a module (or a `functools.partial` of such a function), which can be
+        pickled; items and results should be small. The results do not depend on the worker. The first error of the
+        function ends all work. Ctrl-C, and closing the iterator, cancel the items that wait and stop the rest.
 
         Parameters
         ----------
-        work, items
-            What is done, and for what.
+        function, items
+            The function, and its arguments.
         lost
-            What to do about an item whose worker died each time it was tried; by default a `RunError`.
+            Function that returns the result of an item whose worker died at each attempt; by default a `RunError`.
 
         Raises
         ------
         RunError
             Workers died again and again, have other versions of the packages, or cannot be reached.
         UsageError
-            The scheduler's address is none, or Dask is not installed.
+            The scheduler's address is invalid, or Dask is not installed.
         """
         from cycloid_mj.base.engine.cluster import on_cluster
         from cycloid_mj.base.engine.processes import in_processes
         from cycloid_mj.base.engine.threads import in_threads
 
-        piece = partial(_piece, work)
+        piece = partial(_piece, function)
         if self.scheduler:
             return on_cluster(piece, items, self.scheduler, lost)
         if self.local_workers == 1:
-            return ((place, piece(item)) for place, item in enumerate(items))
+            return ((index, piece(item)) for index, item in enumerate(items))
         if self.kind == "threads":
             return in_threads(piece, items, self.local_workers)
         return in_processes(piece, items, self.local_workers, lost)
 
-    def each(self, work: Callable[[T], R], items: Iterable[T], progress: Progress = silent) -> list[R]:
-        """Apply a function to each item; return the results in the order of the items."""
+    def each(self, function: Callable[[T], R], items: Iterable[T], progress: Progress = silent) -> list[R]:
+        """Apply a function to each item, in any order; return the results in order, that of the items."""
         items = list(items)
         results: dict[int, R] = {}
-        for place, result in self.stream(work, items):
-            results[place] = result
+        for index, result in self.stream(function, items):
+            results[index] = result
             progress(len(results), len(items))
-        return [results[place] for place in range(len(items))]
+        return [results[index] for index in range(len(items))]
 
 
 def each_in_threads(
-    work: Callable[[T], R], items: Iterable[T], progress: Progress = silent, workers: int = 0
+    function: Callable[[T], R], items: Iterable[T], progress: Progress = silent, workers: int = 0
 ) -> list[R]:
     """Apply a function to each item in threads; return the results in order; see `Engine`."""
-    return Engine(workers, "threads").each(work, items, progress)
+    return Engine(workers, "threads").each(function, items, progress)
 
 
 def all_in_threads(tasks: Mapping[K, Callable[[], R]], progress: Progress = silent) -> dict[K, R]:
@@ -122,10 +122,10 @@ def all_in_threads(tasks: Mapping[K, Callable[[], R]], progress: Progress = sile
     return dict(zip(tasks, each_in_threads(lambda task: task(), tasks.values(), progress), strict=True))
 
 
-def _piece(work: Callable[[T], R], item: T) -> R:
+def _piece(function: Callable[[T], R], item: T) -> R:
     """Apply the function to one item; nested work runs serially, because all cores are in use."""
     token = _within_a_piece.set(True)
     try:
-        return work(item)
+        return function(item)
     finally:
         _within_a_piece.reset(token)

@@ -21,7 +21,7 @@ from cycloid_mj.dynamics.contact.layout import Layout, discover, discover_steps
 from cycloid_mj.dynamics.contact.library import CYLINDER, TYPES, answer, callback, collision_table
 from cycloid_mj.dynamics.contact.mating import inner_in_outer, lobe_on_teeth, pin_on_teeth
 from cycloid_mj.dynamics.contact.memory import read_address, read_int
-from cycloid_mj.dynamics.contact.reference_correction import between_speeds_and_forces
+from cycloid_mj.dynamics.contact.reference_correction import compile_control_callback
 from cycloid_mj.dynamics.contact.shared import Shared
 from cycloid_mj.reducer.bodies import Role
 
@@ -93,7 +93,7 @@ def _pin_collider() -> Any:
 
 @cache
 def _lift() -> Any:
-    lift = between_speeds_and_forces(discover_steps())
+    lift = compile_control_callback(discover_steps())
     selftest.require_passed("lift", lambda: selftest.try_lift(lift.address))
     return lift
 

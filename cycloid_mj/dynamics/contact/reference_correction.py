@@ -50,15 +50,18 @@ def bind_multiplication() -> None:
 
 
 @cache
-def between_speeds_and_forces(layout: StepLayout) -> Any:
-    """Compile the answer to ``mjcb_control``, or load it: `correct_references`."""
+def compile_control_callback(layout: StepLayout) -> Any:
+    """Compile or load the ``mjcb_control`` callback, which calls `correct_references`.
+
+    MuJoCo calls it in each step after it has computed the velocities and before it computes the forces.
+    """
     bind_multiplication()
 
     @cfunc(types.void(types.intp, types.intp), cache=cacheable())
-    def answer(model: int, data: int) -> None:
+    def control_callback(model: int, data: int) -> None:
         correct_references(layout, model, data)
 
-    return answer
+    return control_callback
 
 
 @compiling.njit(inner=True)

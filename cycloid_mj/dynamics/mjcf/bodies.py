@@ -41,7 +41,7 @@ def add_shapes(spec: Any, reducer: Reducer) -> None:
     """Add the visual meshes, named as the parts, and the cylinders for the exact collider to the bodies."""
     planes = {body.name: body.plane for body in reducer.mechanism.bodies}
     for body in reducer.mechanism.bodies:
-        for part, position in seen(reducer, body):
+        for part, position in visible_parts(reducer, body):
             spec.body(body.name).add_geom(
                 type=mujoco.mjtGeom.mjGEOM_MESH,
                 meshname=part,
@@ -53,13 +53,13 @@ def add_shapes(spec: Any, reducer: Reducer) -> None:
                 pos=point(position[:2], float(position[2])),
             )
     for surfaces in reducer.mechanism.surfaces:
-        middle, half_width = span(reducer, surfaces)
+        centre_z, half_width = axial_extent(reducer, surfaces)
         for i, name in enumerate(surfaces.names):
             spec.body(surfaces.bodies[i]).add_geom(
                 name=name,
                 type=mujoco.mjtGeom.mjGEOM_CYLINDER,
                 size=[surfaces.radius[i], half_width, 0.0],
-                pos=point(surfaces.place[i], middle - planes[surfaces.bodies[i]]),
+                pos=point(surfaces.place[i], centre_z - planes[surfaces.bodies[i]]),
                 priority=int(surfaces.role),
                 group=CONTACT_GROUP,
                 contype=0,
@@ -77,7 +77,7 @@ def crank_inertia(reducer: Reducer, shaft: MassProperties) -> float:
     )
 
 
-def seen(reducer: Reducer, body: Body) -> list[tuple[str, Array]]:
+def visible_parts(reducer: Reducer, body: Body) -> list[tuple[str, Array]]:
     """List the visible parts of a body, and the position (x, y, z) of each in its frame, shape (3,) [m]."""
     return [(body.part, np.zeros(3)), *attached_parts(reducer, body.part).values()]
 
@@ -87,8 +87,8 @@ def colour(part: str) -> Colour:
     return tint(COLOURS[names.family(part)], part)
 
 
-def span(reducer: Reducer, surfaces: Surfaces) -> tuple[float, float]:
-    """Compute the middle of surfaces along z, and half their width [m]."""
+def axial_extent(reducer: Reducer, surfaces: Surfaces) -> tuple[float, float]:
+    """Compute the centre of surfaces along z, and half their width [m]."""
     gear = reducer.design.gear
     if surfaces.disc is None:
         return 0.0, 0.5 * gear.stack_width
@@ -102,8 +102,8 @@ def point(position: Array, z: float = 0.0) -> list[float]:
 
 def turn(angle: float) -> list[float]:
     """Compute the quaternion of a clockwise turn about z [rad]."""
-    turned: list[float] = on_grid([np.cos(0.5 * angle), 0.0, 0.0, -np.sin(0.5 * angle)]).tolist()
-    return turned
+    quaternion: list[float] = on_grid([np.cos(0.5 * angle), 0.0, 0.0, -np.sin(0.5 * angle)]).tolist()
+    return quaternion
 
 
 def set_inertia(body: Any, properties: MassProperties) -> None:
@@ -154,8 +154,8 @@ def attributes(reducer: Reducer, surfaces: Surfaces, i: int) -> dict[str, Any]:
     if not design.ring.has_massless_pins:
         return {"userdata": home}
     softness = reducer.contacts[design.tooth_pair].stiffness / reducer.contacts[design.seat_pair].stiffness
-    held = 1.0 + np.cos(surfaces.half_angle)
-    return {"userdata": [*home, *map(significant, (float(surfaces.play[i]), softness, held))]}
+    grip = 1.0 + np.cos(surfaces.half_angle)
+    return {"userdata": [*home, *map(significant, (float(surfaces.play[i]), softness, grip))]}
 
 
 def teeth_of_disc(reducer: Reducer, disc: int) -> Teeth:

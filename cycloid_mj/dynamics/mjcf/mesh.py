@@ -20,7 +20,16 @@ from cycloid_mj.base import names
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.dynamics.contact import each_step
 from cycloid_mj.dynamics.law import ContactParameters, SolverParameters, solver_parameters, stock_impratio
-from cycloid_mj.dynamics.mjcf.bodies import add_bodies, colour, crank_inertia, point, seen, set_inertia, span, turn
+from cycloid_mj.dynamics.mjcf.bodies import (
+    add_bodies,
+    axial_extent,
+    colour,
+    crank_inertia,
+    point,
+    set_inertia,
+    turn,
+    visible_parts,
+)
 from cycloid_mj.dynamics.mjcf.foundation import slice_law
 from cycloid_mj.dynamics.mjcf.laws import Laws, laws_of_discs, stiffest
 from cycloid_mj.dynamics.mjcf.model import ReducerModel, add_actuators, add_warnings, empty_spec
@@ -197,7 +206,7 @@ def _homes(reducer: Reducer, part: str) -> Iterator[tuple[str, list[float]]]:
     shown = [
         (body.name, position)
         for body in reducer.mechanism.bodies
-        for shown_part, position in seen(reducer, body)
+        for shown_part, position in visible_parts(reducer, body)
         if shown_part == part
     ]
     for body, position in shown:
@@ -308,7 +317,7 @@ def _add_round_parts(spec: Any, reducer: Reducer) -> None:
     cams = [("cam", BORES[disc], disc) for disc in range(design.gear.discs)]
     for kind, bits, disc in ((design.tooth_pair, TEETH | SOCKETS, 0), *cams, ("output", HOLES, 0)):
         round_parts = reducer.mechanism.mating(kind, disc).by
-        middle, half_width = span(Reducer(design), round_parts)
+        middle, half_width = axial_extent(Reducer(design), round_parts)
         half = half_width * (1.0 + 2.0 * MESH_CONTACT.cap_share)
         for i, name in enumerate(round_parts.names):
             spec.body(round_parts.bodies[i]).add_geom(

@@ -33,27 +33,32 @@ Material = tuple[str, tuple[float, ...]]
 
 def threemf_bytes(plate: PrintPlate, materials: Mapping[str, Material] | None = None) -> bytes:
     """Encode a plate; copies of a part are numbered, and parts have the base materials of their name, if any."""
-    texts = {"[Content_Types].xml": TYPES, "_rels/.rels": RELATIONS, MODEL: _model(plate, materials or {})}
+    texts = {"[Content_Types].xml": TYPES, "_rels/.rels": RELATIONS, MODEL: _model_xml(plate, materials or {})}
     return zip_files({name: text.encode() for name, text in texts.items()})
 
 
-def _model(plate: PrintPlate, materials: Mapping[str, Material]) -> str:
-    """Write the objects at their coordinates; a part and its supports are one object."""
+def _model_xml(plate: PrintPlate, materials: Mapping[str, Material]) -> str:
+    """Return the XML text of the 3MF model: its materials, its objects at their coordinates, and the build items.
+
+    A part and its supports are the components of one object.
+    """
     objects: list[str] = []
-    built: list[int] = []
+    build_ids: list[int] = []
     base = list(dict.fromkeys(materials.values()))
-    for place, name, mesh, supports in zip(plate.places, _names(plate), plate.meshes, plate.supports, strict=True):
-        of = materials.get(place.part)
-        property_ = f' pid="{MATERIALS_ID}" pindex="{base.index(of)}"' if of else ""
+    for placement, name, mesh, supports in zip(plate.places, _names(plate), plate.meshes, plate.supports, strict=True):
+        material = materials.get(placement.part)
+        property_ = f' pid="{MATERIALS_ID}" pindex="{base.index(material)}"' if material else ""
         objects.append(_object(len(objects) + 1, name, _mesh(mesh), property_))
-        first = len(objects)
+        first_id = len(objects)
         for number, support in enumerate(supports, start=1):
             objects.append(_object(len(objects) + 1, f"{name}_support_{number}", _mesh(support)))
         if supports:
-            components = "".join(f'<component objectid="{part}"/>' for part in range(first, len(objects) + 1))
+            components = "".join(
+                f'<component objectid="{object_id}"/>' for object_id in range(first_id, len(objects) + 1)
+            )
             objects.append(_object(len(objects) + 1, f"{name}_on_supports", f"<components>{components}</components>"))
-        built.append(len(objects))
-    items = "".join(f'<item objectid="{number}"/>' for number in built)
+        build_ids.append(len(objects))
+    items = "".join(f'<item objectid="{number}"/>' for number in build_ids)
     return (
         '<?xml version="1.0" encoding="UTF-8"?>\n'
         '<model unit="millimeter" xml:lang="en-US" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02">\n'
@@ -77,10 +82,10 @@ def _object(number: int, name: str, content: str, property_: str = "") -> str:
 
 
 def _names(plate: PrintPlate) -> Iterator[str]:
-    counts, seen = plate.counts, Counter[str]()
+    counts, numbers = plate.counts, Counter[str]()
     for place in plate.places:
-        seen[place.part] += 1
-        yield f"{place.part}_{seen[place.part]}" if counts[place.part] > 1 else place.part
+        numbers[place.part] += 1
+        yield f"{place.part}_{numbers[place.part]}" if counts[place.part] > 1 else place.part
 
 
 def _mesh(mesh: Mesh) -> str:
