@@ -25,19 +25,19 @@ def njit(
     if inner:
         options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
-    def compiled(function: Function) -> Any:
+    def compile_kernel(function: Function) -> Any:
         wrapped = numba.njit(**options, _nrt=allocates)(function)
         if cache:
             wrapped._cache = KernelCache(function)
         return wrapped
 
-    return compiled
+    return compile_kernel
 
 
 def cfunc(signature: Any, *, cache: bool = False) -> Callable[[Function], Any]:
     """Compile a function that C can call, as ``numba.cfunc`` does; `cache` keeps it in a `KernelCache`."""
 
-    def compiled(function: Function) -> Any:
+    def compile_callback(function: Function) -> Any:
         compiled_function: Any = CFunc(function, sigutils.normalize_signature(signature), locals={}, options={})
         if cache:
             compiled_function._cache = KernelCache(function)
@@ -45,7 +45,7 @@ def cfunc(signature: Any, *, cache: bool = False) -> Callable[[Function], Any]:
             compiled_function.compile()
         return compiled_function
 
-    return compiled
+    return compile_callback
 
 
 def cacheable() -> bool:

@@ -85,24 +85,24 @@ def family(part: str) -> str:
 
 def pin(number: int) -> str:
     """Name ring pin 1, 2, ... (1 at +y, clockwise)."""
-    return numbered(PIN, number)
+    return numbered_name(PIN, number)
 
 
-def numbered(stem: str, number: int) -> str:
+def numbered_name(stem: str, number: int) -> str:
     """Return the name of a numbered part: ``pin_1``."""
     return f"{stem}_{number}"
 
 
 def all_numbered(stem: str, count: int) -> tuple[str, ...]:
     """Name all of them."""
-    return tuple(numbered(stem, number) for number in range(1, count + 1))
+    return tuple(numbered_name(stem, number) for number in range(1, count + 1))
 
 
 def of_disc(name: str, disc: int, discs: int) -> str:
     """Return the name of a part of a disc (from 0): ``gear_2``, ``gear_2_cam``; of a single disc, `name`."""
     if discs == 1:
         return name
-    gear = numbered(GEAR, disc + 1)
+    gear = numbered_name(GEAR, disc + 1)
     return gear if name == GEAR else column(gear, name)
 
 

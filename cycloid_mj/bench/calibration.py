@@ -202,7 +202,7 @@ class Calibration(Presented):
         every = self.stretches
         for loop in self.fitted.loops:
             stretches = [item for item in every if item.loop == loop.name]
-            missed = [item for item in stretches if not item.followed]
+            missed = [item for item in stretches if not item.is_within_model_error]
             if missed:
                 worst = max(missed, key=attrgetter("share"))
                 limit = f"{len(missed)} of {len(stretches)} stretches differ by more than {MODEL_ERROR:.0%}"
@@ -481,7 +481,7 @@ def _calibration(fitted: Fitted) -> Calibration:
     keys = list(estimates)
     pairs = [(i, j) for i in range(count) for j in range(i) if abs(related[i, j]) > MAX_CORRELATION]
     alike = tuple((keys[i], keys[j], float(related[i, j])) for i, j in pairs)
-    calibrated = fitted.calibrated.reducer.design
+    calibrated = fitted.calibrated_model.reducer.design
     modelled = [replace(loop, deflection=turn) for loop, turn in zip(fitted.loops, fitted.turns, strict=True)]
     return Calibration(
         fitted=fitted,

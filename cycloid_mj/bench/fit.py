@@ -97,7 +97,7 @@ class Fitted:
         return self.values_at(self.scaled)
 
     @cached_property
-    def calibrated(self) -> Model:
+    def calibrated_model(self) -> Model:
         """The model with the fitted values."""
         return apply_values(self.model, self.parameters, self.values)
 
@@ -112,7 +112,7 @@ class Fitted:
         """Torque [N m] and deflection [rad] of the model along each branch of each loop, with the loop's offsets."""
         lines = []
         for loop, (torque, deflection) in zip(self.loops, self.offsets, strict=True):
-            branches = model_branches(self.calibrated, self.bench, loop, float(torque))
+            branches = model_branches(self.calibrated_model, self.bench, loop, float(torque))
             lines.append([(loads + torque, turns + deflection) for loads, turns in branches])
         return tuple(lines)
 
@@ -155,7 +155,7 @@ class Fitted:
     def rms_without_offset(self, number: int) -> float:
         """Compute that difference for an offset of torque of 0, as in a scene, and the best of deflection [rad]."""
         loop = self.loops[number]
-        turn = deflections(loop, model_branches(self.calibrated, self.bench, loop))
+        turn = deflections(loop, model_branches(self.calibrated_model, self.bench, loop))
         return float(np.std((turn - loop.deflection)[loop.points_left_out :]))
 
 

@@ -71,8 +71,8 @@ class LoopFigure(NamedTuple):
         """Return a figure with an interval of this half width about its value."""
         return cls(value, value - half_width, value + half_width)
 
-    def scaled(self, factor: float) -> Self:
-        """Return the figure in another unit."""
+    def scale(self, factor: float) -> Self:
+        """Return the figure and its interval times a factor, as for another unit."""
         return type(self)(*(factor * item for item in self))
 
 
@@ -93,8 +93,8 @@ class LoopFigures:
     def in_units(self) -> dict[str, LoopFigure]:
         """Return the figures by the keys of `DEFINITIONS`, in their units."""
         return {
-            "play_deg": self.play.scaled(1.0 / DEGREE),
-            "width_deg": self.width.scaled(1.0 / DEGREE),
+            "play_deg": self.play.scale(1.0 / DEGREE),
+            "width_deg": self.width.scale(1.0 / DEGREE),
             "stiffness_nm_per_rad": self.stiffness,
             "stiffness_positive_nm_per_rad": self.stiffness_positive,
             "stiffness_negative_nm_per_rad": self.stiffness_negative,

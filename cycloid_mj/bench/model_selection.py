@@ -62,7 +62,7 @@ class LoopStretch:
     """The rms over the loop's height [1]."""
 
     @property
-    def followed(self) -> bool:
+    def is_within_model_error(self) -> bool:
         """True if the deviation is within the model error that the intervals assume (`MODEL_ERROR`)."""
         return self.share <= MODEL_ERROR
 

@@ -272,10 +272,10 @@ def _of_loops(loops: Sequence[MeasuredLoop], rated: float) -> dict[str, LoopFigu
         return {}
     each = [
         {
-            "lost_motion_arcmin": lost_motion_of(loop, rated).scaled(1.0 / ARCMINUTE),
-            "hysteresis_loss_arcmin": hysteresis_of(loop, rated).scaled(1.0 / ARCMINUTE),
+            "lost_motion_arcmin": lost_motion_of(loop, rated).scale(1.0 / ARCMINUTE),
+            "hysteresis_loss_arcmin": hysteresis_of(loop, rated).scale(1.0 / ARCMINUTE),
             **{
-                f"stiffness_{part}_nm_per_arcmin": stiffness_between(loop, low * rated, high * rated).scaled(ARCMINUTE)
+                f"stiffness_{part}_nm_per_arcmin": stiffness_between(loop, low * rated, high * rated).scale(ARCMINUTE)
                 for part, (low, high) in INTERVALS.items()
             },
         }

@@ -80,7 +80,7 @@ class BenchComparison:
     """Possible causes of each order, in words."""
 
     @property
-    def explained(self) -> Array:
+    def explained_shares(self) -> Array:
         """Share of each order's power that the model explains, shape (k,); negative where it is worse than no model."""
         left = np.abs(self.bench_amplitude - self.model_amplitude) ** 2
         return 1.0 - left / np.maximum(np.abs(self.bench_amplitude) ** 2, 1e-300)
@@ -105,7 +105,7 @@ class BenchComparison:
                 float(np.abs(self.bench_amplitude[index])) / ARCSECOND,
                 float(np.abs(self.model_amplitude[index])) / ARCSECOND,
                 float(np.angle(self.model_amplitude[index] / self.bench_amplitude[index])) / DEGREE,
-                f"{self.explained[index]:.1%}",
+                f"{self.explained_shares[index]:.1%}",
                 self.causes[index],
             )
             for index in self.strongest_first[:max_rows]
@@ -137,7 +137,7 @@ class BenchComparison:
                     "measured_arcsec": float(np.abs(self.bench_amplitude[index])) / ARCSECOND,
                     "model_arcsec": float(np.abs(self.model_amplitude[index])) / ARCSECOND,
                     "phase_deg": float(np.angle(self.model_amplitude[index] / self.bench_amplitude[index])) / DEGREE,
-                    "explained": float(self.explained[index]),
+                    "explained": float(self.explained_shares[index]),
                     "cause": self.causes[index],
                 }
                 for index in self.strongest_first

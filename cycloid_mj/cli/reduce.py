@@ -164,7 +164,7 @@ def reduce(
         design.name,
         [
             *inaccurate(asked, timestep_ms, integrator),
-            *(f"{name} of the joint differs from that of the full model" for name in comparison.missed),
+            *(f"{name} of the joint differs from that of the full model" for name in comparison.outside_bounds),
         ],
     )
     files = (

@@ -232,7 +232,7 @@ class Roller:
     cut: float = 0.0
 
     @property
-    def used(self) -> float:
+    def used_length(self) -> float:
         """Length in the drive [m]."""
         return self.cut or self.length
 

@@ -111,7 +111,7 @@ def list_rows(rows: Iterable[Mapping[str, Any]]) -> Points:
     if not rows:
         raise UsageError("a table of points requires a header with keys of the design file and a line for each point")
     _require_few(len(rows))
-    fields = {key: _field(key) for key in rows[0]}
+    fields = {key: _scalar_field(key) for key in rows[0]}
     points = []
     for number, row in enumerate(rows, 1):
         if set(row) != set(fields) or None in row.values():
@@ -142,7 +142,7 @@ def _require_few(count: int) -> None:
         raise UsageError(f"a sweep of {count:,} points is out of range; allowed: 1 to {MAX_POINTS:,}")
 
 
-def _field(key: str) -> FieldInfo:
+def _scalar_field(key: str) -> FieldInfo:
     """Return the declaration of a key that holds one value."""
     field = declaration_of(key)
     if field.annotation not in (int, float, bool, str) and not _words(field):
@@ -166,7 +166,7 @@ def parse_axis(key: str, wanted: Wanted) -> Axis:
     UsageError
         There is no such key, it is not a single value, or it cannot have such values.
     """
-    field = _field(key)
+    field = _scalar_field(key)
     if not isinstance(wanted, str):
         values = np.asarray(wanted, dtype=object).ravel().tolist()
         if not values:

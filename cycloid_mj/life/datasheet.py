@@ -156,7 +156,7 @@ def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) 
         **({"Output bearing": _bearing(reducer)} if has_casing(reducer) else {}),
     }
     groups = {heading: _with_parts(reducer, group) for heading, group in groups.items()}
-    groups["Ratings"] += _toleranced(reducer, rated, life)
+    groups["Ratings"] += _tolerance_torques(reducer, rated, life)
     groups["Mass and size"] = _mass(reducer)
     groups["Lubrication and environment"] = environment(reducer)
     if has_casing(reducer):
@@ -259,7 +259,7 @@ def _ratings(
     )
 
 
-def _toleranced(reducer: Reducer, torque: float, life: float) -> tuple[Quantity, ...]:
+def _tolerance_torques(reducer: Reducer, torque: float, life: float) -> tuple[Quantity, ...]:
     """Return rated and momentary torque of parts within the tolerances of the design; empty without tolerances.
 
     They are those of the weakest item by its law, from the rating at a torque [N m].

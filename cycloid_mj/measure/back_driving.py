@@ -93,7 +93,7 @@ class BreakAway:
         return max(self.spread.half, sum(start.error for start in self.turning) / len(self.turning))
 
     @property
-    def resolved(self) -> bool:
+    def exceeds_error(self) -> bool:
         """True if the torque exceeds its error: pins that cross wide clearances strike the crank."""
         return self.torque > self.error
 
@@ -109,7 +109,7 @@ class BreakAway:
             largest = max(start.largest for start in self.starts)
             turns = f", but from {len(self.turning)} of {len(self.starts)} starts" if self.turning else ""
             return f"{SELF_LOCKING} with no torque on the crank, by up to {largest:g} N m on the output{turns}"
-        if not self.resolved:
+        if not self.exceeds_error:
             return (
                 f"below {max(self.torque, 0.0) + self.error:.2g} N m: less than its error, as the weight of the discs "
                 f"and parts that cross their clearance also move the crank; {self._over_starts}"

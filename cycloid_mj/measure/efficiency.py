@@ -160,7 +160,7 @@ def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Qu
     if coasting is not None:
         moving, moving_error, moving_note = ratio * coasting.drag, ratio * coasting.drag_shift, contacts
     from_rest = "back_driving_torque_static", "back-driving torque from rest, crank free"
-    static, static_error = (rest.torque, rest.error) if rest.resolved else (math.nan, None)
+    static, static_error = (rest.torque, rest.error) if rest.exceeds_error else (math.nan, None)
     at_speed = "back_driving_torque_moving", "back-driving torque at speed, crank free"
     return [
         Quantity("no_load_torque", "no-load torque, on the crank", idle.drag, "N m", idle.drag_shift, note=contacts),

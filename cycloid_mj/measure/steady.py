@@ -42,11 +42,11 @@ def whole_periods(reducer: Reducer, least: int, load: float | None = None) -> in
     if _heavy(reducer, design.rated_torque if load is None else load):
         return max(least, 2 * reducer.mesh_periods)
 
-    def missed(count: int) -> float:
+    def period_error(count: int) -> float:
         return abs(count * ratio - round(count * ratio))
 
     candidates = range(least, max(least, design.lobes) + 1)
-    return next((count for count in candidates if missed(count) <= PERIOD_TOLERANCE), least)
+    return next((count for count in candidates if period_error(count) <= PERIOD_TOLERANCE), least)
 
 
 def _heavy(reducer: Reducer, load: float) -> bool:

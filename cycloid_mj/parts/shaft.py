@@ -76,7 +76,7 @@ def crank_parts(reducer: Reducer) -> tuple[Part, ...]:
     design = reducer.design
     of, density = stretches(reducer), design.material_of("shaft").density
     journal, cams = of[JOURNAL], [of[name] for name in names.all_numbered(names.CAM, design.gear.discs)]
-    ring, half = of[names.numbered(names.SPACER, 1)], design.gear.disc_gap / 2
+    ring, half = of[names.numbered_name(names.SPACER, 1)], design.gear.disc_gap / 2
     ends = of.get(FAR, cams[-1]).z1
     return (
         Part(names.SHAFT, (Stretch(JOURNAL, journal.outline, (), journal.z0, ends),), density),
@@ -149,10 +149,10 @@ def _of_several(reducer: Reducer) -> list[Stretch]:
     for number, (plane, phase) in enumerate(zip(planes, reducer.phases, strict=True), start=1):
         if number > 1:
             gap = planes[number - 2] + half, plane - half
-            laid.append(Stretch(names.numbered(NECK, number - 1), journal, (), *gap))
-            laid.append(Stretch(names.numbered(names.SPACER, number - 1), ring, (journal,), *gap))
+            laid.append(Stretch(names.numbered_name(NECK, number - 1), journal, (), *gap))
+            laid.append(Stretch(names.numbered_name(names.SPACER, number - 1), ring, (journal,), *gap))
         turned = TurnedContour(cam, phase)
-        laid.append(Stretch(names.numbered(names.CAM, number), turned, (), plane - half, plane + half))
+        laid.append(Stretch(names.numbered_name(names.CAM, number), turned, (), plane - half, plane + half))
     return laid + _far_journal(reducer, journal, shaft.length)
 
 

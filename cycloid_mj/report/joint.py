@@ -49,7 +49,7 @@ def joint_page(
                 {"title": each.title, "text": TextTable.of(each)} for each in (drives.tables() if drives else ())
             ],
             comparison=TextTable.of(against.table()),
-            missed=against.missed,
+            missed=against.outside_bounds,
             figures=figures,
             steps=TextTable.of(trials_table(tuple(steps))),
             longest=TextTable.of(recommended_table(tuple(steps))),

@@ -84,7 +84,7 @@ class ModelComparison:
         return self.highest_speed / RPM
 
     @property
-    def missed(self) -> list[str]:
+    def outside_bounds(self) -> list[str]:
         """Names of the quantities outside their bounds."""
         return [row.name for row in self.rows if not self.is_within(row)]
 

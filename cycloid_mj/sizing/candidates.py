@@ -145,8 +145,8 @@ def decode(requirement: Requirement, points: Array) -> Sizes:
     most = outer - np.array([wall for _, wall in pins])[chosen] - pin
     steps = np.floor(np.maximum(u[0] - 0.5, 0.0) * 10.0)  # the largest circle, or a preferred number below (R40, ISO 3)
     preferred = 10.0 ** ((np.floor(40.0 * np.log10(most)) - steps + 1.0) / 40.0)
-    circle = _rounded(np.where(steps > 0.0, np.minimum(preferred, most), most))
-    eccentricity = _rounded(_between(u[2], SHORT_WIDTHS) * circle / teeth)
+    circle = _round_down(np.where(steps > 0.0, np.minimum(preferred, most), most))
+    eccentricity = _round_down(_between(u[2], SHORT_WIDTHS) * circle / teeth)
     gap = _gap(requirement)
     width = np.exp(np.interp(u[3], (0.0, 1.0), np.log(WIDTHS))) * circle
     face = (_reach(pin, width, chosen, pins, free) - (discs - 1) * gap) / discs
@@ -156,7 +156,7 @@ def decode(requirement: Requirement, points: Array) -> Sizes:
     shaft, bearing, shaft_dynamic, shaft_static, turns = _shaft_bearings(u[5], limit, discs > 1, free)
     count, middle, band = OUTPUT_PINS[_choose(u[6], len(OUTPUT_PINS))], 0.5 * (bore + root), root - bore - 0.03 * circle
     largest = np.minimum(0.5 * band, middle * np.sin(np.pi / count) - 0.01 * circle)
-    stud = _rounded(_between(u[7], (0.4, 1.0)) * largest - eccentricity)
+    stud = _round_down(_between(u[7], (0.4, 1.0)) * largest - eccentricity)
     disc = DISC_SHARE * outer
     core, needle_dynamic, disc_thickness, carries = _cores(
         u[8], stud, face, discs * face + (discs - 1) * gap, disc, free
@@ -164,7 +164,7 @@ def decode(requirement: Requirement, points: Array) -> Sizes:
     valid = fits & turns & carries & (face > 0.1 * gap) & (root - bore > 0.0) & (pin < root) & (pin > eccentricity)
     return Sizes(
         circle, pin, eccentricity, face, bore, cam_dynamic, cam_static, shaft, bearing, shaft_dynamic, shaft_static,
-        count, _rounded(middle), stud, core, needle_dynamic, disc_thickness, valid & (stud > 0.0) & (shaft > 0.0),
+        count, _round_down(middle), stud, core, needle_dynamic, disc_thickness, valid & (stud > 0.0) & (shaft > 0.0),
     )  # fmt: skip
 
 
@@ -176,13 +176,13 @@ def _between(share: Array, ends: tuple[float, float]) -> Array:
     return ends[0] + share * (ends[1] - ends[0])
 
 
-def _rounded(length: Array) -> Array:
+def _round_down(length: Array) -> Array:
     """Round free lengths [m] down."""
     return np.round(np.floor(length / ROUNDING + 1e-6) * ROUNDING, 9)
 
 
 def _gap(requirement: Requirement) -> float:
-    return float(_rounded(np.array(GAP_SHARE * requirement.diameter / 2.0)))
+    return float(_round_down(np.array(GAP_SHARE * requirement.diameter / 2.0)))
 
 
 @lru_cache(maxsize=64)
@@ -225,13 +225,13 @@ def clamping(wall: float) -> dict[str, object]:
 def _reach(pin: Array, width: Array, chosen: Integers, pins: Iterable[tuple[float, float]], free: bool) -> Array:
     """Return widths that pins fill as they are sold, nearest to some widths [m]."""
     if free:
-        return _rounded(width)
+        return _round_down(width)
     reach = np.empty_like(width)
     for number, (size, _) in enumerate(pins):
         rows = np.flatnonzero(chosen == number)
         if rows.size:
             grid = np.geomspace(width[rows].min(), width[rows].max() * (1.0 + 1e-9), 48)
-            sold = np.array([stock.reach_of_pins(2.0 * size, float(_rounded(one))) for one in grid])
+            sold = np.array([stock.reach_of_pins(2.0 * size, float(_round_down(one))) for one in grid])
             reach[rows] = sold[np.abs(np.log(width[rows, None] / grid)).argmin(axis=1)]
     return reach
 
@@ -239,7 +239,7 @@ def _reach(pin: Array, width: Array, chosen: Integers, pins: Iterable[tuple[floa
 def _cam_bearings(share: Array, root: Array, face: Array, free: bool) -> tuple[Array, Array, Array, Array, Mask]:
     """Choose bearings of the cams between 0.25 and 0.7 of the disc's root, no wider than the disc."""
     if free:
-        bore = _rounded(_between(share, (0.25, 0.65)) * root)
+        bore = _round_down(_between(share, (0.25, 0.65)) * root)
         size = bore * math.sin(math.pi / 20.0) / (1.0 - math.sin(math.pi / 20.0)) * 0.85
         dynamic, static = (
             np.vectorize(rate)(20.0, 2.0 * size, np.maximum(face, ROUNDING), 2.0 * bore)
@@ -274,7 +274,7 @@ def _choose_fitting(share: Array, fitting: Mask) -> Integers:
 def _shaft_bearings(share: Array, limit: Array, bar: bool, free: bool) -> tuple[Array, Array, Array, Array, Mask]:
     """Choose bearings of the shaft, the thickest first, of at most a radius [m], or for a ground `bar`."""
     if free:
-        radius = _rounded(_between(share, (1.0, 0.6)) * np.maximum(limit, ROUNDING))
+        radius = _round_down(_between(share, (1.0, 0.6)) * np.maximum(limit, ROUNDING))
         size = np.maximum(0.4 * radius, ROUNDING)
         dynamic, static = (
             np.vectorize(rate)(14.0, size, np.maximum(radius, ROUNDING), 2.0 * np.maximum(radius, ROUNDING) + size)
@@ -302,7 +302,7 @@ def _cores(
     dowels = np.array(stock.dowel_diameters()) / 2.0
     fitting = dowels <= CORE_SHARE * stud[:, None]
     plain = np.where(fitting.any(axis=1), dowels[fitting.shape[1] - 1 - fitting[:, ::-1].argmax(axis=1)], 0.0)
-    plain = _rounded(CORE_SHARE * np.maximum(stud, 0.0)) if free else plain
+    plain = _round_down(CORE_SHARE * np.maximum(stud, 0.0)) if free else plain
     cups = [one for one in stock.needle_bearings() if one.bore / 2.0 in set(dowels.tolist())]
     bores, outsides, widths, dynamics = (
         np.array([getattr(one, key) for one in cups]) for key in ("bore", "outside", "width", "dynamic")
@@ -316,7 +316,7 @@ def _cores(
     needles = (index >= 0) & (share < 0.5)
     beside = np.maximum(np.floor(face / widths[index] + 1e-6), 1.0)
     core = np.round(np.where(needles, 0.5 * bores[index], plain), 9)
-    between, disc = stack + 2.0 * AXIAL_GAP, np.full_like(stack, _rounded(np.array(usual)))
+    between, disc = stack + 2.0 * AXIAL_GAP, np.full_like(stack, _round_down(np.array(usual)))
     for size in () if free else np.unique(core[core > 0.0]).tolist():
         rows = np.flatnonzero(core == size)
         reach = np.array([stock.reach_of_pins(2.0 * size, float(one), most=1) for one in between[rows] + 2.0 * usual])

@@ -74,7 +74,7 @@ def required(
         discs=discs,
         length=math.inf if length_mm is None else 1e-3 * length_mm,
         backlash=math.inf if backlash_arcmin is None else backlash_arcmin,
-        material=_named(material),
+        material=_library_material(material),
         clearance=0.0 if clearance_um is None else 1e-6 * clearance_um,
         fit=fit,
         custom=custom,
@@ -110,7 +110,7 @@ def _film(cooling: str | float) -> float:
         ) from None
 
 
-def _named(material: str) -> str:
+def _library_material(material: str) -> str:
     """Return the only material of the library with a word in its name, such as 16MnCr5; else the text itself."""
     matching = [name for name in MATERIALS if material.lower() in name.lower().split()]
     return matching[0] if len(matching) == 1 and material not in MATERIALS else material

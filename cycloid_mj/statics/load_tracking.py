@@ -26,7 +26,7 @@ Eight drives with clearances of 2 to 250 um at 3 and 10 % of the rated torque, t
 def inertia_share(reducer: Reducer, turn: Array, load: float) -> float:
     """Compute the rms inertia torque of a load that follows a transmission error, relative to the load [1].
 
-    `turn` is the rotation of the output from its ideal angle [rad] at n evenly spaced crank angles of a turn, shape (n,);
+    `turn` is the rotation of the output from its ideal angle [rad] at evenly spaced crank angles of a turn, shape (n,);
     `load` is the torque on it [N m].
     """
     order = np.fft.rfftfreq(turn.size, 1.0 / turn.size)

@@ -21,7 +21,7 @@ from cycloid_mj.base.names import (
     PIN,
     SOCKET,
     column,
-    numbered,
+    numbered_name,
     of_disc,
     planar_joints,
 )
@@ -212,7 +212,7 @@ def pin_centre(turn: Turn, pin: int) -> Array:
     nominal = ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth) + turn.reducer.deviations.pin_place[pin]
     if not ring.has_pin_bodies:
         return np.broadcast_to(nominal, (turn.angle.size, 2))
-    return nominal + turn.vectors(*planar_joints(numbered(PIN, pin + 1))[:2])
+    return nominal + turn.vectors(*planar_joints(numbered_name(PIN, pin + 1))[:2])
 
 
 def _pin_curvature(gear: CycloidGear, pin: int, gear_angle: Array, offset: float) -> Array:
@@ -263,7 +263,7 @@ def _of_gear(turn: Turn, disc: int) -> list[PartContact]:
     seat = _disc(turn, disc)
     cam = _in_hole(turn, _pair_name(turn, CAM, disc), "cam", _in(seat, _on_gear(turn, CAM, disc)), np.zeros(2))
     centres = output_centres(turn.reducer) + turn.reducer.deviations.hole_place[disc]
-    names = [numbered(OUTPUT_PIN, number) for number in range(1, len(centres) + 1)]
+    names = [numbered_name(OUTPUT_PIN, number) for number in range(1, len(centres) + 1)]
     holes = [
         _in_hole(turn, _pair_name(turn, name, disc), "output", _in(seat, _on_gear(turn, name, disc)), centre)
         for name, centre in zip(names, centres, strict=True)
@@ -286,7 +286,7 @@ def _of_output(turn: Turn) -> list[PartContact]:
     output, seat = turn.reducer.design.output, part_frame(turn, "output")
     contacts = []
     for disc, (number, centre) in product(_discs(turn), enumerate(output_centres(turn.reducer), start=1)):
-        name = numbered(OUTPUT_PIN, number)
+        name = numbered_name(OUTPUT_PIN, number)
         action = _in(seat, _on_gear(turn, name, disc).reaction())
         wide = np.full_like(action.size, MAX_HALF_ANGLE * output.root_radius)
         width = wide if output.rollers else _round_width(turn, "output", action)
@@ -338,7 +338,7 @@ def _teeth(turn: Turn, part: str, disc: int) -> list[PartContact]:
     ahead = on_teeth.angle + (turn["crank_angle"] + phase) / gear.lobes
     contacts = []
     for lobe in range(gear.ring_teeth):
-        name = numbered(LOBE, lobe + 1)
+        name = numbered_name(LOBE, lobe + 1)
         action = _on_gear(turn, name, disc)
         seen = _in(on_teeth, action)
         place, curvature = lobe_place(
@@ -355,7 +355,7 @@ def _teeth(turn: Turn, part: str, disc: int) -> list[PartContact]:
 
 def _pin_on_gear(turn: Turn, pin: int, disc: int) -> PartContact:
     """Return the contact of a ring pin with a disc, on the disc."""
-    gear, seat, name = turn.reducer.gear_profile, _disc(turn, disc), numbered(PIN, pin + 1)
+    gear, seat, name = turn.reducer.gear_profile, _disc(turn, disc), numbered_name(PIN, pin + 1)
     action = _in(seat, _on_gear(turn, name, disc))
     place = action.on_hole(seat.sees(pin_centre(turn, pin)), gear.pin_radius + turn.reducer.deviations.pin_radius[pin])
     curvature = _pin_curvature(gear, pin, _tooth_frame(turn, disc).angle, turn.reducer.profile_offset)
@@ -373,15 +373,15 @@ def _socket(turn: Turn, pin: int, disc: int) -> PartContact:
     centre = ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth) + turn.reducer.deviations.pin_place[pin]
     radius = np.linalg.norm(action.on_hole(centre, _round_radii(turn, "pin_socket")[1]), axis=-1)
     action = action.where(radius > wall_radius(turn.reducer.design) * (1.0 - 1e-9))
-    name = numbered(SOCKET, pin + 1)
+    name = numbered_name(SOCKET, pin + 1)
     return _in_hole(turn, name if _has_free_pins(turn) else _pair_name(turn, name, disc), "pin_socket", action, centre)
 
 
 def _socket_force(turn: Turn, pin: int, disc: int) -> Action:
     """Compute the force of a socket on its pin, about the reducer's axis; of a fixed pin, that of a disc."""
     if _has_free_pins(turn):
-        return _read_action(turn, numbered(SOCKET, pin + 1), pin_centre(turn, pin))
-    return _on_gear(turn, numbered(PIN, pin + 1), disc)
+        return _read_action(turn, numbered_name(SOCKET, pin + 1), pin_centre(turn, pin))
+    return _on_gear(turn, numbered_name(PIN, pin + 1), disc)
 
 
 def _has_free_pins(turn: Turn) -> bool:

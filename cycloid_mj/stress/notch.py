@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.names import OUTPUT_PIN, disc_of, number_of, numbered
+from cycloid_mj.base.names import OUTPUT_PIN, disc_of, number_of, numbered_name
 from cycloid_mj.base.units import MEGAPASCAL, MILLIMETRE
 from cycloid_mj.parts.crank import ShaftDimensions
 from cycloid_mj.reducer import Reducer
@@ -94,7 +94,7 @@ def output_roots(reducer: Reducer, loads: "PartLoads") -> tuple[Notch, ...]:
     where = ", at the second output disc" if root else ""
     return (
         Notch(
-            name=f"root of {numbered(OUTPUT_PIN, int(numbers[pin]))}{where}",
+            name=f"root of {numbered_name(OUTPUT_PIN, int(numbers[pin]))}{where}",
             radius=radius,
             fillet=fillet,
             angle=float(loads.angle[row]),

@@ -488,7 +488,7 @@ def test_measured_loops_support_friction_that_grows_with_the_load(kind: str) -> 
     assert found.preferred.key == "load"
     shares = {one.key: one.shares[1] for one in found.candidates}
     assert shares["load"] * loops[1].height < math.radians(0.25) < math.radians(0.45) < found.rms
-    missed = {one.stretch for one in found.stretches if one.loop == loops[1].name and not one.followed}
+    missed = {one.stretch for one in found.stretches if one.loop == loops[1].name and not one.is_within_model_error}
     assert {"torque rising, unloading", "torque falling, unloading"} <= missed
     assert any("load_friction" in sentence and "--fit" in sentence for sentence in found.misfits)
     content = found.as_json()
@@ -685,7 +685,7 @@ def test_the_printed_drive_is_explained(bench: Fitted) -> None:
     assert shares[1] < 0.04
     friction = FIVE.index("friction")
     assert bench.values[friction] > 0.1
-    low, high = stops(bench.calibrated.reducer, 0.0)
+    low, high = stops(bench.calibrated_model.reducer, 0.0)
     assert math.degrees(high - low) < 1.24
 
 
@@ -1045,7 +1045,7 @@ def test_a_measured_error_is_matched_and_its_zero_found(tmp_path: Path) -> None:
     assert math.degrees(found.zero) == pytest.approx(77.0, abs=0.5)
     assert found.whole > 0.99
     strong = found.strongest_first[:3]
-    assert np.all(found.explained[strong] > 0.98)
+    assert np.all(found.explained_shares[strong] > 0.98)
     other = compare_bench(unlike("few"), read_te(path), design.rated_torque)
     assert other.whole < 0.9 * found.whole
 

@@ -313,7 +313,7 @@ def from_rest(*torques_and_errors):
 def test_a_torque_from_rest_below_its_own_error_is_not_told():
     """Free pins in 15 um of play were told to have 0.003 +- 0.02 N m."""
     told, untold, locked = (from_rest(pair) for pair in ((0.3, 0.1), (0.1, 0.3), (math.nan, math.nan)))
-    assert [one.resolved for one in (told, untold, locked)] == [True, False, False]
+    assert [one.exceeds_error for one in (told, untold, locked)] == [True, False, False]
     assert [one.locked for one in (told, untold, locked)] == [False, False, True]
     assert untold.note.startswith("below 0.4 N m")
 

@@ -120,6 +120,6 @@ def test_free_pins_are_rollers_and_cut_if_too_long() -> None:
 def test_free_pins_fill_the_ring_with_axial_play(size: float, width: float) -> None:
     roller = stock.free_pin(1e-3 * size, 1e-3 * width, 1e-4)
     assert roller is not None
-    slack = width - 1e3 * roller.count * roller.used
+    slack = width - 1e3 * roller.count * roller.used_length
     assert 0.2 - 1e-9 <= slack <= 0.5 * roller.count + 1e-9
-    assert roller.used <= roller.length
+    assert roller.used_length <= roller.length

@@ -151,7 +151,7 @@ def _manifest(
         names.SHAFT,
         *reducer.gears,
         names.OUTPUT,
-        *([names.numbered(names.PIN, 1)] if design.ring.has_pin_bodies else []),
+        *([names.numbered_name(names.PIN, 1)] if design.ring.has_pin_bodies else []),
     ]
     content = {
         "design": {"name": design.name, "sha256": design_hash(reducer)},

@@ -173,7 +173,7 @@ def add_rest(spec: Any, reducer: Reducer, number: int, rest: Rest) -> None:
 
 def stem(surface: str, member: int) -> str:
     """Name a member of a surface as its mating pairs do."""
-    return names.numbered(_STEMS[surface], member) if surface in _STEMS else surface
+    return names.numbered_name(_STEMS[surface], member) if surface in _STEMS else surface
 
 
 def _options(spec: Any) -> None:

@@ -87,7 +87,7 @@ class ConvexSurface:
     @property
     def key(self) -> str:
         """Its name among all surfaces of a design, also in files: ``teeth``, or ``gear_2_teeth`` if they differ."""
-        return names.column(names.numbered(names.GEAR, self.disc + 1), self.name) if self.disc else self.name
+        return names.column(names.numbered_name(names.GEAR, self.disc + 1), self.name) if self.disc else self.name
 
 
 def prism(surface: ConvexSurface, number: int) -> Prism:

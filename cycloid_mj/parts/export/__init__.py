@@ -267,7 +267,7 @@ def _with_halves(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) ->
     files: dict[str, bytes] = {}
     for name, content in whole.files.items():
         if name == housing:
-            files |= {f"{names.numbered(names.HOUSING, number)}.{file_format}": half[name] for number in (1, 2)}
+            files |= {f"{names.numbered_name(names.HOUSING, number)}.{file_format}": half[name] for number in (1, 2)}
         else:
             files[name] = half[name] if name.startswith((names.PIN, PRESSED_PIN)) else content
     return Export(files, whole.clearances)

@@ -88,7 +88,7 @@ def _places(reducer: Reducer, crank: float, sizes: Casing | None) -> Iterator[Pl
             yield _rotated_place(SECOND_OUTPUT, SECOND_OUTPUT, origin, carrier, names.OUTPUT)
         for number, centre in enumerate(output_centres(reducer), start=1):
             at = np.array([*centre, 0.0])
-            yield _rotated_place(names.numbered(OUTPUT_PIN, number), OUTPUT_PIN, at, carrier, names.OUTPUT)
+            yield _rotated_place(names.numbered_name(OUTPUT_PIN, number), OUTPUT_PIN, at, carrier, names.OUTPUT)
     discs = zip(reducer.gears, reducer.phases, design.gear.disc_planes, strict=True)
     for gear, phase, plane in discs:
         x, y = design.gear.eccentricity * unit(-(crank + phase))  # unit turns clockwise, the crank the other way

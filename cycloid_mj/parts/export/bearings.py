@@ -76,7 +76,7 @@ def pin_pieces(reducer: Reducer) -> tuple[int, float]:
     if not design.seat_pair:
         return 1, design.gear.stack_width
     free = free_pin(reducer) if design.ring.has_sockets and not design.material_of("pin").is_plastic else None
-    return (free.count, free.used) if free else (1, design.gear.stack_width)
+    return (free.count, free.used_length) if free else (1, design.gear.stack_width)
 
 
 def cam_radius(reducer: Reducer, seat: float | None = None) -> float:

@@ -91,7 +91,7 @@ def bill(
     DesignError
         A part cannot be manufactured.
     """
-    lines = (*_manufactured(reducer, cam_seat, sizes), *_bought(reducer, cam_seat, sizes))
+    lines = (*_manufactured_lines(reducer, cam_seat, sizes), *_bought_lines(reducer, cam_seat, sizes))
     return (
         tuple(
             replace(line, fit=f"tighten with {torques[line.item]:.2g} N m") if line.item in torques else line
@@ -146,7 +146,7 @@ def out_of_stock(items: Iterable[BillLine]) -> Iterator[str]:
             yield f"{item.item}: none in stock has {item.size}; choose other sizes, or order it to measure"
 
 
-def _manufactured(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:
+def _manufactured_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:
     joints = drive_joints(reducer, sizes) if sizes else ()
     for name, part in manufactured_parts(reducer, VISUAL_CHORD_ERROR, cam_seat, sizes).items():
         bored = _format_bore(reducer, sizes) if name == names.SHAFT else ""
@@ -172,7 +172,7 @@ def _thread(tapped: TappedHole) -> str:
     return f"{size}, drilled {_mm(tapped.thread - stock.pitch(tapped.thread))} mm"
 
 
-def _bought(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:
+def _bought_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:
     """Yield the lines of the bought parts."""
     yield from _pins(reducer, sizes)
     yield from _rollers(reducer)
@@ -207,7 +207,7 @@ def _pins(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLine]:
         material = _material(reducer, names.PIN)
         if ring.has_sleeves:
             diameters = ("outside diameter", ring.pin_radius), ("bore", ring.sleeve_bore_radius)
-            size = _round(*diameters, length=pin_pieces(reducer)[1])
+            size = _cylinder_size(*diameters, length=pin_pieces(reducer)[1])
             yield BillLine(names.PIN, ring.teeth, size, material, "bought", "sleeve to measure", "F7 on its pin")
             core = sleeve_core_radius(reducer)
             reach = 2.0 * (sizes.end + sleeve_pin_depth(reducer)) if sizes else gear.stack_width
@@ -224,7 +224,7 @@ def _pins(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLine]:
         yield _pin(OUTPUT_PIN, output.pins, output.root_radius, length, _material(reducer, names.OUTPUT), PIN_FIT)
     if gear.discs > 1 and not is_printed(reducer, names.SHAFT):
         (drawn,) = parts(reducer)[names.SHAFT].prisms
-        size = _round(("diameter", shaft.radius), length=drawn.height) + _format_bore(reducer, sizes)
+        size = _cylinder_size(("diameter", shaft.radius), length=drawn.height) + _format_bore(reducer, sizes)
         key = cam_key(reducer, sizes) if sizes else None
         fit = (
             f"keyway {_mm(key.bought.width)} x {_mm(key.bought.in_shaft)} x {_mm(key.bought.length)} mm" if key else ""
@@ -246,9 +246,9 @@ def _pin(item: str, count: int, radius: float, reach: float, material: str, fit:
     """Return the line of round pins: pins in stock, several in line or cut to length, or of their own size."""
     in_stock = stock.pins(2.0 * radius, reach)
     if not in_stock:
-        return BillLine(item, count, _round(("diameter", radius), length=reach), material, "bought")
+        return BillLine(item, count, _cylinder_size(("diameter", radius), length=reach), material, "bought")
     pin, in_line = in_stock
-    size = _round(("diameter", radius), length=pin.length)
+    size = _cylinder_size(("diameter", radius), length=pin.length)
     if in_line * pin.length > reach + stock.ROUNDING:
         fit += f", cut to {_mm(reach / in_line)} mm"
     return BillLine(item, count * in_line, size, material, "bought", pin.designation, fit)
@@ -258,10 +258,10 @@ def _free_pin(reducer: Reducer, material: str) -> BillLine:
     """Return the line of ring pins that move in their sockets: needle rollers, gauges, or ground to their size."""
     ring, roller = reducer.design.ring, free_pin(reducer)
     if not roller:
-        size = _round(("diameter", ring.pin_radius), length=reducer.design.gear.stack_width)
+        size = _cylinder_size(("diameter", ring.pin_radius), length=reducer.design.gear.stack_width)
         return BillLine(names.PIN, ring.teeth, size, material, "bought", fit=f"ground {FREE_FIT}")
     fit = f"{roller.tolerance}, free in its socket" + (f", cut to {_mm(roller.cut)} mm" if roller.cut else "")
-    size = _round(("diameter", ring.pin_radius), length=roller.length)
+    size = _cylinder_size(("diameter", ring.pin_radius), length=roller.length)
     return BillLine(names.PIN, ring.teeth * roller.count, size, material, "bought", roller.designation, fit)
 
 
@@ -270,7 +270,7 @@ def _rollers(reducer: Reducer) -> Iterator[BillLine]:
     output, gear = reducer.design.output, reducer.design.gear
     if output.rollers:
         sizes = ("outside diameter", output.pin_radius), ("bore", output.root_radius)
-        size, count = _round(*sizes, length=gear.face_width), output.pins * gear.discs
+        size, count = _cylinder_size(*sizes, length=gear.face_width), output.pins * gear.discs
         material = _material(reducer, names.OUTPUT) if output.has_roller_parts else ""
         made: Literal["made", "bought"] = "made" if output.has_roller_parts else "bought"
         yield BillLine(names.ROLLER, count, size, material, made, fit=ROLLER_FIT)
@@ -288,7 +288,7 @@ def _bearings(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
             yield BillLine(CAM_BEARING, gear.discs * count, size, "", "bought", bearing.designation, fit)
         else:
             bore = "bore", cam_seat or full_cam_seat(reducer)
-            size = _round(("outside diameter", gear.bore_radius), bore, length=gear.face_width)
+            size = _cylinder_size(("outside diameter", gear.bore_radius), bore, length=gear.face_width)
             yield BillLine(CAM_BEARING, gear.discs, size, "", "bought", fit="rollers in the bore of the disc")
     on_shaft, fit = shaft_bearing(reducer), shaft_bearing_fit(reducer)
     if on_shaft:
@@ -297,7 +297,7 @@ def _bearings(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
     else:
         width = bearing_width_of(reducer)
         diameters = ("outside diameter", seat_radius(reducer, width)), ("bore", shaft.radius)
-        yield BillLine(SHAFT_BEARING, SHAFT_BEARINGS, _round(*diameters, length=width), "", "bought", fit=fit)
+        yield BillLine(SHAFT_BEARING, SHAFT_BEARINGS, _cylinder_size(*diameters, length=width), "", "bought", fit=fit)
 
 
 def _material(reducer: Reducer, part: str) -> str:
@@ -325,7 +325,7 @@ def _box(contour: Contour) -> tuple[Array, Array]:
     return points.min(axis=0), points.max(axis=0)
 
 
-def _round(*radii: tuple[str, float], length: float) -> str:
+def _cylinder_size(*radii: tuple[str, float], length: float) -> str:
     """Format named diameters, from radii [m], and the length of a round part."""
     return _size([*((name, 2.0 * radius) for name, radius in radii), ("length", length)])
 

@@ -69,7 +69,7 @@ def casing_places(reducer: Reducer, sizes: Casing) -> Iterator[CasingPlace]:
         yield CasingPlace(ring.name, ring.name, (0.0, 0.0, 0.0), names.SHAFT)
     for part in bought_parts(drive_joints(reducer, sizes)):
         for number, origin in enumerate(part.origins, start=part.first):
-            yield CasingPlace(names.numbered(part.item, number), part.item, origin, part.body)
+            yield CasingPlace(names.numbered_name(part.item, number), part.item, origin, part.body)
 
 
 def bored_shaft(reducer: Reducer, sizes: Casing | None, chord_error: float | None = None) -> Part:

@@ -54,6 +54,6 @@ def _rings(reducer: Reducer, sizes: Casing) -> Iterator[CrankRing]:
     back = sizes.play if shaft_bearing(reducer) in stock.needle_bearings() else 0.0
     thinnest, beyond = shaft.radius + RULES.min_wall, min(radius, hub_radius(reducer, sizes))
     if radius >= thinnest:
-        yield CrankRing(names.numbered(CRANK_RING, 1), radius, sizes.near[1] + back, before)
+        yield CrankRing(names.numbered_name(CRANK_RING, 1), radius, sizes.near[1] + back, before)
     if sizes.far and beyond >= thinnest:
-        yield CrankRing(names.numbered(CRANK_RING, 2), beyond, cams[-1].z1, sizes.far[0] - back)
+        yield CrankRing(names.numbered_name(CRANK_RING, 2), beyond, cams[-1].z1, sizes.far[0] - back)

@@ -79,8 +79,8 @@ def layers_of(sections: Sequence[LoopSection], threads: Sequence[DrilledThread] 
     for key, ends in spans.items():
         name, loop = key[0], loops[key]
         thread = next((one.words for one in threads if _is_drilled(loop, one)), "")
-        whole = _joined(list(heights[name]))
-        for low, high in _joined(ends):
+        whole = _join_stretches(list(heights[name]))
+        for low, high in _join_stretches(ends):
             prefix = thread or (name if named else "")
             at_height = f"z {MILLIMETRES * low:.1f} to {MILLIMETRES * high:.1f}"
             plain = not thread and (len(heights[name]) == 1 or (named and (low, high) in whole))
@@ -88,7 +88,7 @@ def layers_of(sections: Sequence[LoopSection], threads: Sequence[DrilledThread] 
     return list(layers.items())
 
 
-def _joined(ends: list[tuple[float, float]]) -> list[tuple[float, float]]:
+def _join_stretches(ends: list[tuple[float, float]]) -> list[tuple[float, float]]:
     """Join consecutive stretches along z."""
     joined: list[tuple[float, float]] = []
     for low, high in sorted(ends):

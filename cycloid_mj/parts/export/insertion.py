@@ -131,16 +131,16 @@ def _moves(reducer: Reducer, sizes: Casing, placed: tuple[Place, ...]) -> Iterat
     yield from _output_moves(sizes, placed)
     yield from _crank_moves(reducer, placed)
     yield Move((MOTOR_COVER,), MOTOR_COVER)
-    yield Move(_named(placed, SCREW_INSERT), MOTOR_COVER, DOWN)
-    yield Move(_named(placed, MOTOR_INSERT), MOTOR_COVER, UP)
-    yield Move(_named(placed, MOTOR_SCREW), MOTOR_COVER, DOWN)
-    yield Move(_named(placed, SHAFT_BEARING, DOWN), MOTOR_COVER, DOWN)
-    yield Move(_named(placed, DOWEL, DOWN), MOTOR_COVER, DOWN)
+    yield Move(_names_of_family(placed, SCREW_INSERT), MOTOR_COVER, DOWN)
+    yield Move(_names_of_family(placed, MOTOR_INSERT), MOTOR_COVER, UP)
+    yield Move(_names_of_family(placed, MOTOR_SCREW), MOTOR_COVER, DOWN)
+    yield Move(_names_of_family(placed, SHAFT_BEARING, DOWN), MOTOR_COVER, DOWN)
+    yield Move(_names_of_family(placed, DOWEL, DOWN), MOTOR_COVER, DOWN)
     yield Move((MOTOR_COVER,), DRIVE, UP)
-    yield Move(_named(placed, SCREW), DRIVE, DOWN)
+    yield Move(_names_of_family(placed, SCREW), DRIVE, DOWN)
 
 
-def _named(placed: tuple[Place, ...], family: str, side: int = 0) -> tuple[str, ...]:
+def _names_of_family(placed: tuple[Place, ...], family: str, side: int = 0) -> tuple[str, ...]:
     """Return the names of the parts of a family, all or those on one side of the middle of the discs."""
     return tuple(
         place.name
@@ -152,45 +152,45 @@ def _named(placed: tuple[Place, ...], family: str, side: int = 0) -> tuple[str, 
 def _output_moves(sizes: Casing, placed: tuple[Place, ...]) -> Iterator[Move]:
     """Yield the moves of output, ring and ring pins."""
     yield Move((names.OUTPUT,), "hub")
-    yield Move(_named(placed, FLANGE_INSERT), "hub", DOWN)
-    yield Move(_named(placed, OUTPUT_PIN), "hub", UP)
+    yield Move(_names_of_family(placed, FLANGE_INSERT), "hub", DOWN)
+    yield Move(_names_of_family(placed, OUTPUT_PIN), "hub", UP)
     yield Move((OUTPUT_COVER,), DRIVE)
-    inner, outer = sorted(_named(placed, OUTPUT_BEARING))
+    inner, outer = sorted(_names_of_family(placed, OUTPUT_BEARING))
     yield Move((inner,), DRIVE, UP)
     yield Move((outer,), DRIVE, DOWN)
     if sizes.far:
-        yield Move(_named(placed, SHAFT_BEARING, UP), "hub", UP)
+        yield Move(_names_of_family(placed, SHAFT_BEARING, UP), "hub", UP)
     yield Move(("hub",), DRIVE, UP)
     yield Move((FLANGE,), "flange")
-    yield Move(_named(placed, LOAD_INSERT), "flange", DOWN)
+    yield Move(_names_of_family(placed, LOAD_INSERT), "flange", DOWN)
     yield Move(("flange",), DRIVE, DOWN)
-    yield Move(_named(placed, FLANGE_SCREW), DRIVE, DOWN)
-    yield Move(_named(placed, DOWEL, UP), DRIVE, UP)
+    yield Move(_names_of_family(placed, FLANGE_SCREW), DRIVE, DOWN)
+    yield Move(_names_of_family(placed, DOWEL, UP), DRIVE, UP)
     yield Move((names.HOUSING,), DRIVE, UP)
     for family in (PRESSED_PIN, names.PIN, names.ROLLER):
-        yield Move(_named(placed, family), DRIVE, UP)
+        yield Move(_names_of_family(placed, family), DRIVE, UP)
 
 
 def _crank_moves(reducer: Reducer, placed: tuple[Place, ...]) -> Iterator[Move]:
     """Yield the moves of discs and crank: a disc, then the crank; or the crank of several with its discs."""
-    rings, shaft = _named(placed, CRANK_RING), names.SHAFT
+    rings, shaft = _names_of_family(placed, CRANK_RING), names.SHAFT
     second = [Move((SECOND_OUTPUT,), DRIVE, UP)] if reducer.design.output.support == "both_ends" else []
     if reducer.design.gear.discs == 1:
         yield Move((names.GEAR,), names.GEAR)
-        yield Move(_named(placed, CAM_BEARING), names.GEAR, UP)
+        yield Move(_names_of_family(placed, CAM_BEARING), names.GEAR, UP)
         yield Move((names.GEAR,), DRIVE, UP)
         yield Move((shaft,), shaft)
         yield Move(rings[:1], shaft, UP)
         yield Move(rings[1:], shaft, DOWN)
         yield from (*second, Move((shaft,), DRIVE, UP))
         return
-    yield Move((shaft, *_named(placed, KEY)), shaft)
+    yield Move((shaft, *_names_of_family(placed, KEY)), shaft)
     for number, gear in enumerate(reducer.gears, start=1):
         if number > 1:
-            yield Move((names.numbered(names.SPACER, number - 1),), shaft, DOWN)
+            yield Move((names.numbered_name(names.SPACER, number - 1),), shaft, DOWN)
         yield Move((gear,), gear)
         yield Move(tuple(one.name for one in placed if one.body == gear and one.name != gear), gear, DOWN)
-        yield Move((names.numbered(names.CAM, number),), gear, DOWN)
+        yield Move((names.numbered_name(names.CAM, number),), gear, DOWN)
         yield Move((gear,), shaft, DOWN)
     yield Move(rings[1:], shaft, DOWN)
     yield from (Move((shaft,), DRIVE, UP), *second)

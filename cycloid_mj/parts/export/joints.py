@@ -211,7 +211,7 @@ def _cover_screws(reducer: Reducer, sizes: Casing) -> Joint:
         *_inserts(reducer, SCREW_INSERT, bolt.thread, names.HOUSING, centres, end, -1.0),
     ]
     parts = (MOTOR_COVER, *(() if screws.outside else (names.HOUSING,)), OUTPUT_COVER)
-    threads = (_tapped(reducer, MOTOR_COVER, centres, bolt.thread, thread_depth),)
+    threads = (_tapped_hole(reducer, MOTOR_COVER, centres, bolt.thread, thread_depth),)
     return Joint("screws of the covers", JointKind.SCREWED, parts, tuple(holes), tuple(bought), threads=threads)
 
 
@@ -223,7 +223,7 @@ def _motor_screws(reducer: Reducer, sizes: Casing) -> Joint:
         depth = hole_depth(reducer, motor.thread, RULES.engagement * motor.thread)
         thread = (centres, core_radius(reducer, motor.thread), face, face + depth)
         inserts = tuple(_inserts(reducer, MOTOR_INSERT, motor.thread, names.HOUSING, centres, face, 1.0))
-        threads = (_tapped(reducer, MOTOR_COVER, centres, motor.thread, depth),)
+        threads = (_tapped_hole(reducer, MOTOR_COVER, centres, motor.thread, depth),)
         return Joint(name, JointKind.SCREWED, parts, ((MOTOR_COVER, thread),), inserts, threads=threads)
     under_head = face + motor_grip(motor, sizes.wall)
     holes: tuple[Hole, ...] = (
@@ -256,7 +256,7 @@ def _flange_screws(reducer: Reducer, sizes: Casing) -> Joint:
         _screws(FLANGE_SCREW, bolt, length, names.OUTPUT, centres, under_head, FLANGE_CLASS),
         *_inserts(reducer, FLANGE_INSERT, bolt.thread, names.OUTPUT, centres, top, -1.0),
     )
-    threads = (_tapped(reducer, names.OUTPUT, centres, bolt.thread, depth),)
+    threads = (_tapped_hole(reducer, names.OUTPUT, centres, bolt.thread, depth),)
     parts = (names.OUTPUT, FLANGE)
     return Joint("screws of the output flange", JointKind.SCREWED, parts, holes, bought, threads=threads)
 
@@ -265,7 +265,7 @@ def _load_threads(reducer: Reducer, sizes: Casing) -> Joint:
     bolt, centres, end = sizes.flange_bolt, flange_centres(sizes)[1::2], sizes.top + sizes.flange_thickness
     thread = (centres, core_radius(reducer, bolt.thread), sizes.top, end)
     inserts = tuple(_inserts(reducer, LOAD_INSERT, bolt.thread, names.OUTPUT, centres, end, -1.0))
-    threads = (_tapped(reducer, FLANGE, centres, bolt.thread, end - sizes.top),)
+    threads = (_tapped_hole(reducer, FLANGE, centres, bolt.thread, end - sizes.top),)
     return Joint(
         "threads for the load", JointKind.SCREWED, (FLANGE, LOAD), ((FLANGE, thread),), inserts, threads=threads
     )
@@ -308,7 +308,7 @@ def _dowels(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
         )
 
 
-def _tapped(reducer: Reducer, part: str, centres: Array, thread: float, depth: float) -> TappedHole:
+def _tapped_hole(reducer: Reducer, part: str, centres: Array, thread: float, depth: float) -> TappedHole:
     insert = insert_in(reducer, thread)
     return TappedHole(part, len(centres), thread, depth, insert.designation if insert else "")
 

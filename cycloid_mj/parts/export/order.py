@@ -144,7 +144,7 @@ def _discs(reducer: Reducer, sizes: Casing) -> str:
 def _crank(reducer: Reducer, sizes: Casing) -> str:
     """Describe the step that mounts the crank, or the crank of several discs with its discs."""
     design, rings = reducer.design, {ring.name for ring in crank_rings(reducer, sizes)}
-    first, second = (names.numbered(CRANK_RING, number) for number in (1, 2))
+    first, second = (names.numbered_name(CRANK_RING, number) for number in (1, 2))
     before = [f"{first} on its journal"] * (first in rings) + [f"{second} on its far end"] * (second in rings)
     if design.gear.discs == 1:
         put = f"Put {' and '.join(before)}; push" if before else "Push"

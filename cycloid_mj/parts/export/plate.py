@@ -149,13 +149,13 @@ def _lay(
         PlatePosition(name, _corner(low + shift), _corner(high + shift), (float(shift[0]), float(shift[1])), over)
         for name, over, (low, high), shift in copies
     )
-    laid = tuple(_shifted(shapes[name], shift) for name, _, _, shift in copies)
-    supports = tuple(tuple(_shifted(one, shift) for one in stood[name]) for name, _, _, shift in copies)
+    laid = tuple(_translate_mesh(shapes[name], shift) for name, _, _, shift in copies)
+    supports = tuple(tuple(_translate_mesh(one, shift) for one in stood[name]) for name, _, _, shift in copies)
     own = {name for name, *_ in copies}
     return PrintPlate(laid, places, supports, {name: faces for name, faces in hanging.items() if name in own})
 
 
-def _shifted(shape: Mesh, shift: Array) -> Mesh:
+def _translate_mesh(shape: Mesh, shift: Array) -> Mesh:
     return Mesh(shape.vertices + shift, shape.faces)
 
 
