@@ -32,7 +32,7 @@ def significant_tensor(values: npt.ArrayLike) -> Array:
     if largest == 0.0:
         return array
     decimals = DIGITS - 1 - int(np.floor(np.log10(largest)))
-    return np.array([significant(float(one)) for one in np.round(array, decimals).ravel()]).reshape(array.shape) + 0.0
+    return np.array([significant(float(item)) for item in np.round(array, decimals).ravel()]).reshape(array.shape) + 0.0
 
 
 def on_grid(values: npt.ArrayLike) -> Array:

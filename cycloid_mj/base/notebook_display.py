@@ -52,7 +52,7 @@ class Presented(Drawn):
             raise CycloidError(
                 "a data frame requires pandas or polars: pip install pandas, or use the arrays of .frame.columns"
             )
-        return import_module(package).DataFrame({name: one.tolist() for name, one in self.frame.columns.items()})
+        return import_module(package).DataFrame({name: item.tolist() for name, item in self.frame.columns.items()})
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {self.line}>"
@@ -60,7 +60,7 @@ class Presented(Drawn):
     def _repr_html_(self) -> str:
         columns = self.frame.columns
         head = "".join(f"<th>{escape(name)}</th>" for name in columns)
-        rows = islice(zip(*(one.tolist() for one in columns.values()), strict=True), MOST_ROWS)
+        rows = islice(zip(*(item.tolist() for item in columns.values()), strict=True), MOST_ROWS)
         body = "".join(f"<tr>{''.join(f'<td>{escape(_cell(cell))}</td>' for cell in row)}</tr>" for row in rows)
         more = f"<p>{self.frame.rows - MOST_ROWS} rows more</p>" if self.frame.rows > MOST_ROWS else ""
         return f"<p>{escape(self.line)}</p><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>{more}"

@@ -20,7 +20,7 @@ MOST_FIGURES = 12
 
 def headline(quantities: Iterable[Quantity]) -> dict[str, str]:
     """Write the first dozen quantities: name -> value with its unit."""
-    return {one.name: _written(one) for one in islice(quantities, MOST_FIGURES)}
+    return {item.name: _written(item) for item in islice(quantities, MOST_FIGURES)}
 
 
 def _written(quantity: Quantity) -> str:

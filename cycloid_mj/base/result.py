@@ -399,6 +399,6 @@ class Claim:
             "p": self.p,
             "decided_by": self.decided_by,
             "removals": [removal.as_json() for removal in self.removals],
-            "ranges_searched": [one.as_json() for one in self.searched],
+            "ranges_searched": [item.as_json() for item in self.searched],
             "at_rated_load": None if self.rated is None else self.rated.as_json(),
         }

@@ -551,7 +551,7 @@ def _format_number(value: float) -> str:
 def _next_loops(fitted: Fitted, unknown: Sequence[str], alike: Sequence[tuple[str, str, float]]) -> tuple[str, ...]:
     """List loops that would determine the undetermined values, a sentence each."""
     open_keys = {*unknown, *(key for pair in alike for key in pair[:2])}
-    most, bench = max(loop.most for loop in fitted.loops), fitted.bench
+    max_torque, bench = max(loop.most for loop in fitted.loops), fitted.bench
     lowest = min(fitted.loops, key=attrgetter("height"))
     coulomb, advice = coulomb_of(lowest).value, []
     if any(key == "play" or key.endswith(("_play", "_um")) for key in open_keys):
@@ -561,18 +561,20 @@ def _next_loops(fitted: Fitted, unknown: Sequence[str], alike: Sequence[tuple[st
             f"play: a loop at a second crank angle, {angle:.4g} deg, at which other teeth and holes carry the load"
         )
     if {"drag", "drag_travel", "hysteresis", "hysteresis_travel", *RUBBING} & open_keys:
-        small = 1.5 * coulomb if np.isfinite(coulomb) else 0.2 * most
+        small = 1.5 * coulomb if np.isfinite(coulomb) else 0.2 * max_torque
         advice.append(
             f"losses: a loop of +-{small:.2g} N m, in which constant friction is most of the torque, in addition to "
-            f"one of +-{most:.4g} N m"
+            f"one of +-{max_torque:.4g} N m"
         )
-        other = "output" if bench.held == "crank" else "crank"
+        other_end = "output" if bench.held == "crank" else "crank"
         advice.append(
-            f"friction: the same loop with the {other} locked (--held {other}), where friction acts in the other "
-            "direction"
+            f"friction: the same loop with the {other_end} locked (--held {other_end}), where friction acts in the "
+            "other direction"
         )
     if {"tooth_stiffness", "structure_stiffness", "hysteresis_travel"} & open_keys:
-        advice.append(f"stiffness: a loop of +-{2.0 * most:.4g} N m, of which play and friction are a smaller part")
+        advice.append(
+            f"stiffness: a loop of +-{2.0 * max_torque:.4g} N m, of which play and friction are a smaller part"
+        )
     return tuple(advice)
 
 

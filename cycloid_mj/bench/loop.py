@@ -219,17 +219,19 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, where: str = 
         constant = TORQUE if not np.ptp(torque) > 0.0 else DEFLECTION
         raise UsageError(f"{where}: {constant} is the same in all rows, so this is not a loop: record a full loop")
     turns, branch = _turns(torque)
-    if count < SETTINGS.min_branch_points * (turned := len(np.unique(branch))):
+    if count < SETTINGS.min_branch_points * (branches := len(np.unique(branch))):
         raise UsageError(
-            f"{where}: the torque reverses {turned - 1} times in {count} points. Are the rows in the order of time?"
+            f"{where}: the torque reverses {branches - 1} times in {count} points. Are the rows in the order of time?"
         )
     _require_no_outlier(torque, TORQUE, where)
     _require_no_outlier(deflection_deg, DEFLECTION, where)
     if not SETTINGS.min_height_deg <= height <= SETTINGS.max_height_deg:
-        other = "in arcminutes or arcseconds" if height > SETTINGS.max_height_deg else "in turns, or of another drive"
+        likely_unit = (
+            "in arcminutes or arcseconds" if height > SETTINGS.max_height_deg else "in turns, or of another drive"
+        )
         raise UsageError(
             f"{where}: the deflection has a range of {height:.3g} deg, which is not that of a locked drive. Is it "
-            f"{other}? {DEFLECTION} must be in degrees"
+            f"{likely_unit}? {DEFLECTION} must be in degrees"
         )
     if len(turns) < 2 or len(np.unique(branch)) < 2 or min(turns) >= 0.0 or max(turns) <= 0.0:
         raise UsageError(
@@ -256,11 +258,11 @@ def require_torque(loop: MeasuredLoop, rated: float) -> None:
             f"torque of {rated:.4g} N m. If {TORQUE} is in N mm, divide it by 1000; otherwise set drive.torque_nm "
             "of the design"
         )
-    least = SETTINGS.min_rated_torques * rated
-    if loop.most < least:
+    min_torque = SETTINGS.min_rated_torques * rated
+    if loop.most < min_torque:
         raise UsageError(
-            f"{loop.name}: the torque reaches only {loop.most:.4g} N m, at least {least:.4g} N m is needed for the "
-            f"design's rated torque of {rated:.4g} N m. If {TORQUE} is in kN m, multiply it by 1000; otherwise measure "
+            f"{loop.name}: the torque reaches only {loop.most:.4g} N m, at least {min_torque:.4g} N m is needed for "
+            f"the design's rated torque of {rated:.4g} N m. If {TORQUE} is in kN m, multiply it by 1000; otherwise measure "
             "a loop at higher torque"
         )
 

@@ -402,9 +402,9 @@ def _of_file(reducer: Reducer, key: str) -> Parameter:
     unit = unit_of(declared)
     start = unit.from_si(value)
     bounds = bounds_of(declared)
-    least = unit.from_si(bounds.get("ge", bounds.get("gt", -1e12)))
-    most = unit.from_si(bounds.get("le", bounds.get("lt", 1e12)))
-    scale = 0.2 * abs(start) or 1e-3 * min(abs(most), 1e3)
+    lower = unit.from_si(bounds.get("ge", bounds.get("gt", -1e12)))
+    upper = unit.from_si(bounds.get("le", bounds.get("lt", 1e12)))
+    scale = 0.2 * abs(start) or 1e-3 * min(abs(upper), 1e3)
 
     def apply(model: Model, value: float) -> Model:
         try:
@@ -412,4 +412,4 @@ def _of_file(reducer: Reducer, key: str) -> Parameter:
         except DesignError as error:
             raise UsageError(f"--fit {key}: {error}") from error
 
-    return Parameter(key, unit.suffix or "1", str(declared.description), start, scale, least, most, apply)
+    return Parameter(key, unit.suffix or "1", str(declared.description), start, scale, lower, upper, apply)

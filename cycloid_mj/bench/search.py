@@ -102,8 +102,8 @@ class FitProblem:
     @cached_property
     def prior_means(self) -> Array:
         """Mean of the prior of each scaled value."""
-        drawn = [parameter.to_scale(parameter.start) for parameter in self.parameters]
-        return np.array([*drawn, *([0.0] * (2 * len(self.loops)))])
+        start_values = [parameter.to_scale(parameter.start) for parameter in self.parameters]
+        return np.array([*start_values, *([0.0] * (2 * len(self.loops)))])
 
     @cached_property
     def point_weights(self) -> Array:
@@ -261,11 +261,11 @@ class FitProblem:
         plays = (1.0, 2.0, 0.5, 4.0) if {"mesh_play", "play", "output_play"} & keys else (1.0,)
         softer = (1.0, 0.3, 0.1, 0.03, 0.01, 3.0) if {"tooth_stiffness", "structure_stiffness"} & keys else (1.0,)
         starts = []
-        for chosen in self.start_factors:
-            tried = []
+        for start_factors in self.start_factors:
+            candidates = []
             for play, stiffness in product(plays, softer):
                 factors = {"mesh_play": play, "output_play": play, "play": play, "tooth_stiffness": stiffness}
-                factors |= {"structure_stiffness": stiffness} | chosen
+                factors |= {"structure_stiffness": stiffness} | start_factors
                 values = [
                     min(max(item.start * factors.get(item.key, 1.0), item.lower), item.upper)
                     for item in self.parameters
@@ -274,8 +274,8 @@ class FitProblem:
                 scaled = np.concatenate([start, *shifts])
                 self.trials()
                 cost = sum(float(np.mean(np.abs(part))) for part in self.residuals_by_loop(scaled))
-                tried.append((cost, scaled))
-            starts.append(min(tried, key=itemgetter(0))[1])
+                candidates.append((cost, scaled))
+            starts.append(min(candidates, key=itemgetter(0))[1])
         return starts
 
     def minimise(

@@ -109,19 +109,19 @@ def estimate_uncertainty(
     if prior is not None:
         information += np.diag(prior**2)
     inverse = np.zeros_like(information)
-    chosen = np.ix_(free, free)
-    values, vectors = np.linalg.eigh(information[chosen])
-    least = 1e-12 * max(float(values.max(initial=0.0)), 1e-300)
-    unseen = vectors[:, values <= least]
-    inverse[chosen] = (vectors / np.maximum(values, least)) @ vectors.T
+    free_entries = np.ix_(free, free)
+    values, vectors = np.linalg.eigh(information[free_entries])
+    min_eigenvalue = 1e-12 * max(float(values.max(initial=0.0)), 1e-300)
+    unseen = vectors[:, values <= min_eigenvalue]
+    inverse[free_entries] = (vectors / np.maximum(values, min_eigenvalue)) @ vectors.T
     covariance, influence, counts = np.zeros_like(information), [], []
     for part, rows in zip(residuals, slopes, strict=True):
         leverage = np.minimum(np.sum(rows @ inverse * rows, axis=1), INTERVAL.max_leverage)
-        moved, count = rows @ inverse, autocorrelation_time(part)
+        gain, count = rows @ inverse, autocorrelation_time(part)
         # a sum of squares, so that no small variance is rounded below 0
-        scaled = moved * (part / (1.0 - leverage))[:, np.newaxis]
+        scaled = gain * (part / (1.0 - leverage))[:, np.newaxis]
         covariance += count * scaled.T @ scaled
-        influence.append(moved / np.sqrt(1.0 - leverage)[:, np.newaxis])
+        influence.append(gain / np.sqrt(1.0 - leverage)[:, np.newaxis])
         counts.append(np.full(len(part), count))
-    covariance[chosen] += INTERVAL.unknown_error**2 * unseen @ unseen.T
+    covariance[free_entries] += INTERVAL.unknown_error**2 * unseen @ unseen.T
     return FitUncertainty(covariance, inverse, np.concatenate(influence), np.concatenate(counts))

@@ -142,7 +142,7 @@ def calibrate(
         )
     keys = tuple(key.strip() for key in fit.split(",") if key.strip()) if fit else DEFAULT
     loops = [read_loop(path) for path in loop]
-    names = [one.name for one in loops]
+    names = [item.name for item in loops]
     if len(set(names)) < len(names):
         raise UsageError(
             f"two loops have the file name {max(names, key=names.count)}: rename one file, so that the "
@@ -305,9 +305,9 @@ def _headline(calibration: "Calibration") -> dict[str, str]:
         "residual, rms": f"{calibration.rms / DEGREE:.3g} deg",
     }
     fitted = {
-        key: f"{one.value:.4g} {'' if one.unit == '1' else one.unit}".strip()
-        + ("" if one.identified else " (not determined by the loop)")
-        for key, one in calibration.estimates.items()
+        key: f"{item.value:.4g} {'' if item.unit == '1' else item.unit}".strip()
+        + ("" if item.identified else " (not determined by the loop)")
+        for key, item in calibration.estimates.items()
     }
     return dict(islice((derived | fitted).items(), MOST_FIGURES))
 

@@ -109,7 +109,7 @@ def _surface_figures(manifest: bytes) -> dict[str, dict[str, Any]]:
     from json import loads
 
     content = loads(manifest)
-    rest = {f"{one['part']} rest {number}": one for number, one in enumerate(content["rest"], start=1)}
+    rest = {f"{item['part']} rest {number}": item for number, item in enumerate(content["rest"], start=1)}
     return {**content["surfaces"], **rest}
 
 
@@ -125,7 +125,7 @@ def _plain_figures(reducer: Reducer, seed: int) -> dict[str, dict[str, Any]]:
         cut: list[Plain] = [plain_gear(reducer, settings)]
         if reducer.design.ring.kind == "nonpin":
             cut.append(plain_ring(reducer, settings))
-        figures |= {f"{one.part}, plain CoACD {threshold:g}": quality_um(one.quality) for one in cut}
+        figures |= {f"{item.part}, plain CoACD {threshold:g}": quality_um(item.quality) for item in cut}
     return figures
 
 

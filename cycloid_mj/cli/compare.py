@@ -332,7 +332,7 @@ def _from_logs(names: Sequence[str], q: tuple[float, float] | None, place: Desti
     comparison = compared([trial for _, trial in trials])
     motions = {trial: motion for motion, trial in trials}
     judged = judged_runs(comparison.trials, {})
-    return outcome_of(comparison, judged, _pictures(comparison, [motions[one] for one in comparison.trials]), place)
+    return outcome_of(comparison, judged, _pictures(comparison, [motions[item] for item in comparison.trials]), place)
 
 
 def _from_runs(plan: RunPlan, q: tuple[float, float] | None, place: Destination, wanted: Delivery) -> Outcome:

@@ -131,7 +131,7 @@ def _result(outcome: Outcome) -> dict[str, Any]:
     """Return the JSON object of an outcome, with its own warnings after those issued before."""
     noted = with_warnings(dict(outcome.result))
     seen = noted.get("warnings", [])
-    own = [one for one in outcome.warnings if one not in seen]
+    own = [item for item in outcome.warnings if item not in seen]
     return noted | {"warnings": [*seen, *own]} if own else noted
 
 

@@ -358,7 +358,9 @@ class _Printed:
 
     def result(self, into: Path) -> dict[str, Any]:
         """Return the entries of the JSON object for files in a folder."""
-        each = [{"file": str(into / file), "size": one.size, "parts": one.counts} for file, one in self.plates.items()]
+        each = [
+            {"file": str(into / file), "size": item.size, "parts": item.counts} for file, item in self.plates.items()
+        ]
         return {"plate": each[0], "plates": each, **self.entries}
 
 

@@ -93,7 +93,7 @@ class MeasureOptions:
 def _in_si(name: str, value: Any) -> Any:
     if not name.endswith("_rpm") or value is None:
         return value
-    return [SPEED.unit.to_si(one) for one in value] if isinstance(value, tuple) else SPEED.unit.to_si(value)
+    return [SPEED.unit.to_si(item) for item in value] if isinstance(value, tuple) else SPEED.unit.to_si(value)
 
 
 def several(name: str, quantity: DesignValue, text: str, default: str) -> Parameter:
@@ -348,10 +348,10 @@ def commands(sort_key: int) -> App:
 def _command(name: str, options: type[MeasureOptions]) -> Callable[..., int]:
     """Create the command of a measure: its design, its options and the flags that all measures share."""
 
-    def one(chosen: PresetOptions = PRESET, *, options: MeasureOptions, delivered: MeasureDelivery) -> int:
+    def measure_design(chosen: PresetOptions = PRESET, *, options: MeasureOptions, delivered: MeasureDelivery) -> int:
         return _measure(name, [chosen.resolve_checked(options.values())], options, delivered)
 
-    def many(
+    def measure_designs(
         *designs: Annotated[
             DesignNames, Parameter(help=f"Designs: presets ({NAMES}) or TOML files. Default: pin and nonpin.")
         ],
@@ -363,17 +363,17 @@ def _command(name: str, options: type[MeasureOptions]) -> Callable[..., int]:
     ) -> int:
         """Measure several designs."""
         chosen = [DesignOptions(name, set_=set_, at_c=at_c) for name in (*designs, *design) or BOTH]
-        sound = [options_of.resolve_checked(options.values()) for options_of in chosen]
-        return _measure(name, sound, options, delivered)
+        resolved = [options_of.resolve_checked(options.values()) for options_of in chosen]
+        return _measure(name, resolved, options, delivered)
 
-    command: Any = many if options is TorqueOptions else one
+    command: Any = measure_designs if options is TorqueOptions else measure_design
     shared: dict[str, type[Any]] = {"chosen": PresetOptions, "options": options, "delivered": MeasureDelivery}
     flat = {word: Annotated[kind, FLAT] for word, kind in shared.items() if word in command.__annotations__}
     command.__doc__ = options.__doc__
     command.__annotations__ |= flat
     command.__kwdefaults__ = (command.__kwdefaults__ or {}) | {"options": options(), "delivered": MeasureDelivery()}
-    made: Callable[..., int] = command
-    return made
+    typed_command: Callable[..., int] = command
+    return typed_command
 
 
 def _measure(name: str, designs: Sequence[Design], options: MeasureOptions, delivered: MeasureDelivery) -> int:
@@ -398,7 +398,7 @@ def _measure(name: str, designs: Sequence[Design], options: MeasureOptions, deli
         say_json(
             measurements[0].as_json()
             if len(measurements) == 1
-            else {"measurements": [one.as_json() for one in measurements]}
+            else {"measurements": [item.as_json() for item in measurements]}
         )
     return 0
 

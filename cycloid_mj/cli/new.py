@@ -317,7 +317,7 @@ def _write_designs(
         tables=tables,
         summary=summary,
         files=files,
-        result={"designs": [{"file": path} | dict(one) for path, one in zip(paths, about, strict=True)]},
+        result={"designs": [{"file": path} | dict(item) for path, item in zip(paths, about, strict=True)]},
         filed=False,
     )
     return deliver(outcome, place, wanted)

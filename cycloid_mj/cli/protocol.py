@@ -125,14 +125,14 @@ def _outcome(sheet: "Protocol") -> Outcome:
     from cycloid_mj.plots.bench import protocol_figure
     from cycloid_mj.plots.save import encode_figure
 
-    measured = {key for key, one in sheet.bench.items() if not isnan(one.value)}
-    first = {key: sheet.bench[key] if key in measured else one for key, one in sheet.model.items()}
+    measured = {key for key, item in sheet.bench.items() if not isnan(item.value)}
+    first = {key: sheet.bench[key] if key in measured else item for key, item in sheet.model.items()}
     return Outcome(
         title=f"protocol of {sheet.design}",
         condition=f"rated torque {sheet.rated:.4g} N m",
         headline={
-            f"{LINES[key].name}{', bench' if key in measured else ''}": f"{one.value:.4g} {LINES[key].unit}"
-            for key, one in first.items()
+            f"{LINES[key].name}{', bench' if key in measured else ''}": f"{item.value:.4g} {LINES[key].unit}"
+            for key, item in first.items()
         },
         tables=[sheet.table()],
         frame=sheet.frame,

@@ -211,7 +211,7 @@ def _outcome(
             *(drives.tables() if drives else ()),
         ],
         notes=[
-            *(f"{one.name}: {one.note}" for one in quantities.values() if one.note),
+            *(f"{item.name}: {item.note}" for item in quantities.values() if item.note),
             *(drives.notes if drives else ()),
         ],
         frame=quantity_frame(quantities),
@@ -222,10 +222,10 @@ def _outcome(
                 **reduced.as_json(),
                 "scene": asked.as_json(),
                 "comparison": comparison.as_json(),
-                "stock_efficiency": [one._asdict() for one in efficiencies],
+                "stock_efficiency": [item._asdict() for item in efficiencies],
                 "te_holds_to_rpm": comparison.highest_speed_rpm,
                 "recommended": recommend_time_steps(steps),
-                "steps": [one.as_json() for one in steps],
+                "steps": [item.as_json() for item in steps],
                 **({"spread": drives.as_json()} if drives else {}),
             }
         ),

@@ -84,14 +84,14 @@ def _outcome(static: "Sheet", figures: Mapping[str, Quantity]) -> Outcome:
     return Outcome(
         title=f"statics: {static.design}",
         condition=static.condition,
-        headline=headline(one for key, one in static.quantities.items() if key in HEADLINE),
+        headline=headline(item for key, item in static.quantities.items() if key in HEADLINE),
         tables=[
             Table(f"statics: {static.design}, {static.condition}", HEADER, tuple(rows)),
             Table("figures by their keys: see `cycloid-mj figures`", ("key", "value", "unit"), _by_key(figures)),
         ],
         notes=[
             f"load: {SOURCES[static.load_source]}",
-            *(f"{one.name}: {one.note}" for one in static.quantities.values() if one.note),
+            *(f"{item.name}: {item.note}" for item in static.quantities.values() if item.note),
             f"known difference: the largest, relative, from {COMPARED}",
             *(f"assumed: {sentence}" for sentence in static.assumptions),
         ],

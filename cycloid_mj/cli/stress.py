@@ -232,7 +232,7 @@ def stress(
         loaded = [for_one_turn(load_design(name, set_, (), at_c), load_nm) for name in asked]
         _require_apart(loaded)
         planned = _plan_cost(loaded, part, settings, delivery.quiet)
-        names = (*(f"{one.name}.mcap" for one in loaded), *FILES)
+        names = (*(f"{item.name}.mcap" for item in loaded), *FILES)
         into = logs_folder(RUNS, delivery.out, names, delivery.force)
         place = _place(into, delivery)
         runs = _run(loaded, into, delivery)
@@ -245,7 +245,7 @@ def _springs(reducers: Sequence[Reducer], load: float | None, mounts: "Mounts | 
     from cycloid_mj.design import dump
     from cycloid_mj.stress.springs import part_springs
 
-    designs = [one.design for one in reducers]
+    designs = [item.design for item in reducers]
     _require_apart(designs)
     names = [f"{design.name}-springs.toml" for design in designs]
     place = _place(folder(delivery.out or RUNS, "the designs", [*names, *FILES], delivery.force), delivery)
@@ -257,10 +257,10 @@ def _springs(reducers: Sequence[Reducer], load: float | None, mounts: "Mounts | 
         sprung.append(part_springs(Reducer(design.but(load={"torque": torque})), mounts))
     outcome = Outcome(
         title="springs by finite elements",
-        headline={one.design.name: one.text for one in sprung[:MOST_FIGURES]},
-        tables=[one.table() for one in sprung],
-        files={name: dump(one.design).encode() for name, one in zip(names, sprung, strict=True)},
-        result={"designs": [one.as_json() for one in sprung]},
+        headline={item.design.name: item.text for item in sprung[:MOST_FIGURES]},
+        tables=[item.table() for item in sprung],
+        files={name: dump(item.design).encode() for name, item in zip(names, sprung, strict=True)},
+        result={"designs": [item.as_json() for item in sprung]},
     )
     return deliver(outcome, place, delivery)
 

@@ -42,42 +42,42 @@ def outcome_of(studies: "Sequence[StressStudy]", place: Destination, figures: Se
     drawn = [f"{name}.{form}" for name in pictures for form in Outcome.formats]
     return Outcome(
         title="largest von Mises stress of a crank turn",
-        condition=", ".join(f"{one.design} under {one.load:g} N m" for one in findings),
+        condition=", ".join(f"{item.design} under {item.load:g} N m" for item in findings),
         headline=_headline(findings),
         failures=[
-            f"{one.design} {part.part}: {part.governing / MEGAPASCAL:.3g} MPa exceeds the yield strength"
-            for one in findings
-            for part in one.parts
+            f"{item.design} {part.part}: {part.governing / MEGAPASCAL:.3g} MPa exceeds the yield strength"
+            for item in findings
+            for part in item.parts
             if part.safety < 1.0
         ],
         warnings=[
             (
-                f"{one.design} {part.part}: contact pressure {part.largest_pressure / MEGAPASCAL:.4g} MPa, "
+                f"{item.design} {part.part}: contact pressure {part.largest_pressure / MEGAPASCAL:.4g} MPa, "
                 f"safety {part.shakedown:.3g} against shakedown: the surface yields in every pass; `cycloid-mj "
                 "rate` computes the pitting life"
             )
-            for one in findings
-            for part in one.parts
+            for item in findings
+            for part in item.parts
             if part.shakedown < 1.0
         ]
         + [
             (
-                f"{one.design} {part.part}: not converged to {100 * MAX_CHANGE:g} % in one more refinement; run it "
+                f"{item.design} {part.part}: not converged to {100 * MAX_CHANGE:g} % in one more refinement; run it "
                 "without --quick, or use --solid"
             )
-            for one in findings
-            for part in one.parts
+            for item in findings
+            for part in item.parts
             if not part.refinement.is_converged
         ],
         tables=[*_tables(findings), *_claim_tables(judged)],
-        notes=[*_notes(findings), *_claim_notes(judged, any(one.references for one in findings))],
-        summary=["logs: " + " ".join(str(one.log) for one in findings)],
+        notes=[*_notes(findings), *_claim_notes(judged, any(item.references for item in findings))],
+        summary=["logs: " + " ".join(str(item.log) for item in findings)],
         frame=make_frame(list(_rows(findings)), COLUMNS, {}),
         pictures=pictures,
         files=maps,
         result=with_warnings(
             {
-                "designs": [one.as_json() | {"figures": values_json(of_study(one))} for one in findings],
+                "designs": [item.as_json() | {"figures": values_json(of_study(item))} for item in findings],
                 "paper": [_as_json(claim) for claims in judged.values() for claim in claims],
                 "files": place.paths([*drawn, *maps]),
             }
@@ -99,21 +99,23 @@ def _pictures(studies: "Sequence[StressStudy]", figures: Sequence[Drawn]) -> dic
     for study in studies:
         name, condition = study.design.name, f"{study.design.name}, {study.findings.load:g} N m"
         if "grid" in figures:
-            built[f"fig10_grid_{name}"] = grid_figure({one.findings.part: one.grid for one in study.parts}, name)
+            built[f"fig10_grid_{name}"] = grid_figure({item.findings.part: item.grid for item in study.parts}, name)
         if "map" in figures:
-            built[f"fig11_map_{name}"] = map_figure({one.findings.part: one.map for one in study.parts}, condition)
+            built[f"fig11_map_{name}"] = map_figure({item.findings.part: item.map for item in study.parts}, condition)
     return {name: partial(encode_figure, figure) for name, figure in built.items()}
 
 
 def _maps(studies: "Sequence[StressStudy]") -> dict[str, bytes]:
     from cycloid_mj.stress.vtu import as_vtu
 
-    return {f"{study.design.name}_{one.findings.part}.vtu": as_vtu(one.map) for study in studies for one in study.parts}
+    return {
+        f"{study.design.name}_{item.findings.part}.vtu": as_vtu(item.map) for study in studies for item in study.parts
+    }
 
 
 def _headline(findings: "Iterable[StressFindings]") -> dict[str, str]:
     """Choose the parts that are nearest to yielding."""
-    parts = [(f"{one.design} {part.part}", part) for one in findings for part in one.parts]
+    parts = [(f"{item.design} {part.part}", part) for item in findings for part in item.parts]
     return {
         name: f"{part.governing / MEGAPASCAL:.3g} MPa, safety {part.safety:.3g}"
         for name, part in nsmallest(MOST_FIGURES, parts, key=lambda each: each[1].safety)
@@ -122,13 +124,13 @@ def _headline(findings: "Iterable[StressFindings]") -> dict[str, str]:
 
 def _rows(findings: "Iterable[StressFindings]") -> "Iterator[dict[str, float | str]]":
     """Yield a row of `COLUMNS` for each part."""
-    for one in findings:
-        for part in one.parts:
+    for item in findings:
+        for part in item.parts:
             content = part.as_json()
             bulk, contact = content["bulk_peak"], content["contact_peak"]
             yield {
                 **{key: content[key] for key in ("part", "governing_mpa", *COLUMNS[-3:-1])},
-                "design": one.design,
+                "design": item.design,
                 "bulk_mpa": bulk["stress_mpa"],
                 "bulk_angle_deg": bulk["angle_deg"],
                 "contact_mpa": contact["stress_mpa"],
@@ -141,10 +143,10 @@ def _tables(findings: "Iterable[StressFindings]") -> Iterator[Table]:
     """Yield two tables for each design: stress away from contacts, and below them."""
     from cycloid_mj.stress.table import BULK_HEADER, CONTACT_HEADER, bulk_table, contact_table
 
-    for one in findings:
-        title = f"{one.design}, {one.load:g} N m"
-        yield Table(f"{title}, away from contacts", BULK_HEADER, tuple(map(tuple, bulk_table(one))))
-        yield Table(f"{title}, below contacts", CONTACT_HEADER, tuple(map(tuple, contact_table(one))))
+    for item in findings:
+        title = f"{item.design}, {item.load:g} N m"
+        yield Table(f"{title}, away from contacts", BULK_HEADER, tuple(map(tuple, bulk_table(item))))
+        yield Table(f"{title}, below contacts", CONTACT_HEADER, tuple(map(tuple, contact_table(item))))
 
 
 def _notes(findings: "Sequence[StressFindings]") -> Iterator[str]:
@@ -155,18 +157,18 @@ def _notes(findings: "Sequence[StressFindings]") -> Iterator[str]:
     yield (
         "bulk: where the largest stress is on its plateau, at the distance d from narrow contacts; to 2d: its decrease"
     )
-    for one in findings:
-        for part in one.parts:
+    for item in findings:
+        for part in item.parts:
             yield from part_notes(part)
-        balance = ", ".join(f"{part.part} {100 * part.imbalance:.2g} %" for part in one.parts)
-        yield f"{one.design}, force imbalance relative to the largest force: {balance}"
+        balance = ", ".join(f"{part.part} {100 * part.imbalance:.2g} %" for part in item.parts)
+        yield f"{item.design}, force imbalance relative to the largest force: {balance}"
     yield from (f"assumed: {text}" for text in ASSUMPTIONS)
 
 
 def _claim_tables(judged: "Mapping[str, Sequence[Claim]]") -> Iterator[Table]:
     for source, claims in judged.items():
         if claims:
-            rows = tuple((one.figure, one.claim, one.ours.text, str(one.verdict)) for one in claims)
+            rows = tuple((item.figure, item.claim, item.ours.text, str(item.verdict)) for item in claims)
             yield Table(f"compared with the paper ({source})", CLAIM_HEADER, rows)
 
 

@@ -156,7 +156,7 @@ def _outcome(tolerances: "Tolerances") -> Outcome:
         formats=(),
         captions=CAPTIONS,
         files={
-            **{f"{name}-worst-{place}.toml": dump(one).encode() for place, one in enumerate(tolerances.worst, 1)},
+            **{f"{name}-worst-{place}.toml": dump(item).encode() for place, item in enumerate(tolerances.worst, 1)},
             f"{name}-samples.csv": csv_text(tolerances.frame.columns, "nan").encode(),
         },
         result=tolerances.as_json(),

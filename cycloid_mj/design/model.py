@@ -858,7 +858,7 @@ def _rows(section: Section, prefix: str) -> Iterator[dict[str, str]]:
         elif value is not None:
             unit = unit_of(field)
             of_file = unit.from_si(value) if isinstance(value, float) else value
-            of_file = [unit.from_si(one) for one in value] if isinstance(value, tuple) else of_file
+            of_file = [unit.from_si(item) for item in value] if isinstance(value, tuple) else of_file
             key = f"{prefix}{file_key(name, field)}"
             yield {"key": key, "value": str(of_file), "unit": unit.suffix, "meaning": field.description or ""}
 

@@ -321,9 +321,9 @@ def free_pin(diameter: float, reach: float, play: float) -> Roller | None:
         shortest, longest = _ROLLERS[size]
         lengths = [length for length in _ROLLER_LENGTHS if shortest <= length <= longest]
         count = max(-(-(needed - 5.0 * play / MM) // longest), 1)
-        sold = next((one for one in lengths if 0.0 <= needed / count - one <= 5.0 * play / MM), 0.0)
+        sold = next((item for item in lengths if 0.0 <= needed / count - item <= 5.0 * play / MM), 0.0)
         cut = 0.0 if sold else reach / count - 2.0 * play
-        length = sold or next(one for one in lengths if one >= needed / count - 2.0 * play / MM - 1e-6)
+        length = sold or next(item for item in lengths if item >= needed / count - 2.0 * play / MM - 1e-6)
         return Roller(f"ISO 3096 - {size:g} x {length:g} - G2", "0/-2 um", diameter, length * MM, int(count), cut)
     longest = next((gauges.length for gauges in (_GAUGES, _LONG_GAUGES) if gauges.includes(size)), 0)
     if not longest:
@@ -337,7 +337,7 @@ def key_for(shaft: float, reach: float) -> StockKey | None:
     """Find the longest parallel key for a shaft [m] within a reach [m] along it; None if none is in stock."""
     for above, up_to, width, height, in_shaft, in_hub, shortest, longest in _rows(_KEYS, 8):
         if above < round(shaft / MM, 6) <= up_to:
-            lengths = [one for one in _KEY_LENGTHS if shortest <= one <= min(longest, reach / MM + 1e-6)]
+            lengths = [item for item in _KEY_LENGTHS if shortest <= item <= min(longest, reach / MM + 1e-6)]
             if lengths:
                 sizes = (round(value * MM, 9) for value in (width, height, lengths[-1], in_shaft, in_hub))
                 return StockKey(f"DIN 6885 - B {width:g} x {height:g} x {lengths[-1]}", *sizes)
@@ -356,7 +356,7 @@ def reach_of_pins(diameter: float, reach: float, most: int = 4) -> float:
     usual = [length for length in _LENGTHS if shortest <= length <= longest]
     counts = range(1, most + 1)
     filled = [count * length for count in counts for length in usual if -(-count * length // longest) == count]
-    nearest = min(filled, key=lambda one: abs(math.log(one * MM / reach)), default=0.0) * MM
+    nearest = min(filled, key=lambda item: abs(math.log(item * MM / reach)), default=0.0) * MM
     return round(nearest, 9) if reach / OFF <= nearest <= reach * OFF else reach
 
 
@@ -378,7 +378,7 @@ def needle_bearings() -> tuple[StockBearing, ...]:
     ]
     largest = max(cup.outside for cup in cups)
     bearings = [*cups, *(ring for ring in rings if ring.outside > largest)]
-    return tuple(sorted(bearings, key=lambda one: (one.outside, one.bore, one.width)))
+    return tuple(sorted(bearings, key=lambda item: (item.outside, item.bore, item.width)))
 
 
 @cache
@@ -388,7 +388,7 @@ def ball_bearings() -> tuple[StockBearing, ...]:
         StockBearing(f"{number:g}", *_si(bore, outside, width), dynamic * KN, static * KN)
         for number, bore, outside, width, dynamic, static in _rows(_BALL_BEARINGS, 6)
     ]
-    return tuple(sorted(bearings, key=lambda one: (one.bore, one.outside)))
+    return tuple(sorted(bearings, key=lambda item: (item.bore, item.outside)))
 
 
 @cache
@@ -438,7 +438,7 @@ def inserts() -> tuple[Insert, ...]:
 
 def side_by_side(bearings: Iterable[StockBearing], width: float) -> tuple[StockBearing, int] | None:
     """Choose of bearings alike but for their width those that fill a width [m] best; none if none fits."""
-    fitting = [(one, int(width / one.width + 1e-6)) for one in bearings if one.width <= width * (1.0 + 1e-6)]
+    fitting = [(item, int(width / item.width + 1e-6)) for item in bearings if item.width <= width * (1.0 + 1e-6)]
     return max(fitting, key=lambda pair: (round(pair[1] * pair[0].width, 9), -pair[1]), default=None)
 
 
@@ -454,17 +454,17 @@ def bearings_on(bore: float, width: float) -> tuple[StockBearing, ...]:
 
 
 def _alike(bearings: Iterable[StockBearing], size: float, name: str) -> tuple[StockBearing, ...]:
-    return tuple(one for one in bearings if abs(getattr(one, name) - size) < ROUNDING)
+    return tuple(item for item in bearings if abs(getattr(item, name) - size) < ROUNDING)
 
 
 def bolt_under(head: float) -> Bolt | None:
     """Find the thickest screw whose head is at most so thick [m]."""
-    return max((one for one in bolts() if one.head <= head * (1.0 + 1e-9)), key=lambda one: one.head, default=None)
+    return max((item for item in bolts() if item.head <= head * (1.0 + 1e-9)), key=lambda item: item.head, default=None)
 
 
 def insert_of(thread: float) -> Insert | None:
     """Find the heat-set insert of a thread [m]."""
-    return next((one for one in inserts() if abs(one.thread - thread) < ROUNDING), None)
+    return next((item for item in inserts() if abs(item.thread - thread) < ROUNDING), None)
 
 
 def _si(first: float, second: float, third: float) -> tuple[float, float, float]:

@@ -190,7 +190,7 @@ def _resolution(reducer: Reducer, kind: str, law: ContactParameters, seconds: fl
 def _leading(reducer: Reducer, compiled: Compiled) -> Iterator[str]:
     """Warn of friction that reverses before the sliding does."""
     lead = leads(reducer, compiled.laws, float(compiled.model.opt.impratio))
-    kind = max(lead, key=lambda one: lead[one], default="")
+    kind = max(lead, key=lambda item: lead[item], default="")
     if kind and lead[kind] > LIMITS.max_friction_lead:
         yield (
             f"{kind}: friction leads the sliding by {math.degrees(math.atan(lead[kind])):.3g} deg of crank rotation at "

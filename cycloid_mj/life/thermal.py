@@ -167,7 +167,7 @@ class ThermalState(Presented):
             Table(
                 "Conductances",
                 ("between", "[W/K]", "source"),
-                tuple((f"{one.first} - {one.second}", one.value, one.source) for one in self.network.conductances),
+                tuple((f"{item.first} - {item.second}", item.value, item.source) for item in self.network.conductances),
                 words=(2,),
             ),
         )
@@ -195,7 +195,7 @@ class ThermalState(Presented):
                         "time_s": self.times.tolist(),
                         **{f"{part}_c": values.tolist() for part, values in self.warm_up.items()},
                     },
-                    "conductances_w_k": [vars(one) for one in self.network.conductances],
+                    "conductances_w_k": [vars(item) for item in self.network.conductances],
                     "heat_capacities_j_k": dict(self.network.capacities),
                     "converged": self.converged,
                     "assumptions": list(self.assumptions),
@@ -405,4 +405,4 @@ def rate_jam_difference(reducer: Reducer, loadings: Sequence[Loading]) -> Iterat
 def conductance_between(network: Network, first: str, second: str) -> float:
     """Return the sum of the conductances between two nodes [W/K]."""
     links: Sequence[Conductance] = network.conductances
-    return sum(one.value for one in links if {one.first, one.second} == {first, second})
+    return sum(item.value for item in links if {item.first, item.second} == {first, second})

@@ -90,7 +90,7 @@ def line_contact_conductance(force: Array, length: float, radius: float, partner
 
     Each side is a cylinder of `radius` [m] and the contact's width 2 b: pi k L/ln(4 R/b), both in series.
     """
-    compliance = sum((1.0 - one.poisson**2) / one.youngs_modulus for one in partners)
+    compliance = sum((1.0 - item.poisson**2) / item.youngs_modulus for item in partners)
     half_width = np.sqrt(4.0 * np.maximum(force, 0.0) * radius * compliance / (math.pi * length))
     resistance = np.zeros_like(half_width)
     loaded = half_width > 0.0
@@ -116,11 +116,11 @@ class Network:
         """Conductance matrix G [W/K], shape (n, n), in the order of `capacities`; P = G (T - T_ambient)."""
         order = {name: index for index, name in enumerate(self.capacities)}
         matrix = np.zeros((len(order), len(order)))
-        for one in self.conductances:
-            ends = [order[name] for name in (one.first, one.second) if name != self.air]
+        for item in self.conductances:
+            ends = [order[name] for name in (item.first, item.second) if name != self.air]
             for row in ends:
                 for column in ends:
-                    matrix[row, column] += one.value if row == column else -one.value
+                    matrix[row, column] += item.value if row == column else -item.value
         return matrix
 
     def rises(self, powers: Mapping[str, float]) -> dict[str, float]:
@@ -130,8 +130,8 @@ class Network:
 
     def heat_to_air(self, rises: Mapping[str, float]) -> float:
         """Compute the heat that flows to the air [W]; in the steady state that of all losses."""
-        links = [one for one in self.conductances if self.air in (one.first, one.second)]
-        return sum(one.value * rises[one.first if one.second == self.air else one.second] for one in links)
+        links = [item for item in self.conductances if self.air in (item.first, item.second)]
+        return sum(item.value * rises[item.first if item.second == self.air else item.second] for item in links)
 
     @property
     def time_constant(self) -> float:

@@ -135,9 +135,11 @@ def run_map(
     if check:
         tasks["halved"] = partial(forward, halve_time_step(reducer, solver), rated, speed, periods, solver)
     assumed = inputs(reducer)
-    varied: dict[Hashable, Reducer] = {end: Reducer(end) for one in assumed for end in one.ends}
+    varied: dict[Hashable, Reducer] = {end: Reducer(end) for item in assumed for end in item.ends}
     varied |= {value: sensitivity.with_common_friction(reducer, value) for value in sensitivity.COMMON}
-    tasks |= {key: partial(forward, massless(one), rated, speed, INPUTS.periods, solver) for key, one in varied.items()}
+    tasks |= {
+        key: partial(forward, massless(item), rated, speed, INPUTS.periods, solver) for key, item in varied.items()
+    }
     points = all_in_threads(tasks, progress)
     slow = slow_ends(assumed)
     named = {_run_name(key, points[key], assumed): points[key].reducer for key in tasks if key not in slow}
@@ -189,7 +191,7 @@ def _point(torque: float, speed: float, run: Run, reducer: Reducer) -> Point:
 def _run_name(key: Hashable, point: Point, assumed: Sequence[Input]) -> str:
     """Return the name of a run: its load and speed, or its varied input."""
     if isinstance(key, Design):
-        return next(one.names[key] for one in assumed if key in one.ends)
+        return next(item.names[key] for item in assumed if key in item.ends)
     if isinstance(key, float):
         return sensitivity.common_name(key)
     condition = f"{point.torque:.4g} N m at {abs(point.speed) / RPM:.4g} rpm"

@@ -36,10 +36,10 @@ def table(powers: Powers, published: Sequence[Published], error: float) -> Table
     rows.append(
         ("efficiency", 1e2 * (1.0 - powers.efficiency), 1e2 * powers.efficiency, f"numerical error {1e2 * error:.2g}")
     )
-    for one in published:
-        needed = f"{one.friction:.3f}" if one.friction == one.friction else "outside of the range run"
+    for item in published:
+        needed = f"{item.friction:.3f}" if item.friction == item.friction else "outside of the range run"
         rows.append(
-            (f"the paper, {one.way}", 1e2 * (1.0 - one.rate), 1e2 * one.rate, f"friction of the teeth: {needed}")
+            (f"the paper, {item.way}", 1e2 * (1.0 - item.rate), 1e2 * item.rate, f"friction of the teeth: {needed}")
         )
     return Table("losses, in % of the input power", ("part", "loss", "remainder", "note"), tuple(rows))
 
@@ -47,7 +47,7 @@ def table(powers: Powers, published: Sequence[Published], error: float) -> Table
 def as_json(powers: Powers, published: Sequence[Published]) -> dict[str, Any]:
     """Convert the losses to JSON values: shares of the input power."""
     frictions = {
-        one.way: {"rate": one.rate, "friction_of_teeth": one.friction if one.friction == one.friction else None}
-        for one in published
+        item.way: {"rate": item.rate, "friction_of_teeth": item.friction if item.friction == item.friction else None}
+        for item in published
     }
     return {"build_up": {"losses": loss_shares(powers), "efficiency": powers.efficiency, "paper": frictions}}

@@ -134,7 +134,7 @@ def _rigid(measured: LostMotionLoops) -> Known | None:
 def _stiffness(measured: LostMotionLoops) -> Iterator[Quantity]:
     """Yield the torsional stiffness and the compliances of its parts."""
     unit = "N m/arcmin"
-    solved = [ARCMINUTE / one.compliance(one.turn) for one in measured.statics]
+    solved = [ARCMINUTE / item.compliance(item.turn) for item in measured.statics]
     name = "torsional stiffness, 50 to 100 % of rated torque"
     note = "friction holds the parts where the torque reverses, which makes the curve steeper there"
     pair, ideal = (measured.service, measured.service_checks), (measured.ideal, measured.ideal_checks)
@@ -143,7 +143,7 @@ def _stiffness(measured: LostMotionLoops) -> Iterator[Quantity]:
     yield _quantity("stiffness_ideal", f"{name}, {IDEAL}", stiffness, *ideal, unit, solved, STATICS)
     called = _OF_SPRINGS if measured.reducer.design.structure == "springs" else _PARTS
     for part in SERIES:
-        closed = [one.series(measured.reducer)[part] / ARCMINUTE for one in measured.statics]
+        closed = [item.series(measured.reducer)[part] / ARCMINUTE for item in measured.statics]
 
         def compliance(loop: HysteresisLoop, part: str = part) -> float:
             return loop_series(measured.reducer, loop)[part] / ARCMINUTE
@@ -209,10 +209,10 @@ def curves(measured: LostMotionLoops) -> tuple[Curve, ...]:
         shares = sorted(measured.statics[0].turn)
         turns = np.array([measured.statics[0].turn[share] for share in shares]) / ARCMINUTE
         drawn.append(Curve(title, "statics", np.array(shares) * loop.rated, turns, torque, turn, "points"))
-    crank = np.degrees([one.crank for one in measured.service])
+    crank = np.degrees([item.crank for item in measured.service])
     over_angle = {
-        ("lost motion at ±3 %", "arcmin"): (lost_motion, [one.lost_motion / ARCMINUTE for one in measured.statics]),
-        ("stiffness", "N m/arcmin"): (stiffness, [ARCMINUTE / one.compliance(one.turn) for one in measured.statics]),
+        ("lost motion at ±3 %", "arcmin"): (lost_motion, [item.lost_motion / ARCMINUTE for item in measured.statics]),
+        ("stiffness", "N m/arcmin"): (stiffness, [ARCMINUTE / item.compliance(item.turn) for item in measured.statics]),
     }
     known = _rigid(measured)
     for (panel, unit), (read, solved) in over_angle.items():
@@ -223,7 +223,7 @@ def curves(measured: LostMotionLoops) -> tuple[Curve, ...]:
         if solved:
             drawn.append(Curve(panel, "statics", crank, np.array(solved), *axes, "rings"))
         for name, loops in (("as designed", measured.service), ("no friction", measured.ideal)):
-            drawn.append(Curve(panel, name, crank, np.array([read(one) for one in loops]), *axes, "points"))
+            drawn.append(Curve(panel, name, crank, np.array([read(item) for item in loops]), *axes, "points"))
     return tuple(drawn)
 
 

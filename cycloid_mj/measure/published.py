@@ -43,7 +43,7 @@ def tables(output_torque: float, published: Sequence[Published]) -> tuple[Table,
     if not published:
         return ()
     first = published[0]
-    rows = [(f"the paper, {one.way}", one.torque, 1e2 * one.rate, one.friction) for one in published]
+    rows = [(f"the paper, {item.way}", item.torque, 1e2 * item.rate, item.friction) for item in published]
     return (
         Table(
             f"output torque, compared with {first.source}",

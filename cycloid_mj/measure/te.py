@@ -68,8 +68,8 @@ def te(
     paces = {"speed": speed} if quick else {"slow": SLOW * speed if slow is None else slow, "speed": speed}
     ways = {"forward": 1.0, "reverse": -1.0}
     cases = [
-        TraceCondition(one, way, pace, torques[one], ways[way] * paces[pace])
-        for pace, one, way in product(paces, torques, ways)
+        TraceCondition(item, way, pace, torques[item], ways[way] * paces[pace])
+        for pace, item, way in product(paces, torques, ways)
     ]
     reducer = reducer.working_at(torques["loaded"])
     runs = _traces(reducer, cases, turns * reducer.mesh_turn / (2.0 * np.pi), progress, not quick, solver)
@@ -79,7 +79,7 @@ def te(
     return Measurement(
         measure="te",
         design=reducer.design,
-        condition=" and ".join(f"{one} {torque:.3g} N m" for one, torque in torques.items())
+        condition=" and ".join(f"{item} {torque:.3g} N m" for item, torque in torques.items())
         + f", {abs(reducer.design.drive.speed) / RPM:.0f} rpm at speed, {SOLVERS[solver]}",
         quantities=by_key(te_table.quantities(reducer, traces, finer, statics, turns)),
         curves=te_table.curves(reducer, traces, statics),

@@ -165,7 +165,7 @@ def _strongest(reducer: Reducer, trace: Trace) -> list[dict[str, Any]]:
         mine = [cause for cause in causes(reducer) if cause.place == place]
         for k in np.argsort(seen.amplitude)[::-1][:12]:
             order = float(seen.order[k])
-            cause = next((one.key for one in mine if one.has(order)), "between")
+            cause = next((item.key for item in mine if item.has(order)), "between")
             rows.append(
                 {"shows_in": place, "order": order, "amplitude_arcsec": float(seen.amplitude[k]), "cause": cause}
             )
@@ -185,7 +185,7 @@ def _step_error(traces: Found, finer: Finer, case: TraceCondition, shaft: str, l
     if not finer:
         return None
     measure, error = _LEVELS[level][1], getattr(traces[case], shaft)
-    coarse, fine = (measure(one) for one in _both_errors(traces, finer, case, shaft))
+    coarse, fine = (measure(item) for item in _both_errors(traces, finer, case, shaft))
     first, second = (measure(half) for half in np.array_split(error, 2))
     return abs(coarse - fine) + 0.5 * abs(first - second)
 

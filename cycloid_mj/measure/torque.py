@@ -76,7 +76,7 @@ def torque(
     tested: dict[Hashable, tuple[Reducer, int]] = {"own": (steady, main)}
     tested |= {} if quick else {"halved": (halve_time_step(steady, solver), main)}
     tested |= _variants(steady, rows, assumed)
-    tasks = {key: partial(_untold_test, one, count, solver) for key, (one, count) in tested.items()}
+    tasks = {key: partial(_untold_test, item, count, solver) for key, (item, count) in tested.items()}
     last = 1 + len(published)
     tests = all_in_threads(tasks, lambda done, whole: progress(done, whole + last))
     ours, finer = tests["own"], tests.get("halved")
@@ -86,7 +86,9 @@ def torque(
     with suppress_warnings(tuple(creeping(held))):
         at_held_crank = held_efficiency(steady, ours.output, main, solver)
     beside = with_friction(published, steady, by_row, None if quick else rate_error(ours, finer), solver)
-    called = _RUNS | {row: row.name for row in rows} | {end: name for one in assumed for end, name in one.names.items()}
+    called = (
+        _RUNS | {row: row.name for row in rows} | {end: name for item in assumed for end, name in item.names.items()}
+    )
     slow = spread.slow_ends(assumed)
     by_name = {called[key]: _at_rated_torque(each) for key, (each, _) in tested.items() if key not in slow}
     by_name["crank held"] = held
@@ -162,14 +164,14 @@ def with_friction(
     deviation, that error and the slope.
     """
     rates = sensitivity.common_rates(by_variant, sensitivity.pins_of(reducer))
-    figures = [replace(one, friction=sensitivity.friction_for(rates, one.rate)) for one in published]
+    figures = [replace(item, friction=sensitivity.friction_for(rates, item.rate)) for item in published]
     inside = [figure for figure in figures if math.isfinite(figure.friction)]
     if error is None or not inside:
         return figures
     slope = abs(sensitivity.slope(rates))
     periods = whole_periods(reducer, sensitivity.PERIODS)
-    reached = each_in_threads(lambda one: _untold_test(_with_common(reducer, one.friction), periods, solver), inside)
-    missed = {one: abs(test.powers.efficiency - one.rate) for one, test in zip(inside, reached, strict=True)}
+    reached = each_in_threads(lambda item: _untold_test(_with_common(reducer, item.friction), periods, solver), inside)
+    missed = {item: abs(test.powers.efficiency - item.rate) for item, test in zip(inside, reached, strict=True)}
     return [
         replace(figure, error=(missed[figure] + error) / slope) if figure in missed else figure for figure in figures
     ]

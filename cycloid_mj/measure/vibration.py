@@ -78,25 +78,25 @@ def vibration(
         reducer = reducer.but(settings={"timestep": for_accelerations(reducer)})
     swept = [] if quick else list(speeds) or [share * speed for share in SHARES]
     half = halve_time_step(reducer, solver)
-    points = [(reducer, model_for(solver, reducer), one) for one in sorted({speed, *swept}, key=abs)]
+    points = [(reducer, model_for(solver, reducer), item) for item in sorted({speed, *swept}, key=abs)]
     points += [] if quick else [(half, model_for(solver, half), speed)]
     tasks = [
-        (one, copy_model(model), *loaded, pace, turns) for one, model, pace in points for loaded in torques.items()
+        (item, copy_model(model), *loaded, pace, turns) for item, model, pace in points for loaded in torques.items()
     ]
     levels = each_in_threads(lambda task: run_vibration(*task), tasks, progress)
     checks = {} if quick else {level.load: level for level in levels[-len(torques) :]}
     full = levels[: len(levels) - len(checks)]
-    at_speed = [one for one in full if one.speed == speed]
+    at_speed = [item for item in full if item.speed == speed]
     return Measurement(
         measure="vibration",
         design=reducer.design,
-        condition=" and ".join(f"{one} {torque:.3g} N m" for one, torque in torques.items())
+        condition=" and ".join(f"{item} {torque:.3g} N m" for item, torque in torques.items())
         + f", spectra at {abs(speed) / RPM:.0f} rpm, {SOLVERS[solver]}",
         quantities=by_key(_levels(reducer, at_speed, checks), _unbalance(reducer, at_speed, checks)),
         curves=(*_sweep(reducer, full), *_spectra(reducer, at_speed)),
         assumptions=_assumptions(reducer, at_speed[0]),
-        runs={f"{one.load}_{abs(one.rpm):.0f}rpm": one.run for one in full},
-        details={"band_hz": 0.5 * at_speed[0].rate, "sweep": [_row(reducer, one) for one in full]},
+        runs={f"{item.load}_{abs(item.rpm):.0f}rpm": item.run for item in full},
+        details={"band_hz": 0.5 * at_speed[0].rate, "sweep": [_row(reducer, item) for item in full]},
     )
 
 
@@ -115,28 +115,28 @@ def _levels(
 ) -> Iterator[Quantity]:
     """Yield the levels at the design's speed; the balance of momentum is the second method for the housing's force."""
     closed, still = reducer.design.gear.eccentricity * reducer.design.drive.speed**2, float(np.hypot(*weight(reducer)))
-    for one in at_speed:
-        check = checks.get(one.load)
+    for item in at_speed:
+        check = checks.get(item.load)
         for key in _signal_keys(reducer):
             name, unit = _ALL[key]
-            value, error = one.rms(key), _error(one, check, methodcaller("rms", key))
-            error = None if error is None else max(error, abs(one.rms_of_half(key) - value))
-            reference, source = (one.rms("momentum"), "m a of disc and shaft") if key == "housing" else (None, "")
+            value, error = item.rms(key), _error(item, check, methodcaller("rms", key))
+            error = None if error is None else max(error, abs(item.rms_of_half(key) - value))
+            reference, source = (item.rms("momentum"), "m a of disc and shaft") if key == "housing" else (None, "")
             note = _NOTE if key == "housing" else ""
-            words = f"rms {name} below {5e-4 * one.rate:.3g} kHz, {one.load}"
-            yield Quantity(f"{key}_rms_{one.load}", words, value, unit, error, reference, source, note)
+            words = f"rms {name} below {5e-4 * item.rate:.3g} kHz, {item.load}"
+            yield Quantity(f"{key}_rms_{item.load}", words, value, unit, error, reference, source, note)
         for key in _spectrum_keys(reducer):
             name, _ = _ALL[key]
-            words = f"share of the power of the {name} above {5e-4 * one.rate:.3g} kHz, {one.load}"
-            error = _error(one, check, methodcaller("above", key))
+            words = f"share of the power of the {name} above {5e-4 * item.rate:.3g} kHz, {item.load}"
+            error = _error(item, check, methodcaller("above", key))
             error = None if error is None else 1e2 * error
-            note = f"sampled at {1e-3 * one.sampled_rate:.4g} kHz; the figures include the part below"
-            yield Quantity(f"{key}_above_band_{one.load}", words, 1e2 * one.above(key), "%", error, note=note)
-        words, error = f"full acceleration of the disc's centre, {one.load}", _error(one, check, attrgetter("orbit"))
-        yield Quantity(f"orbit_{one.load}", words, one.orbit, "m/s2", error, closed, "c omega^2")
-        words, error = f"mean force on the housing, {one.load}", _error(one, check, _mean_force)
+            note = f"sampled at {1e-3 * item.sampled_rate:.4g} kHz; the figures include the part below"
+            yield Quantity(f"{key}_above_band_{item.load}", words, 1e2 * item.above(key), "%", error, note=note)
+        words, error = f"full acceleration of the disc's centre, {item.load}", _error(item, check, attrgetter("orbit"))
+        yield Quantity(f"orbit_{item.load}", words, item.orbit, "m/s2", error, closed, "c omega^2")
+        words, error = f"mean force on the housing, {item.load}", _error(item, check, _mean_force)
         yield Quantity(
-            f"mean_force_{one.load}", words, _mean_force(one), "N", error, still, "weight of the moving parts"
+            f"mean_force_{item.load}", words, _mean_force(item), "N", error, still, "weight of the moving parts"
         )
 
 
@@ -195,15 +195,15 @@ def _spectra(reducer: Reducer, at_speed: Sequence[VibrationRun]) -> Iterator[Cur
     """Yield the spectra at the design's speed: of vectors, the root of both components' squares."""
     for key in _spectrum_keys(reducer):
         name, unit = _ALL[key]
-        for one in at_speed:
-            turns_per_second = abs(one.speed) / (2.0 * np.pi)
-            axes = [orders for axis in one.signals[key].T if (orders := tapered_orders(one.crank, axis)) is not None]
+        for item in at_speed:
+            turns_per_second = abs(item.speed) / (2.0 * np.pi)
+            axes = [orders for axis in item.signals[key].T if (orders := tapered_orders(item.crank, axis)) is not None]
             if axes:
                 size = np.sqrt(np.sum([spectrum.amplitude**2 for spectrum in axes], axis=0))
                 low, high = (order * turns_per_second for order in axes[0].band)
                 words = f"{_HZ}, accurate to 1 % from {low:.0f} to {high:.0f} Hz"
                 frequency, panel = axes[0].order * turns_per_second, f"spectrum of the {name}"
-                yield Curve(panel, one.load, frequency, size, words, f"amplitude [{unit}]")
+                yield Curve(panel, item.load, frequency, size, words, f"amplitude [{unit}]")
 
 
 def _assumptions(reducer: Reducer, run: VibrationRun) -> tuple[str, ...]:

@@ -42,7 +42,7 @@ def turning_inertia(reducer: Reducer) -> float:
 def _turning_inertia(reducer: Reducer) -> float:
     masses, mechanism = moving_masses(reducer), reducer.mechanism
     along = [masses[body.part] for body in mechanism.turning_along]
-    own = sum(float(one.inertia[2, 2]) for one in (masses[mechanism.turning], *along))
+    own = sum(float(item.inertia[2, 2]) for item in (masses[mechanism.turning], *along))
     carried = sum(masses[pin.part].mass for pin in mechanism.pins if pin.carrier)
     return own + carried * reducer.design.ring.pin_circle_radius**2
 

@@ -145,13 +145,13 @@ def _laid_out(reducer: Reducer, chord_error: float | None) -> dict[str, Part]:
     """Return all parts by name."""
     discs = reducer.design.gear.discs
     crank = crank_parts(reducer) if discs > 1 else (crank_part(reducer, chord_error),)
-    laid = [housing_part(reducer), *crank, *(gear_part(reducer, disc) for disc in range(discs))]
+    all_parts = [housing_part(reducer), *crank, *(gear_part(reducer, disc) for disc in range(discs))]
     if reducer.design.ring.kind == "pin":
-        laid.append(pin_part(reducer))
-    laid.append(output_part(reducer))
+        all_parts.append(pin_part(reducer))
+    all_parts.append(output_part(reducer))
     if reducer.design.output.has_roller_parts:
-        laid.append(roller_part(reducer))
-    return {part.name: part for part in laid}
+        all_parts.append(roller_part(reducer))
+    return {part.name: part for part in all_parts}
 
 
 @once

@@ -59,10 +59,10 @@ def stretches(reducer: Reducer, chord_error: float | None = None) -> Mapping[str
     for the bearing in the hub of the output.
     """
     if reducer.design.gear.discs == 1:
-        laid = _with_counterweight(reducer, drawing_error(reducer, chord_error))
+        crank_stretches = _with_counterweight(reducer, drawing_error(reducer, chord_error))
     else:
-        laid = _of_several(reducer)
-    return {stretch.name: stretch for stretch in laid}
+        crank_stretches = _of_several(reducer)
+    return {stretch.name: stretch for stretch in crank_stretches}
 
 
 def crank_parts(reducer: Reducer) -> tuple[Part, ...]:
@@ -145,15 +145,17 @@ def _of_several(reducer: Reducer) -> list[Stretch]:
     journal, cam = CircleContour(shaft.radius), CircleContour(gear.bore_radius, (0.0, gear.eccentricity))
     ring = CircleContour(spacer_radius(reducer))
     planes, end = gear.disc_planes, reducer.near_face
-    laid = [Stretch(JOURNAL, journal, (), end - shaft.length, planes[0] - half)]
+    crank_stretches = [Stretch(JOURNAL, journal, (), end - shaft.length, planes[0] - half)]
     for number, (plane, phase) in enumerate(zip(planes, reducer.phases, strict=True), start=1):
         if number > 1:
             gap = planes[number - 2] + half, plane - half
-            laid.append(Stretch(names.numbered_name(NECK, number - 1), journal, (), *gap))
-            laid.append(Stretch(names.numbered_name(names.SPACER, number - 1), ring, (journal,), *gap))
-        turned = TurnedContour(cam, phase)
-        laid.append(Stretch(names.numbered_name(names.CAM, number), turned, (), plane - half, plane + half))
-    return laid + _far_journal(reducer, journal, shaft.length)
+            crank_stretches.append(Stretch(names.numbered_name(NECK, number - 1), journal, (), *gap))
+            crank_stretches.append(Stretch(names.numbered_name(names.SPACER, number - 1), ring, (journal,), *gap))
+        cam_contour = TurnedContour(cam, phase)
+        crank_stretches.append(
+            Stretch(names.numbered_name(names.CAM, number), cam_contour, (), plane - half, plane + half)
+        )
+    return crank_stretches + _far_journal(reducer, journal, shaft.length)
 
 
 def spacer_radius(reducer: Reducer) -> float:

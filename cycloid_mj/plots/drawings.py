@@ -36,7 +36,7 @@ def drawing_files(reducer: Reducer, sizes: Casing) -> dict[str, bytes]:
     """
     drawings = part_drawings(reducer, sizes)
     pages = [drawing_figure(drawing) for drawing in drawings]
-    return {"drawings.pdf": document(pages)} | {f"{one.name}-drawing.dxf": drawing_dxf(one) for one in drawings}
+    return {"drawings.pdf": document(pages)} | {f"{item.name}-drawing.dxf": drawing_dxf(item) for item in drawings}
 
 
 @with_style

@@ -226,12 +226,12 @@ def _draw_drive(
     for item, share in zip(ranges, shares, strict=True):
         changes.setdefault(item.table, {}).update(item.between(share))
     try:
-        built = Reducer(
+        sampled_reducer = Reducer(
             sampling.design_of_sample(
                 reducer, sampling.draw_samples(reducer, zones, seed, batch), 0, reducer.design.name
             )
         ).but(**changes)
-        values = parameters(built)
+        values = parameters(sampled_reducer)
     except CycloidError:
         return None
     of_parts = {

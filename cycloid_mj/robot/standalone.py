@@ -133,8 +133,8 @@ class Joint:
         output, crank = model.joint(joint), model.joint(f"{joint}_rotor")
         springs = [f"{joint}_reducer" + (f"_{n + 1}" if n else "") for n in range(len(self.values["springs"]))]
         tendons, dof = [model.tendon(name).id for name in springs], int(crank.dofadr[0])
-        angle, turned = (data.qpos[int(each.qposadr[0])] for each in (output, crank))
-        terms = self.terms(angle, turned, data.qvel[dof], data.qfrc_actuator[dof] + data.qfrc_applied[dof])
+        angle, crank_angle = (data.qpos[int(each.qposadr[0])] for each in (output, crank))
+        terms = self.terms(angle, crank_angle, data.qvel[dof], data.qfrc_actuator[dof] + data.qfrc_applied[dof])
         model.tendon_lengthspring[tendons] = terms.springlength
         model.tendon_damping[tendons[0]] = terms.damping
         model.dof_frictionloss[dof] = terms.frictionloss
@@ -155,12 +155,12 @@ class Joint:
         # beyond the last start the last slope continues
         far = starts[-1] + xp.maximum(bends * rated - torques[-1], 0.0) / stiffness.sum()
         wound = xp.where(bends * rated > torques[-1], far, xp.interp(bends * rated, torques, starts))
-        turned = xp.array(ripple["orders"]) * crank
+        phase = xp.array(ripple["orders"]) * crank
         low_stop, high_stop = values["stops"]
         stops = []
         for side, sign, stop in (("low", -1.0, low_stop), ("high", 1.0, high_stop)):
             cos, sin = (xp.array(ripple[f"{side}_{part}"]) for part in ("cos", "sin"))
-            error = xp.interp(bends, xp.array(ripple["loads"]), cos @ xp.cos(turned) + sin @ xp.sin(turned))
+            error = xp.interp(bends, xp.array(ripple["loads"]), cos @ xp.cos(phase) + sin @ xp.sin(phase))
             reached = wound + sign * (error + stop)
             # where the error falls faster than the springs wind up, the largest torque with that L
             later = xp.arange(len(reached))[:, None] <= xp.arange(len(reached))

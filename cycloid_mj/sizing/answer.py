@@ -87,7 +87,7 @@ class Answer(Presented):
     def frame(self) -> Frame:
         """The drives, a row each: title and figures."""
         figures = self.drives[0].figures if self.drives else {}
-        return make_frame([{"title": one.title, **one.figures} for one in self.drives], ("title", *figures), {})
+        return make_frame([{"title": item.title, **item.figures} for item in self.drives], ("title", *figures), {})
 
     @property
     def line(self) -> str:
@@ -95,7 +95,7 @@ class Answer(Presented):
         requirement = (
             f"{self.requirement.ratio}:1, {1e3 * self.requirement.diameter:g} mm, {self.requirement.torque:g} N m"
         )
-        drives = ", ".join(f"{one.title} {one.figures['mass_kg']:.3g} kg" for one in self.drives)
+        drives = ", ".join(f"{item.title} {item.figures['mass_kg']:.3g} kg" for item in self.drives)
         return f"{requirement}; {drives or self.refusal}"
 
     @property
@@ -170,8 +170,10 @@ def _variants(requirement: Requirement) -> Iterator[Requirement]:
         share = requirement.backlash / _usual_backlash(fixed)
         if share > MIN_SHARE:
             yield fixed
-        finer = [one for one in fixed.tighter_clearances if one <= share / MIN_SHARE * fixed.usual_clearance]
-        yield from (fixed.but(clearance=one, tightened=True) for one in (finer or [*fixed.tighter_clearances][-1:])[:3])
+        finer = [item for item in fixed.tighter_clearances if item <= share / MIN_SHARE * fixed.usual_clearance]
+        yield from (
+            fixed.but(clearance=item, tightened=True) for item in (finer or [*fixed.tighter_clearances][-1:])[:3]
+        )
 
 
 def _usual_backlash(requirement: Requirement) -> float:
@@ -308,18 +310,20 @@ def _others(solution: Solution, lightest: SizedDrive) -> Iterator[SizedDrive]:
     """Yield the stiffest and the longest-lived of the rated candidates, if they differ from the lightest."""
     requirement, pool, first = solution.requirement, solution.pool, solution.rated
     pool.largest(requirement.length)
-    rated = [one for one in pool.rated.values() if one and one.length <= requirement.length]
-    strong = [one for one in rated if one.capacity >= requirement.torque and one.mass > first.mass]
-    strong.sort(key=lambda one: -one.capacity)
-    full = [one for one in (_rated_fully(requirement, one) for one in strong[:4]) if one]
-    full += [one for one in (_rated_fully(requirement, one) for one in _stiffest(strong)[:2]) if one]
-    passing = [one for one in full if tolerance_study(requirement, one.reducer)["yield_percent"] >= 100.0 * MIN_YIELD]
+    rated = [item for item in pool.rated.values() if item and item.length <= requirement.length]
+    strong = [item for item in rated if item.capacity >= requirement.torque and item.mass > first.mass]
+    strong.sort(key=lambda item: -item.capacity)
+    full = [item for item in (_rated_fully(requirement, item) for item in strong[:4]) if item]
+    full += [item for item in (_rated_fully(requirement, item) for item in _stiffest(strong)[:2]) if item]
+    passing = [
+        item for item in full if tolerance_study(requirement, item.reducer)["yield_percent"] >= 100.0 * MIN_YIELD
+    ]
     stiffest, longest = (max(passing, key=merit, default=first) for merit in (_stiffness_of, _life_of))
     is_stiffer = _stiffness_of(stiffest) > MIN_DIFFERENCE * _stiffness_of(first)
     if stiffest.reducer.design == longest.reducer.design:
         choices = [(stiffest, "stiffest", "highest stiffness and longest life of the candidates")]
-        lighter = [one for one in passing if one.mass < stiffest.mass / MIN_DIFFERENCE]
-        between = min(lighter, key=lambda one: one.mass, default=stiffest)
+        lighter = [item for item in passing if item.mass < stiffest.mass / MIN_DIFFERENCE]
+        between = min(lighter, key=lambda item: item.mass, default=stiffest)
         if between is not stiffest:
             choices.append((between, "in between", "stiffer or with more life than the lightest"))
     else:
@@ -327,10 +331,10 @@ def _others(solution: Solution, lightest: SizedDrive) -> Iterator[SizedDrive]:
             (stiffest, "stiffest", "highest stiffness of the candidates"),
             (longest, "longest life", "longest life of the candidates"),
         ]
-    for one, title, why in choices if is_stiffer or longest.life > MIN_DIFFERENCE * first.life else ():
-        if one.reducer.design != first.reducer.design:
-            study = tolerance_study(requirement, one.reducer)
-            yield sized_drive(replace(solution, study=study), one, title, why)
+    for item, title, why in choices if is_stiffer or longest.life > MIN_DIFFERENCE * first.life else ():
+        if item.reducer.design != first.reducer.design:
+            study = tolerance_study(requirement, item.reducer)
+            yield sized_drive(replace(solution, study=study), item, title, why)
 
 
 def _life_of(rated: Rated) -> float:

@@ -231,7 +231,7 @@ def _reach(pin: Array, width: Array, chosen: Integers, pins: Iterable[tuple[floa
         rows = np.flatnonzero(chosen == number)
         if rows.size:
             grid = np.geomspace(width[rows].min(), width[rows].max() * (1.0 + 1e-9), 48)
-            sold = np.array([stock.reach_of_pins(2.0 * size, float(_round_down(one))) for one in grid])
+            sold = np.array([stock.reach_of_pins(2.0 * size, float(_round_down(item))) for item in grid])
             reach[rows] = sold[np.abs(np.log(width[rows, None] / grid)).argmin(axis=1)]
     return reach
 
@@ -248,7 +248,7 @@ def _cam_bearings(share: Array, root: Array, face: Array, free: bool) -> tuple[A
         return bore, bore, dynamic, static, bore > 0.0
     table = stock.needle_bearings()
     bores, outsides, widths, dynamics, statics = (
-        np.array([getattr(one, key) for one in table]) for key in ("bore", "outside", "width", "dynamic", "static")
+        np.array([getattr(item, key) for item in table]) for key in ("bore", "outside", "width", "dynamic", "static")
     )
     index = _choose_fitting(
         share,
@@ -282,10 +282,10 @@ def _shaft_bearings(share: Array, limit: Array, bar: bool, free: bool) -> tuple[
         )
         return radius, np.zeros_like(radius), dynamic, static, radius > 0.0
     bars = set(stock.bar_diameters())
-    table = [one for one in reversed(stock.needle_bearings()) if not bar or one.bore in bars]
-    table.sort(key=lambda one: (-one.bore, one.width))
+    table = [item for item in reversed(stock.needle_bearings()) if not bar or item.bore in bars]
+    table.sort(key=lambda item: (-item.bore, item.width))
     bores, widths, dynamics, statics = (
-        np.array([getattr(one, key) for one in table]) for key in ("bore", "width", "dynamic", "static")
+        np.array([getattr(item, key) for item in table]) for key in ("bore", "width", "dynamic", "static")
     )
     fitting = (bores <= 2.0 * limit[:, None] * (1.0 + 1e-9)) & (bores >= 1.2 * limit[:, None])
     index = _choose_fitting(share, fitting)
@@ -303,9 +303,9 @@ def _cores(
     fitting = dowels <= CORE_SHARE * stud[:, None]
     plain = np.where(fitting.any(axis=1), dowels[fitting.shape[1] - 1 - fitting[:, ::-1].argmax(axis=1)], 0.0)
     plain = _round_down(CORE_SHARE * np.maximum(stud, 0.0)) if free else plain
-    cups = [one for one in stock.needle_bearings() if one.bore / 2.0 in set(dowels.tolist())]
+    cups = [item for item in stock.needle_bearings() if item.bore / 2.0 in set(dowels.tolist())]
     bores, outsides, widths, dynamics = (
-        np.array([getattr(one, key) for one in cups]) for key in ("bore", "outside", "width", "dynamic")
+        np.array([getattr(item, key) for item in cups]) for key in ("bore", "outside", "width", "dynamic")
     )
     index = _choose_fitting(
         np.minimum(2.0 * share, 1.0),
@@ -319,7 +319,7 @@ def _cores(
     between, disc = stack + 2.0 * AXIAL_GAP, np.full_like(stack, _round_down(np.array(usual)))
     for size in () if free else np.unique(core[core > 0.0]).tolist():
         rows = np.flatnonzero(core == size)
-        reach = np.array([stock.reach_of_pins(2.0 * size, float(one), most=1) for one in between[rows] + 2.0 * usual])
+        reach = np.array([stock.reach_of_pins(2.0 * size, float(item), most=1) for item in between[rows] + 2.0 * usual])
         thickness = np.round(0.5 * (reach - between[rows]), 9)
         near = (usual / 1.5 <= thickness) & (thickness <= 1.5 * usual)
         disc[rows] = np.where(near, thickness, disc[rows])

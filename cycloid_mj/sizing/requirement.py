@@ -210,7 +210,7 @@ class Requirement:
         if not MOST_RATIO < self.ratio <= MOST_RATIO**2:
             return ""
         stages = range(LEAST_RATIO, math.isqrt(self.ratio) + 1)
-        low = max((one for one in stages if self.ratio % one == 0), default=0)
+        low = max((item for item in stages if self.ratio % item == 0), default=0)
         if not low or self.ratio // low > MOST_RATIO:
             low = math.isqrt(self.ratio)
         high = round(self.ratio / low)

@@ -105,7 +105,7 @@ def torque_at_pressure(
     for number in range(settings.max_iterations):
         contact_loads = contact_loads or loads(reducer, springs, torque, follow)
         shares = {kind: peak_pressure(reducer, springs, contact_loads, kind) / most for kind, most in pressures.items()}
-        kind = max(shares, key=lambda one: shares[one])
+        kind = max(shares, key=lambda item: shares[item])
         power = 0.5 if number == 0 else math.log(shares[kind] / share) / math.log(torque / before)
         before, share = torque, shares[kind]
         torque, contact_loads = torque * share ** (-1.0 / min(max(power, settings.min_power), settings.max_power)), None

@@ -133,7 +133,7 @@ class Sheet(Presented):
         """Design, condition, and the main figures."""
         first = [self.quantities[key] for key in SUMMARY_KEYS if key in self.quantities]
         return f"{self.design}, {self.condition}; " + ", ".join(
-            f"{one.key} {one.value:.4g} {one.unit if one.unit != '1' else ''}".strip() for one in first
+            f"{item.key} {item.value:.4g} {item.unit if item.unit != '1' else ''}".strip() for item in first
         )
 
     def as_json(self) -> dict[str, Any]:
@@ -255,18 +255,18 @@ def _motions(reducer: Reducer, load: float) -> Iterator[Quantity]:
     yield sheet_quantity("backlash_min", float(width.min()))
     yield sheet_quantity("backlash_max", float(width.max()))
     solved = windups(reducer, evenly, load, follow=True)
-    yield sheet_quantity("lost_motion_ideal", float(np.mean([one.lost_motion for one in solved])) / ARCMINUTE)
+    yield sheet_quantity("lost_motion_ideal", float(np.mean([item.lost_motion for item in solved])) / ARCMINUTE)
     yield sheet_quantity("stiffness_ideal", _stiffness(solved))
-    by_angle = [one.compliance_by_spring(reducer) for one in solved]
-    compliance = {part: float(np.mean([one[part] for one in by_angle])) / ARCMINUTE for part in SPRINGS}
+    by_angle = [item.compliance_by_spring(reducer) for item in solved]
+    compliance = {part: float(np.mean([item[part] for item in by_angle])) / ARCMINUTE for part in SPRINGS}
     if reducer.design.structure == "springs":
         rigid = reducer.but(structure="rigid")
         yield sheet_quantity("stiffness_contacts", _stiffness(windups(rigid, evenly, load, follow=True)))
-        compliance |= {part: one / ARCMINUTE for part, one in twisting_compliance(reducer).items()}
+        compliance |= {part: item / ARCMINUTE for part, item in twisting_compliance(reducer).items()}
     else:
         compliance.pop("bending")
-    for part, one in compliance.items():
-        yield sheet_quantity(f"compliance_{part}", one)
+    for part, item in compliance.items():
+        yield sheet_quantity(f"compliance_{part}", item)
 
 
 def _stiffness(windups: Sequence[Windup]) -> float:
@@ -349,9 +349,9 @@ def _angles(reducer: Reducer) -> Array:
 
 def disc_shares(share: Array) -> Iterator[Quantity]:
     """Yield the share of each of several discs in the output torque, from the shares at crank angles, shape (m, D)."""
-    for number, one in enumerate(share.T if share.shape[1] > 1 else (), start=1):
-        value = float(one.mean()) if one.size else math.nan
-        note = f"from {one.min():.4g} to {one.max():.4g} over the crank angle" if one.size else UNLOADED
+    for number, item in enumerate(share.T if share.shape[1] > 1 else (), start=1):
+        value = float(item.mean()) if item.size else math.nan
+        note = f"from {item.min():.4g} to {item.max():.4g} over the crank angle" if item.size else UNLOADED
         yield sheet_quantity(f"disc_{number}_share", value, note=note)
 
 

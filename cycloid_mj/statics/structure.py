@@ -99,8 +99,8 @@ def structure_text(reducer: Reducer) -> str:
         return "shafts, discs, output and housing are rigid; only contacts are elastic"
     given = [part for part in TWISTING if getattr(reducer.design.springs, part)]
     twisting = ", ".join(
-        f"{part} {ARCMINUTE * one:.3g}{' (from the design)' if part in given else ''}"
-        for part, one in twisting_stiffness(reducer).items()
+        f"{part} {ARCMINUTE * item:.3g}{' (from the design)' if part in given else ''}"
+        for part, item in twisting_stiffness(reducer).items()
     )
     support = {"cantilever": "at one end", "both_ends": "at both ends"}[reducer.design.output.support]
     return (

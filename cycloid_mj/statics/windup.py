@@ -74,7 +74,7 @@ class Windup:
     def compliance_by_spring(self, reducer: Reducer) -> dict[str, float]:
         """Compute the compliance of each spring [rad/(N m)], keyed by `SPRINGS`; without torsion of the structure."""
         whole, work = self.compliance(self.turn) - wind_up(reducer), sum(self.work.values())
-        return {spring: one / work * whole for spring, one in self.work.items()}
+        return {spring: item / work * whole for spring, item in self.work.items()}
 
 
 def in_series(reducer: Reducer, turn: float, gear_turn: float, centre_lead: float) -> dict[str, float]:
@@ -115,12 +115,12 @@ def windups(reducer: Reducer, cranks: Sequence[float] | Array, rated: float, fol
     low, high = STRAIGHT
     sides = [_work(reducer, springs, by_torque[side * low], by_torque[side * high]) for side in (-1, 1)]
     work = {spring: (sides[0][spring] + sides[1][spring]).tolist() for spring in SPRINGS}
-    turns = {share: one.output_turn.tolist() for share, one in by_torque.items()}
-    gear_turns = {share: one.gear_turn.tolist() for share, one in by_torque.items()}
-    centre_leads = {share: leads(one.departures).tolist() for share, one in by_torque.items()}
+    turns = {share: item.output_turn.tolist() for share, item in by_torque.items()}
+    gear_turns = {share: item.gear_turn.tolist() for share, item in by_torque.items()}
+    centre_leads = {share: leads(item.departures).tolist() for share, item in by_torque.items()}
 
     def of_angle(place: int, values: dict[float, list[float]]) -> dict[float, float]:
-        return {share: one[place] for share, one in values.items()}
+        return {share: item[place] for share, item in values.items()}
 
     return [
         Windup(
@@ -128,7 +128,7 @@ def windups(reducer: Reducer, cranks: Sequence[float] | Array, rated: float, fol
             of_angle(place, turns),
             of_angle(place, gear_turns),
             of_angle(place, centre_leads),
-            {spring: one[place] for spring, one in work.items()},
+            {spring: item[place] for spring, item in work.items()},
         )
         for place in range(len(cranks))
     ]

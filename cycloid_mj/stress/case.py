@@ -81,9 +81,9 @@ def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     def response(block: Integers) -> Response:
         forces, contacts = spread @ shares[:, block], pressed[:, block].tocoo()
         forces[contacts.row, contacts.col] += contacts.data
-        moved = elastic.displacements(part, forces)
-        reaction = elastic.reactions(part, moved, forces)
-        return Response(forces, moved, imbalance[block], reaction, np.zeros((len(block), 0, 3)))
+        displacement = elastic.displacements(part, forces)
+        reaction = elastic.reactions(part, displacement, forces)
+        return Response(forces, displacement, imbalance[block], reaction, np.zeros((len(block), 0, 3)))
 
     return LoadCase(part, response, len(loads.angle), put.angle, put.points)
 

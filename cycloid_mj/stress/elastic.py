@@ -127,23 +127,23 @@ def mass_product(mass: Any, fields: Array) -> Array:
 
 def displacements(part: ElasticBody, loads: Array) -> Array:
     """Solve for the displacements (n, c) [m] under loads (n, c) [N]."""
-    moved = np.zeros(loads.shape)
+    displacement = np.zeros(loads.shape)
     block = 32  # right-hand sides: more would need memory without saving time
     for start in range(0, loads.shape[1], block):
-        some = slice(start, start + block)
-        moved[part.free, some] = part.factor(np.ascontiguousarray(loads[part.free, some]))
-    return moved
+        columns = slice(start, start + block)
+        displacement[part.free, columns] = part.factor(np.ascontiguousarray(loads[part.free, columns]))
+    return displacement
 
 
-def reactions(part: ElasticBody, moved: Array, loads: Array) -> Array:
+def reactions(part: ElasticBody, displacement: Array, loads: Array) -> Array:
     """Compute the resultants (c, r) of the forces of all supports on the part: [N], then [N m] about the origin.
 
     They are what fixed nodes must add for equilibrium, and what springs push back.
     """
-    support = part.hold @ moved - loads[part.fixed]
+    support = part.hold @ displacement - loads[part.fixed]
     resultants = support.T @ part.motions[part.fixed]
     if part.springs is not None:
-        resultants = resultants - (part.springs @ moved).T @ part.motions
+        resultants = resultants - (part.springs @ displacement).T @ part.motions
     return np.asarray(resultants)
 
 

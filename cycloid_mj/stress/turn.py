@@ -76,26 +76,28 @@ def turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike = DEGRE
     UsageError
         The design is not the one that ran.
     """
-    ran = design_of(run)
+    run_design = design_of(run)
     if reducer is not None:
-        require_same(reducer, Reducer(ran))
-    column = cam_force(Reducer(ran))
+        require_same(reducer, Reducer(run_design))
+    column = cam_force(Reducer(run_design))
     if column not in run.columns:
         raise LogError(
             f"the run has no forces of the mating pairs (no column {column!r} among {len(run.columns)}), so "
             "there are no loads for the parts. Simulate it again with the forces in its log"
         )
     run = run.usable()
-    member = Reducer(ran).member
+    member = Reducer(run_design).member
     (angle, _), (speed, _) = (member.ring_and_carrier(run[f"output_{rate}"]) for rate in ("angle", "speed"))
-    run = replace(run, columns=columns_from_ring(Reducer(ran), run.columns))
+    run = replace(run, columns=columns_from_ring(Reducer(run_design), run.columns))
     wanted = np.atleast_1d(np.asarray(angles, dtype=np.float64))
-    rows = _last_turn(run, in_hold(Reducer(ran), run.time) & np.isfinite(run[cam_force(Reducer(ran))]))
+    rows = _last_turn(run, in_hold(Reducer(run_design), run.time) & np.isfinite(run[cam_force(Reducer(run_design))]))
     crank = run["crank_angle"][rows]
     _require_fine(crank, wanted, run, rows)
     nearest = np.array([np.argmin(np.abs(_wrap_angles(crank - angle))) for angle in wanted])
     chosen = rows[nearest]
-    return Turn(Reducer(ran), wanted + _wrap_angles(crank[nearest] - wanted), run, chosen, angle[chosen], speed[chosen])
+    return Turn(
+        Reducer(run_design), wanted + _wrap_angles(crank[nearest] - wanted), run, chosen, angle[chosen], speed[chosen]
+    )
 
 
 def require_same(reducer: Reducer, ran: Reducer) -> None:

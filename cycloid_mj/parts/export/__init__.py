@@ -195,9 +195,9 @@ def drive_files(
     if encoding.is_mesh:
         return {f"{name}.{file_format}": encoding.mesh(name, mesh(part.solid)) for name, part in manufactured.items()}
     if encoding.is_polylines:
-        laid = assembly_parts(reducer, sizes)
+        assembled_parts = assembly_parts(reducer, sizes)
         return {
-            f"{name}.{file_format}": encoding.polylines_of(laid[name], drilled_threads(reducer, sizes, name))
+            f"{name}.{file_format}": encoding.polylines_of(assembled_parts[name], drilled_threads(reducer, sizes, name))
             for name in manufactured
         }
     sections = assembly_sections(reducer, sizes, SPLINES if file_format == "step" else 1)
@@ -300,8 +300,8 @@ def _encode_polygons(reducer: Reducer, encoding: _Encoding, sizes: Casing | None
     loops = [[disc.outline, *disc.holes] for disc in discs]
     clearances = measure_all(reducer, loops, solids["housing"].prisms[0].holes[0])
     if encoding.is_polylines:
-        laid = lay_out_parts(reducer, chord_error) | {names.SHAFT: shaft}
-        contents = {name: encoding.polylines_of(part) for name, part in laid.items()}
+        drawn_parts = lay_out_parts(reducer, chord_error) | {names.SHAFT: shaft}
+        contents = {name: encoding.polylines_of(part) for name, part in drawn_parts.items()}
     else:
         contents = {
             name: encoding.mesh(name, mesh(solid)) for name, solid in _separate_pressed_pins(reducer, solids).items()

@@ -97,8 +97,8 @@ def _places(reducer: Reducer, crank: float, sizes: Casing | None) -> Iterator[Pl
             yield from _cam_bearings(reducer, gear, (float(x), float(y), plane), carrier)
     if design.ring.kind == "pin":
         yield from _ring_pins(reducer, ring, pin_pieces(reducer) if sizes else (1, 0.0))
-    for one in casing_places(reducer, sizes) if sizes else ():
-        yield _rotated_place(one.name, one.part, np.array(one.origin), turned[one.body], one.body)
+    for item in casing_places(reducer, sizes) if sizes else ():
+        yield _rotated_place(item.name, item.part, np.array(item.origin), turned[item.body], item.body)
 
 
 def _cam_bearings(reducer: Reducer, gear: str, centre: tuple[float, float, float], angle: float) -> Iterator[Place]:
@@ -141,9 +141,9 @@ def assembly_step(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = N
     CycloidError
         The package OCP is not installed, or OpenCASCADE cannot build a part.
     """
-    laid = assembly_parts(reducer, sizes)
-    sections = {name: part.sections(SPLINES) for name, part in laid.items()}
-    colours = {name: tint(COLOURS[names.family(name)], name) for name in laid}
+    parts = assembly_parts(reducer, sizes)
+    sections = {name: part.sections(SPLINES) for name, part in parts.items()}
+    colours = {name: tint(COLOURS[names.family(name)], name) for name in parts}
     return step_assembly(reducer.design.name, sections, colours, places(reducer, crank, sizes))
 
 
@@ -169,10 +169,10 @@ def assembly_parts(reducer: Reducer, sizes: Casing | None = None) -> dict[str, P
     gear, seat, in_stock = reducer.design.gear, cam_seat(reducer), cam_bearing(reducer)
     if seat == gear.bore_radius:
         return separate_parts(reducer, 0.0, sizes)
-    laid = separate_parts(reducer, cam_radius(reducer), sizes)
+    parts = separate_parts(reducer, cam_radius(reducer), sizes)
     width = in_stock[0].width if in_stock else gear.face_width
-    laid[CAM_BEARING] = Part(CAM_BEARING, with_holes(CAM_BEARING, tube(seat, gear.bore_radius, width)), STEEL)
-    return laid
+    parts[CAM_BEARING] = Part(CAM_BEARING, with_holes(CAM_BEARING, tube(seat, gear.bore_radius, width)), STEEL)
+    return parts
 
 
 def printed_materials(reducer: Reducer, sizes: Casing | None, parts: Iterable[str]) -> dict[str, tuple[str, Colour]]:

@@ -104,9 +104,9 @@ def bill(
 
 def consumables(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
     """Describe what a drive needs in addition to its parts: grease for a third of its free space, and adhesive."""
-    laid, placed = assembly_parts(reducer, sizes), places(reducer, 0.0, sizes)
+    parts, placed = assembly_parts(reducer, sizes), places(reducer, 0.0, sizes)
     inside = [place for place in placed if place.body != names.HOUSING and sizes.floor <= place.origin[2] <= sizes.top]
-    solid = sum(_inner_volume(laid[place.part], place.origin[2], sizes) for place in inside)
+    solid = sum(_inner_volume(parts[place.part], place.origin[2], sizes) for place in inside)
     wall = reducer.design.ring_root_radius
     room = math.pi * (
         2.0 * sizes.end * wall**2

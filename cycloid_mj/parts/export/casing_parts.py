@@ -95,7 +95,7 @@ def fit_part(reducer: Reducer, sizes: Casing, name: str, part: Part) -> Part:
     """
     drawn, family = part.stretches, names.family(name)
     if name == names.HOUSING:
-        return part.of(_wider(one, sizes.play, one is drawn[0], one is drawn[-1]) for one in drawn)
+        return part.of(_wider(item, sizes.play, item is drawn[0], item is drawn[-1]) for item in drawn)
     if name == PRESSED_PIN:
         reach = sizes.end + sleeve_pin_depth(reducer)
         return part.of(replace(stretch, z0=-reach, z1=reach) for stretch in drawn)

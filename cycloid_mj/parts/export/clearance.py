@@ -63,7 +63,7 @@ def measure_all(reducer: Reducer, discs: Sequence[Sequence[Array]], ring_loop: A
     """
     clearances = [measure(reducer, loops, ring_loop, disc) for disc, loops in enumerate(discs)]
     return tuple(
-        OutlineClearance(pair[0].pair, pair[0].asked, min(one.least for one in pair), max(one.most for one in pair))
+        OutlineClearance(pair[0].pair, pair[0].asked, min(item.least for item in pair), max(item.most for item in pair))
         for pair in zip(*clearances, strict=True)
     )
 
@@ -102,11 +102,11 @@ def measure(
     if design.ring.has_sockets:
         points = {**points, "pin_socket": _socket_points(reducer, ring_loop) - design.ring.pin_radius}
     measured = tuple(OutlineClearance(pair, getattr(asked, pair), *_range(values)) for pair, values in points.items())
-    for one in measured:
-        if max(one.asked - one.least, one.most - one.asked) > TOLERANCE:
+    for item in measured:
+        if max(item.asked - item.least, item.most - item.asked) > TOLERANCE:
             raise DesignError(
-                f"the clearance {one.pair} of the outline is {1e6 * one.least:.4g} to {1e6 * one.most:.4g} um, not the "
-                f"{1e6 * one.asked:.4g} um asked for; please report this design"
+                f"the clearance {item.pair} of the outline is {1e6 * item.least:.4g} to {1e6 * item.most:.4g} um, not "
+                f"the requested {1e6 * item.asked:.4g} um; please report this design"
             )
     return measured
 

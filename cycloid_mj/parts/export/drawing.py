@@ -93,12 +93,12 @@ def part_drawings(reducer: Reducer, sizes: Casing) -> tuple[PartDrawing, ...]:
     DesignError
         A part cannot be manufactured.
     """
-    laid, joints = assembly_parts(reducer, sizes), drive_joints(reducer, sizes)
-    made = manufactured_parts(reducer, VISUAL_CHORD_ERROR, 0.0, sizes)
-    counts = {name: part.count for name, part in made.items()}
+    parts, joints = assembly_parts(reducer, sizes), drive_joints(reducer, sizes)
+    manufactured = manufactured_parts(reducer, VISUAL_CHORD_ERROR, 0.0, sizes)
+    counts = {name: part.count for name, part in manufactured.items()}
     if reducer.design.output.has_roller_parts:
         counts[names.ROLLER] = reducer.design.output.pins * reducer.design.gear.discs
-    return tuple(_drawing(reducer, sizes, laid[name], name, count, joints) for name, count in counts.items())
+    return tuple(_drawing(reducer, sizes, parts[name], name, count, joints) for name, count in counts.items())
 
 
 def _drawing(
@@ -161,14 +161,14 @@ def _deviations(zone: str, size: float) -> str:
 def _holes(name: str, joints: Sequence[Joint]) -> Iterator[str]:
     """Yield the holes off the axis: number, diameter or thread, depth, circle and angle of the first."""
     for joint in joints:
-        threads = [one.thread for one in joint.threads if one.part == name]
+        threads = [item.thread for item in joint.threads if item.part == name]
         for centres, radius, low, high in joint.holes_in(name):
             away = np.hypot(*centres.T)
             if away.max() <= SAME_LENGTH:
                 continue
             circle, angle = 2.0 * float(away.mean()), float(np.degrees(np.arctan2(centres[0, 1], centres[0, 0])))
             zone = f" {joint.fit}" if joint.kind in (JointKind.DOWELLED, JointKind.PRESSED) else ""
-            thread = next((f"M{_mm(one)} in it, " for one in threads if radius < 0.75 * one), "")
+            thread = next((f"M{_mm(item)} in it, " for item in threads if radius < 0.75 * item), "")
             place = f"on ⌀{_mm(circle)}, the first at {angle:.4g}°, position ⌀{'0.05' if zone else '0.2'} to A and B"
             size = f"{len(centres)} x ⌀{_mm(2.0 * radius)}{zone}, {_mm(high - low)} deep"
             yield f"{size}, {thread}{place} ({joint.name})"
@@ -176,7 +176,7 @@ def _holes(name: str, joints: Sequence[Joint]) -> Iterator[str]:
 
 def _geometry(reducer: Reducer, name: str, diameters: Sequence[Dimension]) -> Iterator[str]:
     """Yield datums, and tolerances of run-out and of the teeth."""
-    design, seats = reducer.design, [one for one in diameters if " " in one.text and "eccentric" not in one.text]
+    design, seats = reducer.design, [item for item in diameters if " " in item.text and "eccentric" not in item.text]
     if seats:
         yield f"datum A: axis of {seats[0].text.partition(' ')[0]}; datum B: the face at z = 0 of the lengths"
         yield "total run-out of all seats to A: 0.01; perpendicularity of their shoulders to A: 0.01"
@@ -235,12 +235,12 @@ def dimension_lines(drawing: PartDrawing) -> tuple[Line, ...]:
     """Return the ends (x, y) [mm] of the dimension lines next to the section: lengths below, diameters on the right."""
     step, _, bottom, high = _layout(drawing)
     lengths = [
-        ((MILLIMETRES * one.low, y), (MILLIMETRES * one.high, y), one)
-        for y, one in ((bottom - (number + 1.0) * step, one) for number, one in enumerate(drawing.lengths))
+        ((MILLIMETRES * item.low, y), (MILLIMETRES * item.high, y), item)
+        for y, item in ((bottom - (number + 1.0) * step, item) for number, item in enumerate(drawing.lengths))
     ]
     diameters = [
-        ((x, -MILLIMETRES * one.radius), (x, MILLIMETRES * one.radius), one)
-        for x, one in ((high + (number + 1.0) * step, one) for number, one in enumerate(drawing.diameters))
+        ((x, -MILLIMETRES * item.radius), (x, MILLIMETRES * item.radius), item)
+        for x, item in ((high + (number + 1.0) * step, item) for number, item in enumerate(drawing.diameters))
     ]
     return (*lengths, *diameters)
 
@@ -279,8 +279,8 @@ def drawing_dxf(drawing: PartDrawing) -> bytes:
             points = (MILLIMETRES * ring + np.array([right, 0.0])).tolist()
             space.add_lwpolyline(points, close=True, dxfattribs={"layer": "front"})
         override = {"dimtxt": height, "dimasz": height, "dimexe": 0.5 * height, "dimexo": 0.5 * height}
-        for start, end, one in dimension_lines(drawing):
-            at = {"base": start, "angle": 90.0 if one.radius else 0.0, "text": one.text.replace("⌀", "%%c")}
+        for start, end, item in dimension_lines(drawing):
+            at = {"base": start, "angle": 90.0 if item.radius else 0.0, "text": item.text.replace("⌀", "%%c")}
             mark = space.add_linear_dim(
                 p1=start, p2=end, dimstyle="EZDXF", override=override, dxfattribs={"layer": "dimensions"}, **at
             )

@@ -29,12 +29,12 @@ def drive_mass(reducer: Reducer) -> float:
     DesignError
         A part does not fit.
     """
-    one = reducer.but(ring={"halves": 1, "preload": 0.0}) if reducer.design.ring.halves > 1 else reducer
-    sizes = casing(one)
-    laid = assembly_parts(one, sizes)
-    share = {name: BEARING_FILL if name.endswith("_bearing") else 1.0 for name in laid}
-    mass = {name: share[name] * mass_properties(part.solid(EXPORT_CHORD_ERROR)).mass for name, part in laid.items()}
-    return sum(mass[place.part] for place in places(one, 0.0, sizes))
+    with_one_ring = reducer.but(ring={"halves": 1, "preload": 0.0}) if reducer.design.ring.halves > 1 else reducer
+    sizes = casing(with_one_ring)
+    parts = assembly_parts(with_one_ring, sizes)
+    share = {name: BEARING_FILL if name.endswith("_bearing") else 1.0 for name in parts}
+    mass = {name: share[name] * mass_properties(part.solid(EXPORT_CHORD_ERROR)).mass for name, part in parts.items()}
+    return sum(mass[place.part] for place in places(with_one_ring, 0.0, sizes))
 
 
 def casing_inertia(reducer: Reducer) -> float:

@@ -78,7 +78,7 @@ def layers_of(sections: Sequence[LoopSection], threads: Sequence[DrilledThread] 
     named = len(heights) > 1  # stretches with names of their own, as those of a crank
     for key, ends in spans.items():
         name, loop = key[0], loops[key]
-        thread = next((one.words for one in threads if _is_drilled(loop, one)), "")
+        thread = next((item.words for item in threads if _is_drilled(loop, item)), "")
         whole = _join_stretches(list(heights[name]))
         for low, high in _join_stretches(ends):
             prefix = thread or (name if named else "")
@@ -104,7 +104,9 @@ def _key(loop: Loop) -> object:
     if isinstance(loop, np.ndarray):
         return loop.tobytes()
     curves = (loop,) if isinstance(loop, Circle) else loop
-    return tuple((one.knots.tobytes(), one.controls.tobytes()) if isinstance(one, Spline) else one for one in curves)
+    return tuple(
+        (item.knots.tobytes(), item.controls.tobytes()) if isinstance(item, Spline) else item for item in curves
+    )
 
 
 def _is_drilled(loop: Loop, thread: DrilledThread) -> bool:

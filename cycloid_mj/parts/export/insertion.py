@@ -74,23 +74,23 @@ def moves(reducer: Reducer, sizes: Casing) -> tuple[Move, ...]:
 def blockages(reducer: Reducer, sizes: Casing) -> tuple[Blockage, ...]:
     """Return each part that cannot pass another one by the moves of the assembly, and the other one."""
     placed = {place.name: place for place in places(reducer, 0.0, sizes)}
-    laid = {name: part.solid(VISUAL_CHORD_ERROR).prisms for name, part in assembly_parts(reducer, sizes).items()}
+    prisms = {name: part.solid(VISUAL_CHORD_ERROR).prisms for name, part in assembly_parts(reducer, sizes).items()}
     groups: dict[str, list[str]] = {}
 
     @cache
     def sections(name: str) -> tuple[tuple[float, float, manifold3d.CrossSection], ...]:
         place = placed[name]
-        return tuple(_section(place, prism) for prism in laid[place.part])
+        return tuple(_section(place, prism) for prism in prisms[place.part])
 
     blocked = []
     for move in moves(reducer, sizes):
         moving = [part for name in move.parts for part in groups.pop(name, [name])]
         present = groups.setdefault(move.group, [])
         blocked += [
-            Blockage(one, other)
-            for one in _distinct(moving, placed)
-            for other in present
-            if move.direction and _is_blocked(sections(one), sections(other), move.direction)
+            Blockage(moving_part, present_part)
+            for moving_part in _distinct(moving, placed)
+            for present_part in present
+            if move.direction and _is_blocked(sections(moving_part), sections(present_part), move.direction)
         ]
         present += moving
     return tuple(blocked)
@@ -189,7 +189,7 @@ def _crank_moves(reducer: Reducer, placed: tuple[Place, ...]) -> Iterator[Move]:
         if number > 1:
             yield Move((names.numbered_name(names.SPACER, number - 1),), shaft, DOWN)
         yield Move((gear,), gear)
-        yield Move(tuple(one.name for one in placed if one.body == gear and one.name != gear), gear, DOWN)
+        yield Move(tuple(item.name for item in placed if item.body == gear and item.name != gear), gear, DOWN)
         yield Move((names.numbered_name(names.CAM, number),), gear, DOWN)
         yield Move((gear,), shaft, DOWN)
     yield Move(rings[1:], shaft, DOWN)

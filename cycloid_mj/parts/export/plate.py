@@ -58,11 +58,11 @@ class PrintPlate:
     @property
     def mesh(self) -> Mesh:
         """All parts and their supports as one mesh [m]."""
-        meshes = [*self.meshes, *(one for supports in self.supports for one in supports)]
-        first = np.cumsum([0, *(len(one.vertices) for one in meshes)])
+        meshes = [*self.meshes, *(item for supports in self.supports for item in supports)]
+        first = np.cumsum([0, *(len(item.vertices) for item in meshes)])
         return Mesh(
-            np.concatenate([one.vertices for one in meshes]),
-            np.concatenate([one.faces + np.int32(at) for one, at in zip(meshes, first, strict=False)]),
+            np.concatenate([item.vertices for item in meshes]),
+            np.concatenate([item.faces + np.int32(at) for item, at in zip(meshes, first, strict=False)]),
         )
 
     @property
@@ -149,10 +149,10 @@ def _lay(
         PlatePosition(name, _corner(low + shift), _corner(high + shift), (float(shift[0]), float(shift[1])), over)
         for name, over, (low, high), shift in copies
     )
-    laid = tuple(_translate_mesh(shapes[name], shift) for name, _, _, shift in copies)
-    supports = tuple(tuple(_translate_mesh(one, shift) for one in stood[name]) for name, _, _, shift in copies)
+    meshes = tuple(_translate_mesh(shapes[name], shift) for name, _, _, shift in copies)
+    supports = tuple(tuple(_translate_mesh(item, shift) for item in stood[name]) for name, _, _, shift in copies)
     own = {name for name, *_ in copies}
-    return PrintPlate(laid, places, supports, {name: faces for name, faces in hanging.items() if name in own})
+    return PrintPlate(meshes, places, supports, {name: faces for name, faces in hanging.items() if name in own})
 
 
 def _translate_mesh(shape: Mesh, shift: Array) -> Mesh:
@@ -169,7 +169,7 @@ def _spots(
     length, width = bed
     for part, (along, across) in zip(parts, pairs, strict=True):
         if along > length or across > width:
-            size, room = (" x ".join(f"{MILLIMETRES * one:.4g}" for one in pair) for pair in ((along, across), bed))
+            size, room = (" x ".join(f"{MILLIMETRES * item:.4g}" for item in pair) for pair in ((along, across), bed))
             raise DesignError(f"{part} is {size} mm large, but the bed only {room} mm: choose a larger bed, or mill it")
     spots = [(0, (0.0, 0.0))] * len(pairs)
     number, x, y, deepest = 0, 0.0, 0.0, 0.0

@@ -47,7 +47,7 @@ def coupon(chord_error: float) -> dict[str, Solid]:
             )
     block = Prism(corners, tuple(holes), 0.0, COUPON.height)
     pin = Prism(circle(COUPON.pin_radius, chord_error), (), 0.0, 2.0 * COUPON.height)
-    return {name: Solid(name, (one,), 1.0) for name, one in (("coupon_block", block), ("coupon_pin", pin))}
+    return {name: Solid(name, (item,), 1.0) for name, item in (("coupon_block", block), ("coupon_pin", pin))}
 
 
 def coupon_words() -> str:
@@ -73,7 +73,7 @@ def print_warnings(
         if wall < RULES.min_printed_wall - SAME_LENGTH:
             least = MILLIMETRES * RULES.min_printed_wall
             yield f"{name} has a wall of {MILLIMETRES * wall:.2g} mm; one prints from {least:g} mm on"
-        hole = min((_diameter(one) for prism in part.solid.prisms for one in prism.holes), default=np.inf)
+        hole = min((_diameter(item) for prism in part.solid.prisms for item in prism.holes), default=np.inf)
         if hole < MIN_HOLE:
             yield f"{name} has a hole of {MILLIMETRES * hole:.3g} mm; drill those below {MILLIMETRES * MIN_HOLE:g} mm"
         if faces := hanging.get(name):

@@ -111,9 +111,9 @@ def swept_annuli(reducer: Reducer, sizes: Casing) -> tuple[Annulus, ...]:
 
 
 def _of_parts(reducer: Reducer, sizes: Casing) -> Iterator[Annulus]:
-    laid = assembly_parts(reducer, sizes)
+    parts = assembly_parts(reducer, sizes)
     for place in places(reducer, 0.0, sizes):
-        for stretch in laid[place.part].stretches:
+        for stretch in parts[place.part].stretches:
             annulus = _swept(place, stretch)
             if names.family(place.part) in (SHAFT_BEARING, OUTPUT_BEARING):
                 yield from _rings(reducer, sizes, annulus)
