@@ -262,8 +262,8 @@ def require_torque(loop: MeasuredLoop, rated: float) -> None:
     if loop.most < min_torque:
         raise UsageError(
             f"{loop.name}: the torque reaches only {loop.most:.4g} N m, at least {min_torque:.4g} N m is needed for "
-            f"the design's rated torque of {rated:.4g} N m. If {TORQUE} is in kN m, multiply it by 1000; otherwise measure "
-            "a loop at higher torque"
+            f"the design's rated torque of {rated:.4g} N m. If {TORQUE} is in kN m, multiply it by 1000; otherwise "
+            "measure a loop at higher torque"
         )
 
 
