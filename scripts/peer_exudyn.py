@@ -17,7 +17,7 @@ that its user compiles (numba), of the exact teeth and of free pins in their soc
 import argparse
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
@@ -116,19 +116,39 @@ def bedding(design: Design, stiffness: float) -> float:
     return force / (4.0 / 3.0 * math.sqrt(2.0 * design.ring.pin_radius) * (force / stiffness) ** 1.5)
 
 
+def _add_teeth(mbs: Any, design: Design, markers: list[Any], segments: int, stiffness: float, friction: float) -> None:
+    """Add the contact of the gear's outline, as a number of segments, with the ring pins; markers of the gear first."""
+    import exudyn as exu  # type: ignore[import-not-found]
+    from exudyn import itemInterface as item
+
+    # Going along a segment, Exudyn has the outside on the right.
+    corners = sample(gear_profile(design), segments, profile_offset(design)).points[::-1]
+    edges = np.hstack([corners, np.roll(corners, -1, axis=0)])
+    active = mbs.AddNode(
+        item.NodeGenericData(initialCoordinates=[-1, 0, 0] * segments, numberOfDataCoordinates=3 * segments)
+    )
+    mbs.AddObject(
+        item.ObjectContactCurveCircles(
+            markerNumbers=markers,
+            nodeNumber=active,
+            circlesRadii=[design.ring.pin_radius] * design.ring.teeth,
+            segmentsData=exu.MatrixContainer(edges),
+            contactStiffness=stiffness,
+            dynamicFriction=friction,
+            frictionProportionalZone=Reducer(design).contacts.creep_speed,
+        )
+    )
+
+
 def run_exudyn(timestep: float, friction: float, end: float, segments: int) -> Motion:
     """Run Exudyn's model."""
-    import exudyn as exu  # type: ignore[import-not-found]
+    import exudyn as exu
     from exudyn import itemInterface as item
 
     design = design_of(timestep, friction)
     compiled = build(design)
     tooth, cam, gear = compiled.laws["pin_gear"], compiled.laws["cam"], compiled.model.body("gear")
     speed, eccentricity = design.drive.speed, design.gear.eccentricity
-    # Going along a segment, Exudyn has the outside on the right.
-    corners = sample(gear_profile(design), segments, profile_offset(design)).points[::-1]
-    edges = np.hstack([corners, np.roll(corners, -1, axis=0)])
-
     mbs = exu.SystemContainer().AddSystem()
     crank_node = mbs.AddNode(item.Node1D(initialVelocities=[speed]))
     crank = mbs.AddObject(item.ObjectRotationalMass1D(inertia=100.0, nodeNumber=crank_node))
@@ -151,24 +171,11 @@ def run_exudyn(timestep: float, friction: float, end: float, segments: int) -> M
             damping=[cam.damping] * 2 + [0],
         )
     )
-    radius, count = design.ring.pin_circle_radius, design.ring.teeth
+    radius = design.ring.pin_circle_radius
     pins = [
         marker(ring, radius * math.sin(angle), radius * math.cos(angle)) for angle in pin_angles(tooth_profile(design))
     ]
-    active = mbs.AddNode(
-        item.NodeGenericData(initialCoordinates=[-1, 0, 0] * segments, numberOfDataCoordinates=3 * segments)
-    )
-    mbs.AddObject(
-        item.ObjectContactCurveCircles(
-            markerNumbers=[on_gear, *pins],
-            nodeNumber=active,
-            circlesRadii=[design.ring.pin_radius] * count,
-            segmentsData=exu.MatrixContainer(edges),
-            contactStiffness=bedding(design, tooth.stiffness),
-            dynamicFriction=friction,
-            frictionProportionalZone=Reducer(design).contacts.creep_speed,
-        )
-    )
+    _add_teeth(mbs, design, [on_gear, *pins], segments, bedding(design, tooth.stiffness), friction)
     mbs.AddLoad(item.LoadTorqueVector(markerNumber=on_gear, loadVector=[0, 0, LOAD]))
 
     def sensor(what: Any, kind: str, **of: Any) -> Any:
@@ -282,26 +289,21 @@ def forces(parts: Parts, time: float, q: Array, v: Array, near: Array, out: Arra
             out[row + 2] -= side * parts.radius
 
 
-def run_compiled(timestep: float, friction: float, end: float, pins: str = "fixed") -> Motion:
-    """Run Exudyn's integrator (RK44) with contacts that its user has compiled: exact teeth, fixed pins or free ones."""
-    import exudyn as exu
-    from exudyn import itemInterface as item
-
-    design = design_of(timestep, friction, pins)
-    compiled, gear, free = build(design), tooth_profile(design), pins == "free"
-    laws, angles = compiled.laws, pin_angles(gear)
+def _parts_of(design: Design, laws: Mapping[str, Any], friction: float, free: bool) -> Parts:
+    """Collect dimensions and contact laws of a design for the compiled contacts."""
+    gear = tooth_profile(design)
 
     def law(kind: str) -> tuple[float, float]:
         return (laws[kind].stiffness, laws[kind].damping) if kind in laws else (0.0, 0.0)
 
-    of = Parts(
+    return Parts(
         E=gear.pin_circle_radius,
         c=gear.eccentricity,
         N=float(gear.ring_teeth),
         radius=gear.pin_radius,
         clearance=design.clearance.pin_gear,
         play=design.clearance.pin_socket,
-        places=gear.pin_circle_radius * unit(angles),
+        places=gear.pin_circle_radius * unit(pin_angles(gear)),
         tooth=law("pin_gear"),
         seat=law("pin_socket"),
         cam=law("cam"),
@@ -311,6 +313,17 @@ def run_compiled(timestep: float, friction: float, end: float, pins: str = "fixe
         load=LOAD,
         pin=int(free),
     )
+
+
+def run_compiled(timestep: float, friction: float, end: float, pins: str = "fixed") -> Motion:
+    """Run Exudyn's integrator (RK44) with contacts that its user has compiled: exact teeth, fixed pins or free ones."""
+    import exudyn as exu
+    from exudyn import itemInterface as item
+
+    design = design_of(timestep, friction, pins)
+    compiled, gear, free = build(design), tooth_profile(design), pins == "free"
+    angles = pin_angles(gear)
+    of = _parts_of(design, compiled.laws, friction, free)
     bodies = [compiled.model.body("gear"), *(compiled.model.body(f"pin_{i + 1}") for i in range(len(angles)) if free)]
     mass = np.concatenate([[body.mass[0], body.mass[0], inertia_about_axis(body)] for body in bodies])
     speeds = np.zeros(mass.size)

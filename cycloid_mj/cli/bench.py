@@ -1,6 +1,6 @@
 """``cycloid-mj calibrate`` and ``compare-bench``: fit a design to bench measurements, and compare with them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from itertools import islice
@@ -19,6 +19,7 @@ from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.bench import Calibration
+    from cycloid_mj.bench.loop import MeasuredLoop
 
 FILES = (".toml", "-residuals.csv", "-loops.png", "-loops.svg")
 """What a calibration leaves, after the design's name."""
@@ -131,7 +132,6 @@ def calibrate(
     import math
 
     from cycloid_mj.bench import calibrate as calibrated
-    from cycloid_mj.bench import compare_losses, read_loop
     from cycloid_mj.bench.calibration import CalibrationStopped, calibrated_name
     from cycloid_mj.bench.parameters import DEFAULT, fit_parameters
     from cycloid_mj.cli.progress import count_progress
@@ -141,13 +141,7 @@ def calibrate(
             f"--crank-deg {crank_deg:g} is not a finite number: give an angle in degrees, e.g. --crank-deg 0"
         )
     keys = tuple(key.strip() for key in fit.split(",") if key.strip()) if fit else DEFAULT
-    loops = [read_loop(path) for path in loop]
-    names = [item.name for item in loops]
-    if len(set(names)) < len(names):
-        raise UsageError(
-            f"two loops have the file name {max(names, key=names.count)}: rename one file, so that the "
-            "results can be distinguished"
-        )
+    loops = _read_loops(loop)
     design = chosen.resolve_checked()
     fit_parameters(Reducer(design), keys, loops)  # raises for an unknown or repeated key
     name = calibrated_name(Reducer(design))
@@ -162,16 +156,7 @@ def calibrate(
         raise RunError(f"stopped by {signal_name(stop)}; the fit at that time is in {place.folder}") from stop
     if losses:
         write(_calibration_outcome(calibration, place), place, silent)
-        try:
-            calibration = compare_losses(
-                calibration,
-                count_progress("calibrate: losses", delivery.quiet),
-                lambda so_far: write(_calibration_outcome(so_far, place), place, silent),
-            )
-        except KeyboardInterrupt as stop:
-            raise RunError(
-                f"stopped by {signal_name(stop)}; the calibration and the losses fitted by then are in {place.folder}"
-            ) from stop
+        calibration = _fit_loss_models(calibration, place, delivery)
     try:
         unusable = _find_defects(calibration, delivery.quiet)
     except KeyboardInterrupt as stop:
@@ -181,6 +166,38 @@ def calibrate(
             "(checks, statics, reduce)"
         ) from stop
     return deliver(_calibration_outcome(calibration, place, unusable), place, delivery)
+
+
+def _read_loops(paths: Iterable[Path]) -> list["MeasuredLoop"]:
+    """Read measured loops; raise UsageError if two files have the same name."""
+    from cycloid_mj.bench import read_loop
+
+    loops = [read_loop(path) for path in paths]
+    names = [loop.name for loop in loops]
+    if len(set(names)) < len(names):
+        raise UsageError(
+            f"two loops have the file name {max(names, key=names.count)}: rename one file, so that the "
+            "results can be distinguished"
+        )
+    return loops
+
+
+def _fit_loss_models(calibration: "Calibration", place: Destination, delivery: CalibrationDelivery) -> "Calibration":
+    """Compare models of the losses, writing the calibration after each; Ctrl-C raises RunError."""
+    from cycloid_mj.bench import compare_losses
+    from cycloid_mj.cli.progress import count_progress
+
+    silent = replace(delivery, quiet=True)
+    try:
+        return compare_losses(
+            calibration,
+            count_progress("calibrate: losses", delivery.quiet),
+            lambda so_far: write(_calibration_outcome(so_far, place), place, silent),
+        )
+    except KeyboardInterrupt as stop:
+        raise RunError(
+            f"stopped by {signal_name(stop)}; the calibration and the losses fitted by then are in {place.folder}"
+        ) from stop
 
 
 def _find_defects(calibration: "Calibration", quiet: bool) -> tuple[str, ...]:

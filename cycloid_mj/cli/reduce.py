@@ -136,10 +136,42 @@ def reduce(
     from cycloid_mj.robot.population import draw_population
     from cycloid_mj.robot.stability import study_time_steps
 
+    _require_scene_values(timestep_ms, load_inertia_kgm2)
+    samples, seed = _choose_samples(spread, samples, seed)
+    design = chosen.resolve_checked()
+    model = (*BASE_FILES, *SPRING_FILES) if format_ == "mjcf" else description_names(design.name, format_)
+    place = claim_destination(delivery, STEM, (*model, *([SAMPLES] if spread else [])), OUT, paged=True)
+    reduced = measured(design, level, count_progress("reduce", delivery.quiet))
+    spread_progress = count_progress("spread", delivery.quiet)
+    drives = draw_population(Reducer(design), samples, seed, spread_progress) if spread else None
+    free = without_slip(reduced)
+    comparison, steps = compare_with_full_model(Reducer(design), free), study_time_steps(free)
+    timestep = None if timestep_ms is None else 1e-3 * timestep_ms
+    asked, lossy = choose_scenes(reduced, load_inertia_kgm2, timestep, integrator)
+    warn(
+        design.name,
+        [
+            *inaccurate(asked, timestep_ms, integrator),
+            *(f"{name} of the joint differs from that of the full model" for name in comparison.outside_bounds),
+        ],
+    )
+    if format_ == "mjcf":
+        files = joint_files(reduced, asked, lossy)
+    else:
+        files = description_files(reduced, Reducer(design), format_)
+    return deliver(_outcome(reduced, comparison, steps, asked, lossy, drives, files), place, delivery)
+
+
+def _require_scene_values(timestep_ms: float | None, load_inertia: float | None) -> None:
+    """Raise UsageError if the time step [ms] or the inertia of the load [kg m2] is out of range."""
     if timestep_ms is not None and not 0.01 <= timestep_ms <= 10.0:
         raise UsageError(f"--timestep-ms {timestep_ms:g} is out of range: it must be from 0.01 to 10")
-    if load_inertia_kgm2 is not None and not 0.0 < load_inertia_kgm2 < float("inf"):
-        raise UsageError(f"--load-inertia-kgm2 {load_inertia_kgm2:g} is out of range: it must be more than 0")
+    if load_inertia is not None and not 0.0 < load_inertia < float("inf"):
+        raise UsageError(f"--load-inertia-kgm2 {load_inertia:g} is out of range: it must be more than 0")
+
+
+def _choose_samples(spread: bool, samples: int | None, seed: int | None) -> tuple[int, int]:
+    """Return number and seed of the samples; raise UsageError for those out of range, or without --spread."""
     if not spread and (samples, seed) != (None, None):
         flag = "--seed" if samples is None else "--samples"
         raise UsageError(f"{flag} can only be used with --spread: add --spread")
@@ -149,30 +181,7 @@ def reduce(
         raise UsageError(f"--samples {samples} is out of range: it must be from {low} to {high}")
     if seed < 0:
         raise UsageError(f"--seed {seed} is out of range: it must be 0 or more")
-    design = chosen.resolve_checked()
-    model = (*BASE_FILES, *SPRING_FILES) if format_ == "mjcf" else description_names(design.name, format_)
-    place = claim_destination(delivery, STEM, (*model, *([SAMPLES] if spread else [])), OUT, paged=True)
-    reduced = measured(design, level, count_progress("reduce", delivery.quiet))
-    drives = (
-        draw_population(Reducer(design), samples, seed, count_progress("spread", delivery.quiet)) if spread else None
-    )
-    free = without_slip(reduced)
-    comparison, steps = compare_with_full_model(Reducer(design), free), study_time_steps(free)
-    step = None if timestep_ms is None else 1e-3 * timestep_ms
-    asked, lossy = choose_scenes(reduced, load_inertia_kgm2, step, integrator)
-    warn(
-        design.name,
-        [
-            *inaccurate(asked, timestep_ms, integrator),
-            *(f"{name} of the joint differs from that of the full model" for name in comparison.outside_bounds),
-        ],
-    )
-    files = (
-        joint_files(reduced, asked, lossy)
-        if format_ == "mjcf"
-        else description_files(reduced, Reducer(design), format_)
-    )
-    return deliver(_outcome(reduced, comparison, steps, asked, lossy, drives, files), place, delivery)
+    return samples, seed
 
 
 def _outcome(

@@ -99,18 +99,13 @@ def tolerance(
     from cycloid_mj.explore.tolerances import StudyInterrupted, TooManyJams
     from cycloid_mj.explore.tolerances import tolerance as run_study
 
-    low, high = RANGES.tolerance_samples
-    if not low <= samples <= high:
-        raise UsageError(f"--samples {samples} is out of range; allowed: {low} to {high}")
-    if seed < 0:
-        raise UsageError(f"--seed {seed} is out of range; allowed: 0 or more")
+    _require_in_range(samples, seed)
     engine = delivery.engine("threads")
     design = chosen.resolve_checked()
     limits = [read(text, Reducer(design)) for text in limit]
     name = design.name
-    place = claim_destination(
-        delivery, f"{name}-tolerance", [f"{name}-worst-1.toml", f"{name}-samples.csv"], OUT, paged=True
-    )
+    files = [f"{name}-worst-1.toml", f"{name}-samples.csv"]
+    place = claim_destination(delivery, f"{name}-tolerance", files, OUT, paged=True)
     try:
         tolerances = run_study(
             design, samples, seed, limits, count_progress("tolerance", delivery.quiet), engine, verify, solver
@@ -128,6 +123,15 @@ def tolerance(
             write(outcome, place, delivery)
         raise RunError(f"{jam}; these samples are in {place.folder}") from jam
     return deliver(_outcome(tolerances), place, delivery)
+
+
+def _require_in_range(samples: int, seed: int) -> None:
+    """Raise UsageError if the number of samples or the seed is out of range."""
+    low, high = RANGES.tolerance_samples
+    if not low <= samples <= high:
+        raise UsageError(f"--samples {samples} is out of range; allowed: {low} to {high}")
+    if seed < 0:
+        raise UsageError(f"--seed {seed} is out of range; allowed: 0 or more")
 
 
 def _outcome(tolerances: "Tolerances") -> Outcome:

@@ -79,10 +79,9 @@ def rate(
         ratings = [rate(sample, duty, life, ranges, compliance, poses, stops) for sample in samples.designs]
         return _weakest_of(design.name, ratings, samples.words)
     items, work = _rated_items(reducer, duty, ranges, poses, stops)
-    ordered = sorted(items, key=lambda item: item.margin(life))
+    by_key = {item.key: item for item in sorted(items, key=lambda item: item.margin(life))}
     spread = rate_cam_compliance(reducer, duty) if compliance else None
     assumptions = *_assumptions(reducer, duty), *([spread.words] if spread else [])
-    by_key = {item.key: item for item in ordered}
     words = f"{duty.words}, {design.thermal.words}" if design.thermal.words else duty.words
     return Rating(design.name, words, life, by_key, assumptions, spread, work, reducer.parts_text)
 

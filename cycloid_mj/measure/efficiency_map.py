@@ -137,9 +137,7 @@ def run_map(
     assumed = inputs(reducer)
     varied: dict[Hashable, Reducer] = {end: Reducer(end) for item in assumed for end in item.ends}
     varied |= {value: sensitivity.with_common_friction(reducer, value) for value in sensitivity.COMMON}
-    tasks |= {
-        key: partial(forward, massless(item), rated, speed, INPUTS.periods, solver) for key, item in varied.items()
-    }
+    tasks |= {key: partial(forward, massless(end), rated, speed, INPUTS.periods, solver) for key, end in varied.items()}
     points = all_in_threads(tasks, progress)
     slow = slow_ends(assumed)
     named = {_run_name(key, points[key], assumed): points[key].reducer for key in tasks if key not in slow}

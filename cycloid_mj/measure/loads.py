@@ -106,12 +106,9 @@ def loads(
     if not torque > 0.0:
         raise UsageError(f"the torque is {torque:g} N m; it must be more than 0")
     loaded = steady_design(reducer).but(load={"torque": torque})
-    half = halve_time_step(loaded, solver)
-    work = [(loaded, LOADS.periods if quick else reducer.mesh_periods), (half, LOADS.periods)]
-    last = len(work) + 1
-    run, finer = each_in_threads(
-        lambda task: run_steady(task[0], SETTLING_TIME, task[1], solver), work, lambda done, _: progress(done, last)
-    )
+    last = 3  # two runs and the capacities
+    periods = LOADS.periods if quick else reducer.mesh_periods
+    run, finer = _run_at_two_steps(loaded, periods, solver, lambda done, _: progress(done, last))
     contacts, fine = contact_pressures(run, loaded), contact_pressures(finer, loaded)
     coarse = contact_pressures(run.select(slice(0, len(finer))), loaded)
     limits, lasting = (_limits(contacts, loaded, allowed) for _, allowed in CAPACITIES.values())
@@ -135,6 +132,12 @@ def loads(
         runs={"loaded": run},
         details={"load_torque_nm": torque, **_capacity_details(reducer, torque, weakest, limits, lasting)},
     )
+
+
+def _run_at_two_steps(reducer: Reducer, periods: int, solver: Solver, progress: Progress) -> list[Run]:
+    """Run a loaded drive for some mesh periods, and for `LOADS.periods` at half of the time step."""
+    tasks = [(reducer, periods), (halve_time_step(reducer, solver), LOADS.periods)]
+    return each_in_threads(lambda task: run_steady(task[0], SETTLING_TIME, task[1], solver), tasks, progress)
 
 
 def _capacity_details(

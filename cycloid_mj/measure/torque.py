@@ -86,9 +86,7 @@ def torque(
     with suppress_warnings(tuple(creeping(held))):
         at_held_crank = held_efficiency(steady, ours.output, main, solver)
     beside = with_friction(published, steady, by_row, None if quick else rate_error(ours, finer), solver)
-    called = (
-        _RUNS | {row: row.name for row in rows} | {end: name for item in assumed for end, name in item.names.items()}
-    )
+    called = _RUNS | {row: row.name for row in rows} | {end: key for item in assumed for end, key in item.names.items()}
     slow = spread.slow_ends(assumed)
     by_name = {called[key]: _at_rated_torque(each) for key, (each, _) in tested.items() if key not in slow}
     by_name["crank held"] = held
