@@ -204,7 +204,8 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
     run = _usable(run, (*MOTION, *planar, *PIN_1) if moving else (*MOTION, *planar))
     if len(run) < window.WINDOW.min_samples:
         raise LogError(
-            f"the run has {len(run)} usable samples; at least {window.WINDOW.min_samples} are needed: simulate it again"
+            f"{run.label} has {len(run)} usable samples, but at least {window.WINDOW.min_samples} are required: "
+            "simulate it again with a longer --hold-s"
         )
     if window.reaches_hold(reducer, run.time):
         hold = window.in_hold(reducer, run.time, settle)
@@ -262,12 +263,15 @@ def design_of(run: Run) -> Design:
     """
     if DESIGN_FILE not in run.attachments:
         raise LogError(
-            f"the run has no attachment {DESIGN_FILE!r}, so there is nothing to compare it with: simulate it again"
+            f"{run.label} has no attachment {DESIGN_FILE!r}, but its motion is evaluated for that design: run "
+            "`cycloid-mj simulate` again to write a complete log"
         )
     try:
         text = run.attachments[DESIGN_FILE].decode()
     except UnicodeDecodeError as problem:
-        raise LogError(f"the attached {DESIGN_FILE} is not text ({problem}); run the simulation again") from problem
+        raise LogError(
+            f"the {DESIGN_FILE} attached to {run.label} is not text ({problem}): simulate it again"
+        ) from problem
     design = loads(text, f"the run's {DESIGN_FILE}")
     _require_fit(run, Reducer(design))
     return design
@@ -282,7 +286,7 @@ def _require_fit(run: Run, reducer: Reducer) -> None:
         has = set(run.pairs(kind))
         if has and has != wanted:
             raise LogError(
-                f"the attachment {DESIGN_FILE} has {len(wanted)} {what}, the run's columns have {len(has)}: "
+                f"the {DESIGN_FILE} attached to {run.label} has {len(wanted)} {what}, but its columns have {len(has)}: "
                 "the attachment belongs to another run; use the original log, or simulate it again"
             )
 
@@ -292,8 +296,8 @@ def _usable(run: Run, needed: tuple[str, ...]) -> Run:
     missing = [name for name in needed if name not in run.columns]
     if missing:
         raise LogError(
-            f"the run lacks {len(missing)} of the {len(needed)} columns required by the analysis:"
-            f" {', '.join(missing)}; simulate it again"
+            f"{run.label} lacks {len(missing)} of the {len(needed)} columns that the analysis requires: "
+            f"{', '.join(missing)}; run `cycloid-mj simulate` again to write a complete log"
         )
     sane = np.ones(len(run), dtype=np.bool_)
     for values in run.columns.values():

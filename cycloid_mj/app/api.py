@@ -166,5 +166,5 @@ def job_of(content: Content) -> tuple[Callable[..., Any], tuple[Any, ...]]:
         "stress": (part_stress.stress, (design,)),
     }
     if kind not in jobs:
-        raise UsageError(f"there is no job {kind!r}")
+        raise UsageError(f"unknown job {kind!r}; available: {', '.join((*artifacts.FILES, *jobs))}")
     return jobs[kind]

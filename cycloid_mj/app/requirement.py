@@ -40,10 +40,14 @@ def requirement_of(form: Any) -> Requirement:
         A value is missing, no number, or out of its range.
     """
     if not isinstance(form, Mapping):
-        raise UsageError("expected a form: an object of its fields with their values")
+        raise UsageError(
+            'the form must be a JSON object of field names and values, such as {"ratio": 15}; received '
+            f"{type(form).__name__}"
+        )
     values = {key: value for key, value in form.items() if value not in ("", None)}
-    if unknown := set(values) - {*INTEGERS, *NUMBERS, *WORDS, "custom"}:
-        raise UsageError(f"the form has no field {min(unknown)!r}")
+    allowed = (*INTEGERS, *NUMBERS, *WORDS, "custom")
+    if unknown := set(values) - set(allowed):
+        raise UsageError(f"the form has no field {min(unknown)!r}; its fields are {', '.join(allowed)}")
     for key in ("ratio", "diameter_mm", "torque_nm"):
         if key not in values:
             raise UsageError(f"the {key.partition('_')[0]} is missing")
@@ -54,7 +58,7 @@ def requirement_of(form: Any) -> Requirement:
         raise UsageError(f"unknown process {values['process']!r}; available: {', '.join(PROCESSES)}")
     for key in WORDS:
         if not isinstance(values.get(key, ""), str):
-            raise UsageError(f"the {key} is {values[key]!r}: expected a word")
+            raise UsageError(f"the {key} is {values[key]!r}: expected text")
     return required(**values)
 
 

@@ -161,7 +161,7 @@ def open_socket(port: int) -> socket.socket:
         listener.bind(("127.0.0.1", port))
     except OSError as error:
         listener.close()
-        raise CycloidError(f"port {port} is taken: choose another one with --port") from error
+        raise CycloidError(f"port {port} is in use: choose another port with --port") from error
     listener.listen(LIMITS.backlog)
     return listener
 
@@ -219,7 +219,7 @@ def _answer(page: Page, name: str, body: bytes) -> Response:
     try:
         content = json.loads(body)
         if not isinstance(content, dict):
-            raise ValueError("an object is expected")
+            raise ValueError(f"expected a JSON object, received {type(content).__name__}")
         return _json(HTTPStatus.OK, page.answer(name, content))
     except CycloidError as error:  # status 200: browsers log every other status as an error of the page
         return _json(HTTPStatus.OK, {"refused": sentence_in_words(str(error).removeprefix("override: "))})

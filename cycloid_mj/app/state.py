@@ -27,7 +27,10 @@ def design_of(values: Any) -> Design:
         There is no such key, or its value is not allowed.
     """
     if not isinstance(values, Mapping):
-        raise UsageError("expected a design: an object of keys of the design file with their values")
+        raise UsageError(
+            'the design must be a JSON object of keys of the design file and values, such as {"ring.teeth": 36}; '
+            f"received {type(values).__name__}"
+        )
     return override(BASE, {str(key): _integer(key, value) for key, value in values.items()})
 
 
@@ -74,7 +77,10 @@ def apply_changes(design: Design, changes: Any) -> Design:
     The page has one torque: load and nominal torque of the drive are set together.
     """
     if not isinstance(changes, Mapping):
-        raise UsageError("expected changes: an object of keys of the design file with their values")
+        raise UsageError(
+            'the changes must be a JSON object of keys of the design file and values, such as {"ring.teeth": 36}; '
+            f"received {type(changes).__name__}"
+        )
     if not changes:
         return design
     new = override(design, {str(key): _integer(key, value) for key, value in changes.items()})

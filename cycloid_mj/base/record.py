@@ -69,6 +69,8 @@ class Run(Presented):
     topics
         Topic -> names of its columns, as a log has them in groups; every column is in one of them. Columns that are in
         none, as of a run without topics, join the first, or ``/reducer``.
+    source
+        Path of the log that the run was read from; "" for a run in memory.
 
     Raises
     ------
@@ -84,6 +86,7 @@ class Run(Presented):
     complete: bool = True
     note: str = ""
     topics: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    source: str = ""
 
     def __post_init__(self) -> None:
         columns = {name: _lock_array(values) for name, values in self.columns.items()}
@@ -100,6 +103,11 @@ class Run(Presented):
     def frame(self) -> Frame:
         """Its samples, a row each, the time first."""
         return Frame({"time": self.time, **self.columns}, {"time": "s", **self.units})
+
+    @property
+    def label(self) -> str:
+        """The run in a message: its log, if it was read from one."""
+        return f"log {self.source}" if self.source else "the run"
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -119,7 +127,7 @@ class Run(Presented):
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle a run with dicts: a mapping proxy cannot be pickled."""
         mappings = (dict(m) for m in (self.columns, self.units, self.provenance, self.attachments))
-        return Run, (self.time, *mappings, self.complete, self.note, dict(self.topics))
+        return Run, (self.time, *mappings, self.complete, self.note, dict(self.topics), self.source)
 
     def __repr__(self) -> str:
         """Describe the run in one line."""
@@ -173,9 +181,10 @@ class Run(Presented):
         """
         pairs = self.pairs(kind)
         if not pairs:
+            present = sorted({str(kind_of(pair)) for pair in self.by_stem(FORCE_X)})
             raise LogError(
-                f"the run has no forces of the kind {kind!r} among its {len(self.columns)} columns: simulate it again "
-                "with the forces in its log"
+                f"{self.label} has no contact forces of the kind {kind!r}; it has {', '.join(present) or 'none'}. "
+                "Run `cycloid-mj simulate` again with the same design: it logs all contact forces"
             )
         names = [column(pair, part) for pair in pairs for part in (FORCE_X, FORCE_Y)]
         return self.block(names).reshape(len(self), len(pairs), 2)

@@ -153,7 +153,10 @@ def calibrate(
         )
     except CalibrationStopped as stop:
         write(_calibration_outcome(stop.calibration, place), place, silent)
-        raise RunError(f"stopped by {signal_name(stop)}; the fit at that time is in {place.folder}") from stop
+        raise RunError(
+            f"stopped by {signal_name(stop)}; the values fitted so far are in {place.folder}. "
+            "Run the command again for the complete calibration"
+        ) from stop
     if losses:
         write(_calibration_outcome(calibration, place), place, silent)
         calibration = _fit_loss_models(calibration, place, delivery)
@@ -162,8 +165,8 @@ def calibrate(
     except KeyboardInterrupt as stop:
         write(_calibration_outcome(calibration, place), place, silent)
         raise RunError(
-            f"stopped by {signal_name(stop)}; the calibration is in {place.folder}, but its design was not tested "
-            "(checks, statics, reduce)"
+            f"stopped by {signal_name(stop)}; the calibration is in {place.folder}, but its design was not tested. "
+            "Test it with `cycloid-mj design check`, `statics` and `reduce`"
         ) from stop
     return deliver(_calibration_outcome(calibration, place, unusable), place, delivery)
 
@@ -196,7 +199,8 @@ def _fit_loss_models(calibration: "Calibration", place: Destination, delivery: C
         )
     except KeyboardInterrupt as stop:
         raise RunError(
-            f"stopped by {signal_name(stop)}; the calibration and the losses fitted by then are in {place.folder}"
+            f"stopped by {signal_name(stop)}; the calibration and the losses fitted so far are in {place.folder}. "
+            "Run the command again to fit the other losses"
         ) from stop
 
 

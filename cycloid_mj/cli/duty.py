@@ -40,7 +40,8 @@ def duty_cycle(
     for flag, value in (("--load-nm", load_nm), ("--speed-rpm", speed_rpm)):
         if value is not None and duty:
             raise UsageError(
-                f"{flag} and --duty exclude each other: the duty cycle contains torques and speeds. Remove {flag}"
+                f"{flag} and --duty cannot be used together, because the duty cycle contains torques and speeds: "
+                "remove one of them"
             )
         if value is not None and not (value != 0.0 and isfinite(value)):
             raise UsageError(f"{flag} {value:g} is not allowed: it must be a finite number other than 0")

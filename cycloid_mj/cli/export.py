@@ -313,7 +313,7 @@ def _require_flags(
         name = "--polylines" if polylines else "--arcs"
         raise UsageError(f"{name} is an option of --format dxf, not of {file_format}: remove it, or use --format dxf")
     if polylines and arcs is not None:
-        raise UsageError("--polylines and --arcs exclude each other: choose one of them")
+        raise UsageError("--polylines and --arcs cannot be used together: remove one of them")
 
 
 def _bed_size(text: str | None) -> tuple[float, float] | None:

@@ -340,18 +340,19 @@ class ClusterDelivery(Delivery):
         """Choose the engine; `kind` is that of workers here. Raise UsageError for workers both here and elsewhere."""
         if self.workers and self.scheduler is not None:
             raise UsageError(
-                "--scheduler and --workers exclude each other: a cluster has its own workers. Omit --workers"
+                "--scheduler and --workers cannot be used together, because a cluster has its own workers: remove one "
+                "of them"
             )
         return Engine(self.workers or 0, kind, self.scheduler or "")
 
 
 def require_distinct(designs: Iterable[Design]) -> None:
-    """Raise UsageError where two designs have one name, and so would share their files."""
+    """Raise UsageError where two designs have the same name, and would overwrite each other's files."""
     names = [design.name for design in designs]
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise UsageError(
-            f"two designs have the name {twice!r}, so they would share their files: change `name` in one of "
-            "the design files"
+            f"two designs have the name {twice!r}, so they would overwrite each other's files: change "
+            "`name` in one of the design files"
         )
 
 

@@ -224,7 +224,7 @@ def new(
     if source:
         raise UsageError(f"--from {source} copies a design and --ratio computes a new one: remove one of them")
     if ratio is not None and ratio_range:
-        raise UsageError(f"--ratio {ratio} and --ratio-range {ratio_range} exclude each other: remove one of them")
+        raise UsageError(f"--ratio {ratio} and --ratio-range {ratio_range} cannot be used together: remove one of them")
     from cycloid_mj.sizing.answer import best_ratio, size_drive
     from cycloid_mj.sizing.requirement import required
 
@@ -375,7 +375,11 @@ def _motor_speed(path: str, torque: float) -> float:
         if less < torque <= more and more > less:
             speeds.append(low + (high - low) * (more - torque) / (more - less))
     if not speeds:
-        raise UsageError(f"--motor {path}: the motor delivers {torque:.4g} N m on the crank at no speed")
+        most = max((delivered for _, delivered in points), default=0.0)
+        raise UsageError(
+            f"--motor {path}: there is no speed at which the motor can deliver {torque:.4g} N m at the crank (its "
+            f"maximum is {most:.4g} N m): choose a stronger motor or require less torque"
+        )
     return max(speeds)
 
 

@@ -376,7 +376,7 @@ def _require_held_samples(design: Design, plan: "Schedule") -> None:
     if design.drive.hold < FEWEST_HELD * sampling:
         raise UsageError(
             f"the hold of {design.drive.hold:g} s is too short: it must contain at least {FEWEST_HELD} "
-            f"samples of {sampling:g} s. Increase --hold-s or settings.log_rate_hz"
+            f"samples at intervals of {sampling:g} s. Increase --hold-s or settings.log_rate_hz"
         )
 
 

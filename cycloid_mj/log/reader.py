@@ -199,7 +199,10 @@ def _scan(stream: BinaryIO, path: Path, contents: _Contents) -> bool:
 def _identify(contents: _Contents, path: Path) -> None:
     """Raise LogError for an MCAP file of another program, or of an unknown format version."""
     if PACKAGE not in contents.metadata:
-        raise LogError(f"{path} is an MCAP file, but not a log of cycloid_mj: the metadata {PACKAGE!r} is missing")
+        raise LogError(
+            f"{path} is an MCAP file, but not a log of cycloid_mj, because the metadata {PACKAGE!r} is missing: "
+            "choose a log that `cycloid-mj simulate` wrote, such as run.mcap"
+        )
     version = contents.metadata[PACKAGE].get("format")
     if version != FORMAT:
         raise LogError(
@@ -272,6 +275,6 @@ def _join(contents: _Contents, samples: int, whole: bool, path: Path) -> Run:
     try:
         provenance = contents.metadata.get(PROVENANCE, {})
         topics = {group.topic: tuple(group.units) for group in groups.values()}
-        return Run(time, columns, units, provenance, contents.attachments, complete, note, topics)
+        return Run(time, columns, units, provenance, contents.attachments, complete, note, topics, str(path))
     except LogError as problem:
         raise container.corrupt(path, str(problem)) from problem

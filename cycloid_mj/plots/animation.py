@@ -58,8 +58,10 @@ def take(run: Run, magnification: float = 1.0, frames: int = FRAMES, turns: floa
     UsageError
         `frames` or `turns` is not positive, the magnification is too large, or there is no such disc.
     """
-    if frames < 1 or not turns > 0.0:
-        raise UsageError(f"{frames} frames over {turns:g} crank turns: at least 1 and more than 0 are needed")
+    if frames < 1:
+        raise UsageError(f"the number of frames is {frames}; an animation requires at least 1 frame")
+    if not turns > 0.0:
+        raise UsageError(f"the number of crank turns is {turns:g}; it must be more than 0, such as 1")
     motion = series(run)
     if not 0 <= disc < motion.design.gear.discs:
         raise UsageError(f"{motion.design.name} has no disc {disc + 1}: choose 1 to {motion.design.gear.discs}")

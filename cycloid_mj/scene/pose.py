@@ -50,7 +50,8 @@ def poses(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Array]:
     missing = [name for name in pose_columns(reducer) if name not in columns]
     if missing:
         raise LogError(
-            f"the run lacks the columns {', '.join(missing)}, which the poses of its parts require: simulate it again"
+            f"the log lacks the columns {', '.join(missing)}, which determine the positions of the parts: run "
+            "`cycloid-mj simulate` again to write a complete log"
         )
     still = np.zeros_like(columns["crank_angle"])
     ring, carrier = reducer.member.ring_and_carrier(columns["output_angle"])

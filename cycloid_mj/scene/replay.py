@@ -41,7 +41,10 @@ def replay_model(run: Run) -> Any:
         The run has no model, or this version of MuJoCo does not compile it.
     """
     if MODEL_FILE not in run.attachments:
-        raise LogError(f"the run has no attachment {MODEL_FILE!r}, which MuJoCo requires: simulate it again")
+        raise LogError(
+            f"{run.label} has no attachment {MODEL_FILE!r}, the MuJoCo model of the run: simulate it again with MuJoCo "
+            "(--solver mujoco)"
+        )
     try:
         spec = mujoco.MjSpec.from_string(run.attachments[MODEL_FILE].decode(), assets=dict(run.attachments))
         sky, gradient = mujoco.mjtTexture.mjTEXTURE_SKYBOX, mujoco.mjtBuiltin.mjBUILTIN_GRADIENT
@@ -49,8 +52,8 @@ def replay_model(run: Run) -> Any:
         model = spec.compile()
     except (ValueError, UnicodeDecodeError) as problem:
         raise LogError(
-            f"MuJoCo {mujoco.__version__} cannot load the run's {MODEL_FILE} ({problem}): it was written for MuJoCo "
-            f"{run.provenance.get('mujoco', 'of another version')}; install that version, or simulate again"
+            f"MuJoCo {mujoco.__version__} cannot load {MODEL_FILE} of {run.label} ({problem}): it was written for "
+            f"MuJoCo {run.provenance.get('mujoco', 'of another version')}; install that version, or simulate again"
         ) from problem
     model.vis.headlight.ambient[:], model.vis.headlight.diffuse[:] = 0.3, 0.4
     model.light_diffuse[:] = 0.35
@@ -84,7 +87,7 @@ def _joint_columns(model: Any, run: Run) -> Mapping[str, str]:
     joints = [model.joint(number).name for number in range(model.njnt)]
     columns = {joint: COLUMNS.get(joint, joint) for joint in joints if COLUMNS.get(joint, joint) in run.columns}
     if not columns:
-        raise LogError("the run has no columns with the joint positions of its model: simulate it again")
+        raise LogError(f"{run.label} has no columns with the joint positions of its model: simulate it again")
     return columns
 
 

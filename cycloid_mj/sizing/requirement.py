@@ -189,7 +189,8 @@ class Requirement:
         for what, number in (("ratio", self.ratio), ("number of discs", self.discs)):
             if number != round(number):
                 raise UsageError(
-                    f"the {what} is {number}; it must be whole, such as {math.floor(number)} or {math.ceil(number)}"
+                    f"the {what} is {number}; it must be a whole number, such as {math.floor(number)} or "
+                    f"{math.ceil(number)}"
                 )
         if not LEAST_RATIO <= self.ratio <= MOST_RATIO:
             raise UsageError(

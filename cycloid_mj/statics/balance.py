@@ -166,15 +166,17 @@ def require_balance(residual: Residual, contacts: KernelSprings, load: Array) ->
     """Raise RunError if the residual under loads (k, u) [N] exceeds its tolerance; name friction if it is the cause."""
     if residual.force <= RESIDUAL_RTOL:
         return
-    failed = f"no static equilibrium found: the residual is {residual.force:.1%} of the load"
-    remedy = "try a slightly different torque (--load-nm) or another clearance (--set clearance....)"
+    failed = (
+        f"no static equilibrium found: the residual is {residual.force:.3g} of the load (allowed: {RESIDUAL_RTOL:.0e})"
+    )
+    remedy = "check the clearances (--set clearance....), or reduce the load (--load-nm)"
     if not contacts.rubbing.size:
         raise RunError(f"{failed}; {remedy}")
     limit = friction_limit(contacts, residual.angle, load[residual.angle])
     if limit < JAM.max_friction:
         near = "; close to this limit, forces are many times the load" * (limit >= 1.0)
         raise RunError(
-            "no static equilibrium: friction jams the drive under this load, whatever the torque on the crank (without "
+            "no static equilibrium: friction jams the drive under this load at any crank torque (without "
             f"clearance, equilibrium exists only up to {limit:.0%} of the friction{near}); lower friction.*"
         )
     raise RunError(

@@ -22,7 +22,7 @@ from cycloid_mj.base.compiling import announce_compilation
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import arc_gaps, ideal_motion
-from cycloid_mj.statics.kernel import KernelSprings, Rubbing, follow_path
+from cycloid_mj.statics.kernel import PATH_RESIDUAL_RTOL, KernelSprings, Rubbing, follow_path
 from cycloid_mj.statics.springs import springs_of
 from cycloid_mj.statics.structure import wind_up
 
@@ -122,7 +122,8 @@ def course_along(
         left, rows = follow_path(springs.contacts, rubbing, path, reach * radius, when, z)
     if left.force:
         raise RunError(
-            f"no static equilibrium along the loop: the residual is {left.force:.1%} of the load; use more points"
+            f"no static equilibrium along the torque loop: the residual is {left.force:.3g} of the load (allowed: "
+            f"{PATH_RESIDUAL_RTOL:.0e}); compute the loop at more points, or reduce its torque"
         )
     twisted = wind_up(reducer) * np.interp(when[:rows], np.arange(len(torque)), torque)
     return when[:rows], z[:rows, -1] / radius + twisted

@@ -82,8 +82,8 @@ def turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike = DEGRE
     column = cam_force(Reducer(run_design))
     if column not in run.columns:
         raise LogError(
-            f"the run has no forces of the mating pairs (no column {column!r} among {len(run.columns)}), so "
-            "there are no loads for the parts. Simulate it again with the forces in its log"
+            f"{run.label} has no forces of the mating pairs (no column {column!r} among {len(run.columns)}), and "
+            "stress is computed from these forces. Run `cycloid-mj simulate` again: it logs all contact forces"
         )
     run = run.usable()
     member = Reducer(run_design).member

@@ -136,7 +136,10 @@ def solve(
         z, residual = _solve_balance(locked, _least_energy(locked, method))
         if residual < allowed:
             return _solution(locked, z)
-    raise RunError(f"no static equilibrium at crank angle {crank:.4f} rad: the residual force is {residual:.3g} N")
+    raise RunError(
+        f"no static equilibrium at crank angle {crank:.4f} rad: the residual force is {residual:.3g} N (allowed: "
+        f"{allowed:.3g} N); check the clearances of the design, or reduce the load"
+    )
 
 
 def _solve_balance(locked: LockedReducer, start: Array) -> tuple[Array, float]:

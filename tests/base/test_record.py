@@ -194,5 +194,5 @@ def test_forces_are_those_of_a_kind_of_pair_in_the_order_of_the_run():
     np.testing.assert_array_equal(run.forces("output")[:, 0, 1], run["output_pin_1_force_y"])
     assert run.forces("pin_socket").shape == (3, 1, 2)
     assert list(run.by_stem("friction_power")) == ["cam"]
-    with pytest.raises(LogError, match=r"no forces of the kind 'tooth'.*simulate it again"):
+    with pytest.raises(LogError, match=r"no contact forces of the kind 'tooth'; it has .*simulate` again"):
         run.forces("tooth")

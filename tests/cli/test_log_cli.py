@@ -173,7 +173,7 @@ def test_log_without_a_design_is_repaired_without_a_scene(tmp_path):
     (tmp_path / "a.mcap").write_bytes(whole[:-4])
     code, _, err = told("log", "repair", tmp_path / "a.mcap")
     assert code == 0
-    assert "the new log has no 3-D scene: the run has no attachment 'design.toml'" in err
+    assert f"the new log has no 3-D scene: log {tmp_path / 'a.mcap'} has no attachment 'design.toml'" in err
     assert load(tmp_path / "a-repaired.mcap").viewers == {}
 
 

@@ -430,7 +430,7 @@ def test_a_full_disk_is_told_and_loses_nothing(tmp_path: Path) -> None:
         (["--table", "NONE"], "cannot be read: No such file"),
         (["--table", "TWICE"], "is repeated"),
         (["--vary", "clearance.cam_um=1", "--workers", "0"], "--workers"),
-        (["--vary", "clearance.cam_um=1", "--workers", "2", "--scheduler", "a:1"], "exclude each other"),
+        (["--vary", "clearance.cam_um=1", "--workers", "2", "--scheduler", "a:1"], "cannot be used together"),
         (["--vary", "clearance.cam_um=1", "--scheduler", "here"], "expected HOST:PORT"),
     ],
 )

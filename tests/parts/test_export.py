@@ -100,8 +100,8 @@ def test_stl_is_single_precision_of_the_mesh() -> None:
     shape = mesh(parts(Reducer(PIN), CHORD_ERROR)["shaft"])
     corners = read_stl(stl_bytes(shape, 1e3))
     np.testing.assert_allclose(corners, 1e3 * shape.vertices[shape.faces], rtol=0.0, atol=2e-6)
-    with pytest.raises(DesignError, match="not a valid binary STL"):
-        read_stl(stl_bytes(shape)[:-1])
+    with pytest.raises(DesignError, match=r"cube\.stl is not a valid binary STL"):
+        read_stl(stl_bytes(shape)[:-1], "cube.stl")
 
 
 @pytest.mark.parametrize("file_format", ["stl", "obj", "dxf", "svg"])

@@ -183,7 +183,7 @@ def test_take_is_even_over_the_settled_turns(pin_run):
     half = take(pin_run, frames=30, turns=0.5)
     assert np.ptp(angle[half.rows]) == pytest.approx(np.pi * 29 / 30, abs=angle[1])
     for frames, turns in ((0, 1.0), (5, 0.0), (5, np.nan)):
-        with pytest.raises(UsageError, match="at least 1 and more than 0"):
+        with pytest.raises(UsageError, match=r"at least 1 frame|more than 0"):
             take(pin_run, frames=frames, turns=turns)
 
 
@@ -343,7 +343,7 @@ def test_runs_that_cannot_be_replayed(pin_run, modelled):
     with pytest.raises(LogError, match=r"no attachment 'model\.xml'"):
         replay_model(pin_run)
     for content in (b"<mujoco><nonsense/></mujoco>", b"\xff\xfe"):
-        with pytest.raises(LogError, match=r"cannot load the run's model\.xml"):
+        with pytest.raises(LogError, match=r"cannot load model\.xml of"):
             replay_model(made_run(PIN, 2, attachments={"model.xml": content}))
     other = made_run(PIN, 2, attachments={"model.xml": b"<mujoco><worldbody/></mujoco>"})
     model = replay_model(other)

@@ -174,7 +174,7 @@ def test_a_range_of_ratios_leaves_the_one_that_bears_the_most() -> None:
     ("changes", "message"),
     [
         ({"ratio": 2}, "the ratio is 2; a single stage allows 3 to 150"),
-        ({"ratio": 15.5}, "the ratio is 15.5; it must be whole, such as 15 or 16"),
+        ({"ratio": 15.5}, "the ratio is 15.5; it must be a whole number, such as 15 or 16"),
         ({"diameter": -0.1}, "the diameter is -100 mm"),
         ({"torque": 0.0}, "the torque is 0 N m"),
         ({"diameter": math.inf}, "the diameter is inf mm"),

@@ -19,8 +19,8 @@ def stl_bytes(shape: Mesh, scale: float = 1.0) -> bytes:
     return HEADER + np.uint32(len(triangles)).tobytes() + triangles.tobytes()
 
 
-def read_stl(content: bytes) -> Array:
-    """Read the corners (m, 3, 3) of the triangles of a binary STL, in its length unit.
+def read_stl(content: bytes, path: str = "the file") -> Array:
+    """Read the corners (m, 3, 3) of the triangles of a binary STL, in its length unit; `path` names it in errors.
 
     Raises
     ------
@@ -30,8 +30,8 @@ def read_stl(content: bytes) -> Array:
     count = int.from_bytes(content[80:84], "little")
     if len(content) != 84 + count * _TRIANGLE.itemsize:
         raise DesignError(
-            f"not a valid binary STL: it has {len(content)} bytes, but {count} triangles need "
-            f"{84 + count * _TRIANGLE.itemsize}; export it again"
+            f"{path} is not a valid binary STL: it has {len(content)} bytes, but {count} triangles require "
+            f"{84 + count * _TRIANGLE.itemsize}; export it again with `cycloid-mj export --format stl`"
         )
     return np.frombuffer(content, _TRIANGLE, offset=84)["corners"].astype(np.float64)
 
