@@ -284,7 +284,7 @@ def test_a_log_without_forces_is_refused():
     run = made_run(PIN)
     kept = {name: values for name, values in run.columns.items() if not name.endswith(("_force_x", "_force_y"))}
     bare = replace(run, columns=kept, units={name: run.units[name] for name in kept}, topics={})
-    with pytest.raises(LogError, match=r"no forces of the mating pairs.*Simulate it again"):
+    with pytest.raises(LogError, match=r"no forces of the mating pairs.*simulate` again"):
         part_loads(bare, Reducer(PIN), "gear")
 
 
