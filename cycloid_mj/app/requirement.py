@@ -11,7 +11,8 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.judgement import Judgement, gravest
 from cycloid_mj.base.units import MICROMETRES, MILLIMETRES, RPM
 from cycloid_mj.life.duration import format_life
-from cycloid_mj.sizing.answer import Answer, SizedDrive, size_drive
+from cycloid_mj.sizing.answer import Answer, SizedDrive
+from cycloid_mj.sizing.drives import size_drive
 from cycloid_mj.sizing.process import PROCESSES
 from cycloid_mj.sizing.requirement import Requirement, required
 

@@ -21,7 +21,7 @@ from cycloid_mj.cli.terminal import tell
 from cycloid_mj.design import PRESETS, dump, reasons
 
 if TYPE_CHECKING:
-    from cycloid_mj.sizing.answer import Answer, Remedy, SizedDrive
+    from cycloid_mj.sizing.answer import Answer, FeasibleChange, SizedDrive
     from cycloid_mj.sizing.requirement import Requirement
 
 NewName = Annotated[
@@ -225,7 +225,8 @@ def new(
         raise UsageError(f"--from {source} copies a design and --ratio computes a new one: remove one of them")
     if ratio is not None and ratio_range:
         raise UsageError(f"--ratio {ratio} and --ratio-range {ratio_range} cannot be used together: remove one of them")
-    from cycloid_mj.sizing.answer import best_ratio, size_drive
+    from cycloid_mj.sizing.answer import best_ratio
+    from cycloid_mj.sizing.drives import size_drive
     from cycloid_mj.sizing.requirement import required
 
     low, high = _range(ratio_range) if ratio_range else (ratio or 0, ratio or 0)
@@ -335,7 +336,7 @@ def _refusal(answer: "Answer", asked: "Requirement", ranged: bool) -> dict[str, 
     return {"most": answer.most, "limit": answer.limit, "ways": ways, "why": answer.refusal}
 
 
-def _flags(way: "Remedy", asked: "Requirement", ranged: bool) -> list[str]:
+def _flags(way: "FeasibleChange", asked: "Requirement", ranged: bool) -> list[str]:
     """Return the flags that request an alternative instead of the user's."""
     from cycloid_mj.base.units import RPM
 

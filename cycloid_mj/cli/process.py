@@ -19,6 +19,7 @@ SUBSTITUTING = "cycloid_mj.substitute"
 
 SUBSTITUTES = {
     "\N{DEGREE SIGN}": "deg",
+    "\N{DIAMETER SIGN}": "dia ",
     "\N{MICRO SIGN}": "u",
     "\N{GREEK SMALL LETTER MU}": "u",
     "\N{MULTIPLICATION SIGN}": "x",

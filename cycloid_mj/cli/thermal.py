@@ -26,7 +26,7 @@ def thermal(
     duty: DutyFlag = None,
     delivery: Annotated[Delivery, FLAT] = DELIVERY,
 ) -> int:
-    """Compute the temperatures of a drive, its warm-up, and the torque and speed that heat allows.
+    """Compute temperatures, warm-up and thermal limits of a drive.
 
     A network of five parts (disc, ring, crank, output, housing) and the air: losses heat the parts, temperatures change
     the clearances, and these the losses, until all agree. Conductances follow from line contacts, grease gaps, bearings

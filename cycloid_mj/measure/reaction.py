@@ -4,11 +4,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj import parts
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.names import CAM, FORCE_X, FORCE_Y, GEAR, HOUSING, OUTPUT, SHAFT, column
 from cycloid_mj.base.record import Run
 from cycloid_mj.geometry.profile import unit
+from cycloid_mj.parts import (
+    MassProperties,
+    Solid,
+    body_solids,
+    crank_stretches,
+    gear_solid,
+    mass_chord_error,
+    mass_properties,
+    moving_masses,
+    pin_solid,
+)
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics.bearings import Reactions, spatial
 
@@ -40,15 +50,15 @@ class Reaction:
         return self.ring + self.crank + self.output
 
 
-def masses(reducer: Reducer) -> dict[str, parts.MassProperties]:
+def masses(reducer: Reducer) -> dict[str, MassProperties]:
     """Collect the mass properties of a gear, the crank, and the loaded body under the name of the output."""
-    shaft, output = parts.body_solids(reducer)[SHAFT], parts.moving_masses(reducer)[reducer.mechanism.turning]
-    return {GEAR: _gear(reducer.shape), SHAFT: parts.mass_properties(shaft), OUTPUT: output}
+    shaft, output = body_solids(reducer)[SHAFT], moving_masses(reducer)[reducer.mechanism.turning]
+    return {GEAR: _gear(reducer.shape), SHAFT: mass_properties(shaft), OUTPUT: output}
 
 
 @once
-def _gear(reducer: Reducer) -> parts.MassProperties:
-    return parts.mass_properties(parts.gear_solid(reducer))
+def _gear(reducer: Reducer) -> MassProperties:
+    return mass_properties(gear_solid(reducer))
 
 
 def weight(reducer: Reducer) -> Array:
@@ -57,15 +67,15 @@ def weight(reducer: Reducer) -> Array:
     bodies = masses(reducer)
     mass = sum(part.mass for part in bodies.values()) + (design.gear.discs - 1) * bodies[GEAR].mass
     if design.ring.has_pin_bodies:
-        mass += design.ring.teeth * parts.mass_properties(parts.pin_solid(reducer)).mass
+        mass += design.ring.teeth * mass_properties(pin_solid(reducer)).mass
     return mass * np.array([design.environment.gravity_x, design.environment.gravity_y])
 
 
 def unbalance(reducer: Reducer) -> Unbalance:
     """Compute the unbalance of a design from its solids."""
     design = reducer.design
-    shaft, gear, orbit = parts.body_solids(reducer)[SHAFT], _gear(reducer.shape), design.gear.eccentricity
-    whole, discs = parts.mass_properties(shaft), design.gear.discs
+    shaft, gear, orbit = body_solids(reducer)[SHAFT], _gear(reducer.shape), design.gear.eccentricity
+    whole, discs = mass_properties(shaft), design.gear.discs
     middle, z = whole.centroid[:2], whole.centroid[2]
     outward = unit(-np.array(reducer.phases))
     static = gear.mass * orbit * outward.sum(axis=0) + whole.mass * middle
@@ -75,9 +85,7 @@ def unbalance(reducer: Reducer) -> Unbalance:
     if discs > 1:
         size = float(np.hypot(*static))
         return Unbalance(size, size, float(np.hypot(*couple)))
-    cam = parts.mass_properties(
-        parts.Solid(CAM, (parts.crank_stretches(reducer)[CAM].prism(parts.mass_chord_error(reducer)),), shaft.density)
-    )
+    cam = mass_properties(Solid(CAM, (crank_stretches(reducer)[CAM].prism(mass_chord_error(reducer)),), shaft.density))
     return Unbalance(gear.mass * orbit + cam.mass * cam.centroid[1], float(static[1]), float(couple[1]))
 
 
@@ -109,7 +117,7 @@ def reaction(run: Run, reducer: Reducer) -> Reaction:
     )
 
 
-def shaft_acceleration(run: Run, shaft: parts.MassProperties) -> Array:
+def shaft_acceleration(run: Run, shaft: MassProperties) -> Array:
     """Compute the centripetal acceleration of the shaft's centroid [m/s2], shape (n, 2)."""
     return -((run["crank_speed"] ** 2)[:, np.newaxis]) * _outward(run) * shaft.centroid[1]
 

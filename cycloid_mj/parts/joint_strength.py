@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class JointSettings:
+class JointStrengthSettings:
     """Assumed frictions and strengths of joints, with their sources."""
 
     interface_friction: float = 0.15
@@ -36,7 +36,7 @@ class JointSettings:
     """Outside diameter of the wall around a pressed-in pin over that of the pin (assumed)."""
 
 
-JOINTS = JointSettings()
+JOINTS = JointStrengthSettings()
 
 PROOF_STRESS = {"8.8": 640e6, "10.9": 940e6, "12.9": 1100e6}
 """ISO 898-1:2013, table 3: property class -> stress at 0.2 % [Pa]; 640 MPa up to M16."""
@@ -73,7 +73,7 @@ class Thread:
         return self.stress_area * utilisation * proof / math.sqrt(1.0 + 3.0 * torsion**2)
 
     def usual_preload(self, proof: float) -> float:
-        """Compute the preload [N] of `JointSettings.utilisation`."""
+        """Compute the preload [N] of `JointStrengthSettings.utilisation`."""
         return JOINTS.utilisation * proof * self.stress_area
 
     def tightening_torque(self, preload: float, head: float, friction: float = JOINTS.thread_friction) -> float:

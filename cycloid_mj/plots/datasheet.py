@@ -50,7 +50,7 @@ def datasheet_pictures(sheet: Datasheet) -> dict[str, Figure]:
     draw_views(views.add_axes((0.0, 0.0, 1.0, 1.0)), Reducer(sheet.design))
     curves = NotebookFigure(figsize=(9.0, 2.7), layout="constrained")
     panels = _panels(sheet)
-    for axes, panel in zip(curves.subplots(1, len(panels)), panels, strict=True):
+    for axes, panel in zip(curves.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
         _panel(axes, panel)
     return {"views": views, "curves": curves}
 

@@ -36,7 +36,7 @@ def new(ratio: int, diameter_mm: float, torque_nm: float, **others: Any) -> "Ans
     UsageError
         A value is out of range.
     """
-    from cycloid_mj.sizing.answer import size_drive
+    from cycloid_mj.sizing.drives import size_drive
     from cycloid_mj.sizing.requirement import required
 
     return size_drive(required(ratio=ratio, diameter_mm=diameter_mm, torque_nm=torque_nm, **others))

@@ -2,7 +2,7 @@
 
 import math
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -54,7 +54,7 @@ class SizedDrive:
 
 
 @dataclass(frozen=True)
-class Remedy:
+class FeasibleChange:
     """A change of the requirement that makes it feasible: in words, and as a requirement."""
 
     words: str
@@ -69,7 +69,7 @@ class Answer(Presented):
     drives: tuple[SizedDrive, ...]
     most: float = 0.0
     limit: str = ""
-    remedies: tuple[Remedy, ...] = ()
+    remedies: tuple[FeasibleChange, ...] = ()
 
     @property
     def asked(self) -> Requirement:
@@ -78,7 +78,7 @@ class Answer(Presented):
         return self.requirement
 
     @property
-    def ways(self) -> tuple[Remedy, ...]:
+    def ways(self) -> tuple[FeasibleChange, ...]:
         """The remedies, under their name before 0.3."""
         warnings.warn("Answer.ways is Answer.remedies since 0.3", DeprecationWarning, stacklevel=2)
         return self.remedies
@@ -121,25 +121,6 @@ class Solution:
     pool: Pool
     rated: Rated
     study: Figures
-
-
-def size_drive(requirement: Requirement, on_progress: Callable[[Answer], None] = lambda _: None) -> Answer:
-    """Find drives that meet a requirement, or the maximum torque with its other values.
-
-    `on_progress` receives the first drive found, or a refusal as soon as the maximum is known, and with each remedy.
-    """
-    from cycloid_mj.sizing.remedies import remedies
-
-    solution, refused = solve(requirement)
-    if solution:
-        lightest = sized_drive(solution, solution.rated, "lightest", "lowest mass of the drive with its covers")
-        on_progress(Answer(requirement, (lightest,)))
-        return Answer(solution.requirement, (lightest, *_others(solution, lightest)))
-    on_progress(refused)
-    for remedy in remedies(requirement, refused.most):
-        refused = replace(refused, remedies=(*refused.remedies, remedy))
-        on_progress(refused)
-    return refused
 
 
 def solve(requirement: Requirement) -> tuple[Solution | None, Answer]:
@@ -306,7 +287,7 @@ def best_ratio(requirement: Requirement, low: int, high: int) -> Requirement:
     return requirement.but(ratio=max(limits, key=lambda ratio: limits[ratio]))
 
 
-def _others(solution: Solution, lightest: SizedDrive) -> Iterator[SizedDrive]:
+def other_drives(solution: Solution, lightest: SizedDrive) -> Iterator[SizedDrive]:
     """Yield the stiffest and the longest-lived of the rated candidates, if they differ from the lightest."""
     requirement, pool, first = solution.requirement, solution.pool, solution.rated
     pool.largest(requirement.length)

@@ -41,30 +41,34 @@ ROUNDS = 3
 
 
 @dataclass(frozen=True, eq=False)
-class Estimate:
+class DriveEstimate:
     """Torque limits by item [N m], mass [kg] and length [m], shape (n,) each."""
 
     limits: Mapping[str, Array]
     mass: Array
     length: Array
 
-    def scaled(self, factors: Mapping[str, float]) -> "Estimate":
+    def scaled(self, factors: Mapping[str, float]) -> "DriveEstimate":
         """Return the estimate times factors by item, ``mass`` and ``length``."""
         limits = {key: factors.get(key, 1.0) * limit for key, limit in self.limits.items()}
-        return Estimate(limits, factors.get("mass", 1.0) * self.mass, factors.get("length", 1.0) * self.length)
+        return DriveEstimate(limits, factors.get("mass", 1.0) * self.mass, factors.get("length", 1.0) * self.length)
 
-    def rows(self, index: Integers | Mask) -> "Estimate":
+    def rows(self, index: Integers | Mask) -> "DriveEstimate":
         """Return the estimates of some candidates."""
-        return Estimate({key: limit[index] for key, limit in self.limits.items()}, self.mass[index], self.length[index])
+        return DriveEstimate(
+            {key: limit[index] for key, limit in self.limits.items()}, self.mass[index], self.length[index]
+        )
 
-    def joined(self, other: "Estimate") -> "Estimate":
+    def joined(self, other: "DriveEstimate") -> "DriveEstimate":
         """Return the estimates of more candidates."""
         limits = {key: np.concatenate([limit, other.limits[key]]) for key, limit in self.limits.items()}
-        return Estimate(limits, np.concatenate([self.mass, other.mass]), np.concatenate([self.length, other.length]))
+        return DriveEstimate(
+            limits, np.concatenate([self.mass, other.mass]), np.concatenate([self.length, other.length])
+        )
 
 
-def estimate(requirement: Requirement, sizes: Sizes, design: Design) -> Estimate:
-    """Estimate candidates with the materials and friction of a `design` of one of them."""
+def estimate(requirement: Requirement, sizes: Sizes, design: Design) -> DriveEstimate:
+    """DriveEstimate candidates with the materials and friction of a `design` of one of them."""
     torque = np.full(sizes.circle.shape, 1e3 * requirement.diameter**3)
     for _ in range(ROUNDS):
         loads = _Loads.of(requirement, sizes, design, torque)
@@ -73,7 +77,7 @@ def estimate(requirement: Requirement, sizes: Sizes, design: Design) -> Estimate
         limits["temperature"] = _heat(requirement, sizes, design, loads)
         torque = np.clip(np.min(list(limits.values()), axis=0), 1e-6, 1e7)
     limits["other"] = np.where(loads.sound, torque, 0.0)
-    return Estimate(limits, _mass(requirement, sizes, design), _length(requirement, sizes))
+    return DriveEstimate(limits, _mass(requirement, sizes, design), _length(requirement, sizes))
 
 
 @dataclass(frozen=True, eq=False)
@@ -251,13 +255,13 @@ def _heat(requirement: Requirement, sizes: Sizes, design: Design, loads: _Loads)
 
 
 def _length(requirement: Requirement, sizes: Sizes) -> Array:
-    """Estimate the length by its regression on discs, output disc, shaft bearing and outer radius."""
+    """DriveEstimate the length by its regression on discs, output disc, shaft bearing and outer radius."""
     parts = np.stack([_stack(requirement, sizes), sizes.disc, sizes.bearing, 0.0 * sizes.disc + requirement.diameter])
     return np.asarray(LENGTH @ parts)
 
 
 def _mass(requirement: Requirement, sizes: Sizes, design: Design) -> Array:
-    """Estimate the mass by its regression on the volumes of ring, disc, cam, and covers."""
+    """DriveEstimate the mass by its regression on the volumes of ring, disc, cam, and covers."""
     radius, inner, stack = requirement.diameter / 2.0, sizes.circle - sizes.pin, _stack(requirement, sizes)
     rings = (radius**2 - inner**2) * stack, (inner**2 - sizes.bore**2) * stack, sizes.bore**2 * stack
     covers = radius**2 * (_length(requirement, sizes) - stack)

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Iterator
 
 from cycloid_mj.base.units import MILLIMETRES, RPM
 from cycloid_mj.design import fits
-from cycloid_mj.sizing.answer import Remedy, solve
+from cycloid_mj.sizing.answer import FeasibleChange, length_parts, solve
 from cycloid_mj.sizing.process import COOLING, PROCESSES
 from cycloid_mj.sizing.requirement import LARGEST_PAIR, MAX_DISCS, Requirement
 from cycloid_mj.sizing.search import SETTINGS, Pool, pool_of
@@ -32,7 +32,7 @@ MIN_LIFE, MIN_SHARE = 100.0, 0.05
 """Shortest life [h] and smallest share of the time of a remedy."""
 
 
-def remedies(requirement: Requirement, most: float) -> Iterator[Remedy]:
+def remedies(requirement: Requirement, most: float) -> Iterator[FeasibleChange]:
     """Yield single changes that make a requirement feasible; where there are none, combined changes."""
     found = False
     for remedy in _single(requirement, most):
@@ -42,9 +42,9 @@ def remedies(requirement: Requirement, most: float) -> Iterator[Remedy]:
         yield from _combined(requirement)
 
 
-def _single(requirement: Requirement, most: float) -> Iterator[Remedy]:
+def _single(requirement: Requirement, most: float) -> Iterator[FeasibleChange]:
     """Yield feasible single changes, each with the smallest value that suffices; a diameter is among them."""
-    searches: list[Iterator[Remedy]] = [
+    searches: list[Iterator[FeasibleChange]] = [
         *(_conditions(requirement) if most else ()),
         *([_first(_options(requirement))] if requirement.torque <= MAX_GAIN * most or not most else ()),
         _longer(requirement),
@@ -84,7 +84,7 @@ def _pools(requirement: Requirement) -> Iterator[Pool]:
             yield pool
 
 
-def _conditions(requirement: Requirement) -> Iterator[Iterator[Remedy]]:
+def _conditions(requirement: Requirement) -> Iterator[Iterator[FeasibleChange]]:
     """Yield the searches for a shorter life, a smaller share of the time, a slower crank and cooling."""
     if not requirement.duty:
         yield _smallest(
@@ -105,12 +105,12 @@ def _conditions(requirement: Requirement) -> Iterator[Iterator[Remedy]]:
     yield _cooled(requirement)
 
 
-def _cooled(requirement: Requirement) -> Iterator[Remedy]:
+def _cooled(requirement: Requirement) -> Iterator[FeasibleChange]:
     """Yield the weakest kind of cooling that suffices."""
     for name, film in COOLING.items():
         changed = requirement.but(film=film)
         if film > requirement.film and _exists_under(changed, _pools(requirement)) and is_feasible(changed):
-            yield Remedy(f"cooling: {name}", changed)
+            yield FeasibleChange(f"cooling: {name}", changed)
             return
 
 
@@ -124,7 +124,7 @@ def _exists_under(changed: Requirement, pools: Iterable[Pool]) -> bool:
 
 def _smallest(
     change: Callable[[float], Requirement], most: float, words: Callable[[Requirement], str]
-) -> Iterator[Remedy]:
+) -> Iterator[FeasibleChange]:
     """Yield the smallest change by a factor between 1 and the largest that is feasible, within `TOLERANCE`.
 
     The candidates of the requirement are rated under the changed conditions; the search then verifies the change.
@@ -142,11 +142,11 @@ def _smallest(
         low, high = (low, middle) if exists(middle) else (middle, high)
     for factor in (high, TOLERANCE * high, TOLERANCE**2 * high):
         if is_feasible(change(factor)):
-            yield Remedy(words(change(factor)), change(factor))
+            yield FeasibleChange(words(change(factor)), change(factor))
             return
 
 
-def _first(options: Iterator[Remedy]) -> Iterator[Remedy]:
+def _first(options: Iterator[FeasibleChange]) -> Iterator[FeasibleChange]:
     """Yield the first feasible option."""
     feasible = next((option for option in options if _is_promising(option.requirement)), None)
     if feasible:
@@ -157,26 +157,24 @@ def _is_promising(requirement: Requirement) -> bool:
     return _capacity(requirement) >= requirement.torque and is_feasible(requirement)
 
 
-def _options(requirement: Requirement) -> Iterator[Remedy]:
+def _options(requirement: Requirement) -> Iterator[FeasibleChange]:
     """Yield other materials, more discs and tighter clearances."""
     for material in PROCESSES[requirement.process].others:
         if material != requirement.made_of:
-            yield Remedy(material, requirement.but(material=material))
+            yield FeasibleChange(material, requirement.but(material=material))
     for discs in range(max(requirement.discs, 2 if requirement.discs == 0 else 1) + 1, MAX_DISCS):
-        yield Remedy(f"{discs} discs", requirement.but(discs=discs))
+        yield FeasibleChange(f"{discs} discs", requirement.but(discs=discs))
     if not requirement.fit and not requirement.tightened:
         clearances = list(requirement.tighter_clearances)
         if clearances and _capacity(requirement.but(clearance=clearances[-1])) >= requirement.torque:
             for clearance in clearances:
-                yield Remedy(f"clearances of {1e6 * clearance:.3g} um", requirement.but(clearance=clearance))
+                yield FeasibleChange(f"clearances of {1e6 * clearance:.3g} um", requirement.but(clearance=clearance))
 
 
-def _longer(requirement: Requirement) -> Iterator[Remedy]:
+def _longer(requirement: Requirement) -> Iterator[FeasibleChange]:
     """Yield the smallest feasible length, if a length is required."""
     if requirement.length == math.inf:
         return
-    from cycloid_mj.sizing.answer import length_parts
-
     pool = pool_of(requirement.but(discs=requirement.discs or 1).without_limits)
     shortest = pool.shortest(requirement.torque) if pool else None
     if shortest:
@@ -184,10 +182,10 @@ def _longer(requirement: Requirement) -> Iterator[Remedy]:
         longer = requirement.but(length=length)
         if is_feasible(longer):
             parts = length_parts(shortest.reducer)
-            yield Remedy(f"a length of {MILLIMETRES * length:g} mm (a drive exists with {parts})", longer)
+            yield FeasibleChange(f"a length of {MILLIMETRES * length:g} mm (a drive exists with {parts})", longer)
 
 
-def _larger(requirement: Requirement, most: float) -> Iterator[Remedy]:
+def _larger(requirement: Requirement, most: float) -> Iterator[FeasibleChange]:
     """Yield the smallest feasible diameter, by steps along the power law of the torque and secants."""
     largest = min(MAX_DIAMETER, fits.LARGEST / LARGEST_PAIR) if requirement.fit else MAX_DIAMETER
     low, high, capacity, below = requirement.diameter, requirement.diameter, most, most
@@ -216,7 +214,7 @@ def _larger(requirement: Requirement, most: float) -> Iterator[Remedy]:
             low, below = middle, found
     for diameter in (high, _rounded_up(TOLERANCE * high)):
         if is_feasible(requirement.but(diameter=diameter)):
-            yield Remedy(f"{MILLIMETRES * diameter:g} mm", requirement.but(diameter=diameter))
+            yield FeasibleChange(f"{MILLIMETRES * diameter:g} mm", requirement.but(diameter=diameter))
             return
 
 
@@ -226,16 +224,16 @@ def _rounded_up(diameter: float) -> float:
     return round(math.ceil(diameter / step - 1e-9) * step, 6)
 
 
-def _processes(requirement: Requirement) -> Iterator[Remedy]:
+def _processes(requirement: Requirement) -> Iterator[FeasibleChange]:
     """Yield stronger processes, then free sizes."""
     for process in PROCESSES[requirement.process].stronger:
         changed = requirement.but(process=process, material="", clearance=0.0, fit="")
-        yield Remedy(f"{process} in place of {requirement.process}", changed)
+        yield FeasibleChange(f"{process} in place of {requirement.process}", changed)
     if not requirement.custom:
-        yield Remedy("free sizes of pins and bearings", requirement.but(custom=True))
+        yield FeasibleChange("free sizes of pins and bearings", requirement.but(custom=True))
 
 
-def _combined(requirement: Requirement) -> Iterator[Remedy]:
+def _combined(requirement: Requirement) -> Iterator[FeasibleChange]:
     """Yield the first feasible diameter with the strongest process, a slower crank, or a longer drive."""
     for process in (*PROCESSES[requirement.process].stronger[-1:], requirement.process):
         words = [] if process == requirement.process else [f"{process} in place of {requirement.process}"]
@@ -247,5 +245,5 @@ def _combined(requirement: Requirement) -> Iterator[Remedy]:
                 changed = base.but(speed=speed, length=length)
                 rpm = [f"{speed / RPM:.4g} rpm"] if speed != base.speed else []
                 for remedy in _larger(changed, _capacity(changed)):
-                    yield Remedy(" and ".join([*words, *rpm, *free, remedy.words]), remedy.requirement)
+                    yield FeasibleChange(" and ".join([*words, *rpm, *free, remedy.words]), remedy.requirement)
                     return

@@ -16,12 +16,12 @@ from cycloid_mj.life.loading import POSES
 from cycloid_mj.life.rated import torque_limits
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.candidates import DIMENSIONS, Sizes, build_drive, conditions, decode
-from cycloid_mj.sizing.estimate import Estimate, estimate
+from cycloid_mj.sizing.estimate import DriveEstimate, estimate
 from cycloid_mj.sizing.requirement import Requirement
 
 
 @dataclass(frozen=True)
-class SearchSettings:
+class ArchiveSettings:
     """Settings of the search; none of them decides what a drive withstands.
 
     Attributes
@@ -57,7 +57,7 @@ class SearchSettings:
     poses: int = 7
 
 
-SETTINGS = SearchSettings()
+SETTINGS = ArchiveSettings()
 
 NO_LIMIT, UNSOUND = 1e9, 0.3
 """Torque limit of what has none [N m], and the factor of estimates next to a candidate that cannot be built."""
@@ -134,7 +134,7 @@ class Pool:
     factors: Mapping[str, float]
     points: Array
     sizes: Sizes
-    estimated: Estimate
+    estimated: DriveEstimate
     rated: dict[int, Rated | None] = field(default_factory=dict)
     """Ratings by index; None where a candidate cannot be built or balanced."""
 
@@ -183,7 +183,7 @@ class Pool:
         )
         limits, mass, length = self.corrected()
         scaled = {key: limit * after[key] / np.maximum(before[key], 1e-9) for key, limit in limits.items()}
-        return Pool(requirement, sample, self.factors, self.points, self.sizes, Estimate(scaled, mass, length))
+        return Pool(requirement, sample, self.factors, self.points, self.sizes, DriveEstimate(scaled, mass, length))
 
     def exists(self, torque: float, length: float = math.inf) -> bool:
         """Return whether a candidate for a torque [N m] within a length [m] is found."""

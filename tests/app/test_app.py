@@ -39,7 +39,7 @@ from cycloid_mj.life.item import RatedItem
 from cycloid_mj.parts import mass_properties, parts
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.robot import files as robot_files
-from cycloid_mj.sizing.answer import Answer, Remedy, SizedDrive
+from cycloid_mj.sizing.answer import Answer, FeasibleChange, SizedDrive
 from cycloid_mj.sizing.requirement import required
 
 DESIGNS = {**PRESETS, **{name: unlike(name) for name in UNLIKE}}
@@ -465,7 +465,10 @@ def test_an_invalid_form_is_refused(change: dict[str, Any], told: str) -> None:
 def test_alternatives_arrive_one_by_one_and_are_valid_requirements(monkeypatch: pytest.MonkeyPatch) -> None:
     wanted = required(ratio=15, diameter_mm=60, torque_nm=2)
     first = Answer(wanted, (), 0.7, "teeth")
-    ways = Remedy("100 mm", wanted.but(diameter=0.1)), Remedy("a clearance of 5 um", wanted.but(clearance=5e-6))
+    ways = (
+        FeasibleChange("100 mm", wanted.but(diameter=0.1)),
+        FeasibleChange("a clearance of 5 um", wanted.but(clearance=5e-6)),
+    )
     last = Answer(wanted, (), 0.7, "teeth", ways)
 
     def searched(_: Any, noted: Any) -> Answer:

@@ -457,9 +457,9 @@ def test_mistakes_are_one_line(capsys: pytest.CaptureFixture[str]) -> None:
         assert main(["app", "--no-browser", "--port", str(taken.getsockname()[1])]) == 1
     errors = capsys.readouterr().err.splitlines()
     assert len(errors) == 2
-    assert "is taken" in errors[1]
+    assert "is in use" in errors[1]
 
 
 def test_a_taken_port_is_refused() -> None:
-    with open_socket(0) as taken, pytest.raises(CycloidError, match="is taken"):
+    with open_socket(0) as taken, pytest.raises(CycloidError, match="is in use"):
         open_socket(taken.getsockname()[1])

@@ -77,6 +77,7 @@ ASSUMED_HERE = {
         "notch_factor",
         "wear_coefficient_mm3_nm",
         "ambient_temperature_c",
+        "duty_share",
     }
     | {"film_coefficient_w_m2_k", "grease_temperature_c", "seal_temperature_c"},
     "thermal": {"face_gap_mm", "joint_conductance_w_m2_k", "emissivity"},
@@ -127,7 +128,7 @@ def random_changes(rng: np.random.Generator) -> list[str]:
     changes = []
     for table, keys in tomllib.loads(dump(PRESETS["pin"])).items():
         for key, value in keys.items() if isinstance(keys, dict) else ():
-            if isinstance(value, float) and key not in ("reliability", "emissivity"):  # 1 at most
+            if isinstance(value, float) and key not in ("reliability", "emissivity", "duty_share"):  # 1 at most
                 digits = rng.integers(1, 18)
                 changes.append(f"{table}.{key}={float(f'{value * rng.uniform(0.8, 1.2):.{digits}g}')!r}")
     return [*changes, f"ring.teeth={rng.integers(4, 401)}", f"output.pins={rng.integers(2, 101)}", 'name="a b-1"']
@@ -222,7 +223,7 @@ def test_the_file_has_every_key_and_says_what_is_assumed() -> None:
 def test_a_key_states_its_unit() -> None:
     # Numbers without a unit in their key are counts, ratios and friction coefficients, and nothing else.
     bare = {"teeth", "pins", "bolts", "seed", "cam_rollers", "damping_ratio", "poisson", "reliability"}
-    bare |= {"service_factor", "notch_factor", "discs", "impact_exponent", "halves", "emissivity"}
+    bare |= {"service_factor", "notch_factor", "discs", "impact_exponent", "halves", "emissivity", "duty_share"}
     for table, field in Design.model_fields.items():
         for name, inner in getattr(field.annotation, "model_fields", {}).items():
             if inner.annotation in (int, float) and table not in ("friction", "damping"):

@@ -512,7 +512,7 @@ def test_the_command_prints_table_and_json(capsys) -> None:
         (["--load-nm", "1e9"], "at most 1000000"),
         (["--speed-rpm", "1e9"], "less than 100000"),
         (["--duty", "none.csv"], "none.csv"),
-        (["--duty", "none.csv", "--load-nm", "3"], "Remove --load-nm"),
+        (["--duty", "none.csv", "--load-nm", "3"], "--load-nm and --duty cannot be used together"),
         (["--peak-nm", "-3"], "--peak-nm -3"),
         (["--stress", "none"], "cannot read none"),
         (["--html", "a.html", "b.html"], "--html takes one file"),

@@ -124,7 +124,7 @@ def test_the_clearance_is_what_was_asked_for(design: Design) -> None:
 def test_a_wrong_clearance_is_an_error() -> None:
     """The outline of a design with another clearance, measured against this one."""
     (gear,), (housing,) = parts(Reducer(LOOSE))["gear"].prisms, parts(Reducer(LOOSE))["housing"].prisms
-    with pytest.raises(DesignError, match=r"tooth of the outline is 20 to 20 um, not the 1 um"):
+    with pytest.raises(DesignError, match=r"tooth of the outline is 20 to 20 um, not the requested 1 um"):
         measured.measure(Reducer(NONPIN), [gear.outline, *gear.holes], housing.holes[0])
 
 

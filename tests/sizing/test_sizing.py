@@ -21,7 +21,8 @@ from cycloid_mj.life.figures import drive_length
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.parts.export import bill, casing
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.sizing.answer import Answer, Remedy, SizedDrive, best_ratio, length_parts, size_drive, solve
+from cycloid_mj.sizing.answer import Answer, FeasibleChange, SizedDrive, best_ratio, length_parts, solve
+from cycloid_mj.sizing.drives import size_drive
 from cycloid_mj.sizing.requirement import Requirement, required
 from cycloid_mj.statics.sheet import sheet
 
@@ -452,7 +453,7 @@ def test_a_length_is_stated_as_feasible_with_what_it_is_made_of() -> None:
     parts = [float(number) for number in re.findall(r"([\d.]+) mm of", length_parts(reducer))]
     assert sum(parts) == pytest.approx(drive_length(reducer), abs=0.2)
     assert parts[1] == 10.0
-    refused = Answer(asked, (), 0.0, "no gear fits", (Remedy("a length of 68 mm", asked),))
+    refused = Answer(asked, (), 0.0, "no gear fits", (FeasibleChange("a length of 68 mm", asked),))
     assert refused.refusal == f"not feasible: no gear fits; {asked.torque:g} N m is feasible with a length of 68 mm"
     hopeless = Answer(asked, (), 1.0, "pitting")
     assert "no change of size, discs or material was found that makes" in hopeless.refusal

@@ -37,7 +37,7 @@ def broken_rules(reducer: Reducer, sizes: Casing) -> Iterator[str]:
         for thread in joint.threads:
             if is_plastic(reducer) and not thread.insert:
                 yield f"M{MILLIMETRES * thread.thread:g} in {thread.part}, a plastic, has no insert in stock"
-    if reducer.mechanism.turning == names.HOUSING:
+    if reducer.member.ring_and_carrier(1.0)[0]:
         teeth = reducer.design.ring.teeth
         yield (
             f"the motor turns with the ring on its cover, so that it turns {teeth - 1} times for a turn of the output, "
