@@ -392,7 +392,7 @@ def _rate_ring_pins(reducer: Reducer, loading: Loading, force_scale: float) -> I
     design, ring = reducer.design, reducer.design.ring
     if ring.kind != "pin" or ring.has_sockets or is_printed(reducer, names.PIN):
         return
-    force, length = force_scale * loading.teeth, design.gear.stack_width
+    force, length = force_scale * loading.teeth, design.gear.stack_width / ring.halves
     if ring.has_sleeves:
         core, length = sleeve_core_radius(reducer), 2.0 * sleeve_pin_depth(reducer)
         friction_torque = design.friction_of("pin_sleeve") * force * core

@@ -115,9 +115,13 @@ def test_rating_and_checks_of_halves_that_are_not_turned_are_those_of_the_ring(k
     design = override(PRESETS["printed"], [f"ring.kind={kind}"])
     whole, halves = (rate(one.design, poses=13) for one in (Reducer(design), halved(design)))
     for key, item in whole.items.items():
+        if key == "joint_ring_pin_glue":  # half the force on half the length
+            assert halves.items[key].safety == pytest.approx(item.safety, rel=1e-6)
+            continue
         assert halves.items[key].value == pytest.approx(item.value, rel=1e-6, nan_ok=True), key
     checks, of_halves = check(design), check(halved(design).design)
-    assert [(one.name, one.got) for one in of_halves] == [(one.name, one.got) for one in checks]
+    drawn = [(one.name, one.got) for one in checks if one.name != "joints"]  # two halves have no drawn casing
+    assert [(one.name, one.got) for one in of_halves] == drawn
 
 
 @pytest.mark.parametrize("kind", ["pin", "nonpin"])
