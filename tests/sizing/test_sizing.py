@@ -96,11 +96,13 @@ def test_its_data_sheet_says_the_same(small: Answer) -> None:
     assert sheet["rated_torque_nm"] == pytest.approx(small.drives[0].figures["rated_torque_nm"], rel=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("asked", draw_requirements(2, seed=1), ids=str)
 def test_random_requirements_are_held_or_the_most_that_goes_is_told(asked: Requirement) -> None:
     require_kept(size_drive(asked), ways=1)  # forty: scripts/requirements_grid.py
 
 
+@pytest.mark.slow
 def test_too_much_is_refused_with_ways_that_work() -> None:
     refused = size_drive(TOO_MUCH)
     assert not refused.drives
@@ -259,17 +261,19 @@ def test_no_parts_in_stock_is_told_with_what_goes() -> None:
     require_kept(refused, ways=1)
 
 
+@pytest.mark.slow
 def test_too_little_room_for_parts_in_stock_is_told_with_a_length_too() -> None:
     refused = size_drive(Requirement(5, 0.0926, 13.6, length=0.0425))
     (way,) = refused.remedies
-    assert re.fullmatch(r"\d+ mm and a length of \d+ mm \(a drive exists with .*\)", way.words)
+    assert re.fullmatch(r"a length of more than 42.5 mm and \d+ mm", way.words)  # a change of length comes first
     assert way.requirement.diameter > 0.0926
     assert way.requirement.length > 0.0425
 
 
+@pytest.mark.slow
 def test_where_heat_ends_it_in_a_size_that_has_parts_the_crank_is_slowed_down() -> None:
     refused = size_drive(Requirement(5, 0.05, 100.0))
-    assert re.search(r"feasible with (\d+ mm and )?\d+ rpm", refused.refusal), refused.refusal
+    assert re.search(r"feasible with [\d.]+ rpm and \d+ mm", refused.refusal), refused.refusal
     require_kept(refused)
 
 
@@ -288,6 +292,7 @@ def test_a_fit_ends_where_the_standard_does() -> None:
     assert all(way.requirement.diameter < 0.85 for way in refused.remedies)
 
 
+@pytest.mark.slow
 def test_the_lightest_is_the_lightest() -> None:
     asked = Requirement(108, 0.183, 8.6, process="printed")
     masses = [drive.figures["mass_kg"] for drive in size_drive(asked).drives]
@@ -311,6 +316,7 @@ def test_the_stated_maximum_is_the_maximum(share: float) -> None:
     assert other is None or other.rated.capacity <= 1.1 * refused.most
 
 
+@pytest.mark.slow
 def test_a_drive_found_at_one_length_is_found_at_every_length_that_it_satisfies() -> None:
     """56 mm were refused ("it needs 68"), and 58 mm led to a drive of 55.9 mm."""
     asked = Requirement(30, 0.06, 0.3, life=10.0, process="printed", speed=100.0 * RPM)
@@ -322,6 +328,7 @@ def test_a_drive_found_at_one_length_is_found_at_every_length_that_it_satisfies(
     assert again.rated.length <= length
 
 
+@pytest.mark.slow
 def test_the_lightest_drive_is_lighter_than_the_coordinate_search_had_it() -> None:
     """It wrote a drive of 6.77 kg with covers; `optimize` found one of 4.74 kg."""
     found, _ = solve(Requirement(29, 0.09, 40.0, speed=2000.0 * RPM, discs=2))
@@ -364,6 +371,7 @@ def test_printed_drives_run_a_quarter_of_the_time_by_default() -> None:
     assert (asked.life, asked.speed, asked.duty_share) == (500.0, pytest.approx(300.0 * RPM), 0.25)
 
 
+@pytest.mark.slow
 def test_no_room_for_a_gear_is_said_with_a_size_that_goes() -> None:
     refused = size_drive(Requirement(119, 0.02, 0.1, process="printed"))
     assert "no disc with a ratio of 119 fits into 20 mm" in refused.refusal
