@@ -49,11 +49,29 @@ class HeatProperties:
     specific_heat: float
 
 
+@dataclass(frozen=True)
+class NetworkAssumptions:
+    """Assumptions of the network.
+
+    Attributes
+    ----------
+    lightest_steel
+        Density [kg/m3] that separates steel and bronze from aluminium and titanium.
+    shell_share
+        Heat capacity of the housing of a drive without covers, relative to the other parts: keeps the network solvable.
+    loaded_share
+        Share of the rollers of a bearing that carry its load (Stribeck's load zone of 120 deg).
+    """
+
+    lightest_steel: float = 5000.0
+    shell_share: float = 0.01
+    loaded_share: float = 1.0 / 3.0
+
+
+ASSUMED = NetworkAssumptions()
+
 STEEL, ALUMINIUM, PLASTIC = HeatProperties(45.0, 470.0), HeatProperties(160.0, 900.0), HeatProperties(0.25, 1500.0)
 """Alloy steels 42 to 46 W/(m K) (EN 10088-1, 10083); wrought aluminium 130 to 200; unfilled plastics 0.2 to 0.3."""
-
-LIGHTEST_STEEL = 5000.0
-"""Density [kg/m3] that separates steel and bronze from aluminium and titanium."""
 
 PART_OF_STEM = {
     **{"gear": "gear", "pin": "pin", "sleeve": "pin", "housing": "housing", "ring": "housing"},
@@ -61,18 +79,12 @@ PART_OF_STEM = {
 }
 """First letters of a part's name -> part of its material; all else turns with the crank."""
 
-SHELL_SHARE = 0.01
-"""Heat capacity of the housing of a drive without covers, relative to the other parts: keeps the network solvable."""
-
-LOADED_SHARE = 1.0 / 3.0
-"""Share of the rollers of a bearing that carry its load (Stribeck's load zone of 120 deg)."""
-
 
 def heat_properties(material: Material) -> HeatProperties:
     """Return conductivity and specific heat by the kind of a material: plastic, light metal or steel."""
     if material.is_plastic:
         return PLASTIC
-    return STEEL if material.density > LIGHTEST_STEEL else ALUMINIUM
+    return STEEL if material.density > ASSUMED.lightest_steel else ALUMINIUM
 
 
 @dataclass(frozen=True)
@@ -220,7 +232,7 @@ def _roller_conductance(
     rollers: int, radius: float, length: float, force: float, partners: Sequence[Material]
 ) -> float:
     """Compute the conductance of a roller bearing [W/K]: inner and outer contact of each loaded roller in series."""
-    loaded = max(1.0, LOADED_SHARE * rollers)
+    loaded = max(1.0, ASSUMED.loaded_share * rollers)
     each = line_contact_conductance(np.array([force / loaded]), length, radius, partners)
     return 0.5 * loaded * float(each[0])
 
@@ -280,7 +292,7 @@ def _capacities(reducer: Reducer) -> dict[str, float]:
         bodies[BODY_OF[part]] += mass * heat_properties(reducer.design.material_of(part)).specific_heat
     covers = drive_mass(reducer) - sum(mechanism.values()) if has_casing(reducer) else 0.0
     specific = heat_properties(reducer.design.material_of("housing")).specific_heat
-    bodies["housing"] = max(covers * specific, SHELL_SHARE * sum(bodies.values()))
+    bodies["housing"] = max(covers * specific, ASSUMED.shell_share * sum(bodies.values()))
     return bodies
 
 
