@@ -1,6 +1,7 @@
 """Joints as items of a rating, and the momentary torque that they limit."""
 
 import pytest
+from designs import cases
 
 from cycloid_mj.design import fits, resolve, stock
 from cycloid_mj.life import rate
@@ -10,7 +11,6 @@ from cycloid_mj.life.joints import JointTorques, fit_code, screwed_joints
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.joints import JointKind, drive_joints
 from cycloid_mj.reducer import Reducer
-from tests.designs import cases
 
 KEYS = {"name", "kind", "value", "unit", "limit", "safety", "life_h", "source", "note"}
 
