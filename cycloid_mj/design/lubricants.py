@@ -1,0 +1,138 @@
+"""Lubricants by name: viscosity over temperature, pressure coefficient and density; dry and greased plastics.
+
+The values are in ``lubricants.toml``, each with its source. Viscosity follows Walther (ASTM D341), the pressure
+coefficient Gold et al. (2001): alpha = s nu^t.
+"""
+
+import math
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from cycloid_mj.base.errors import DesignError
+
+TABLE = Path(__file__).with_suffix(".toml")
+
+DENSITY_SLOPE = -0.65
+"""Change of an oil's density with temperature [kg/(m3 K)]: a volume expansion of 7e-4 to 8e-4 1/K (ISO 91)."""
+
+SPECIFIED_AT = 15.0
+"""Temperature at which densities of oils are stated [°C]."""
+
+
+@dataclass(frozen=True)
+class Lubricant:
+    """An oil, or a grease with its base oil.
+
+    Attributes
+    ----------
+    name, base
+        Name, and kind of base oil: mineral, PAO, PAG or ester.
+    viscosity_40, viscosity_100
+        Kinematic viscosity of the (base) oil at 40 and 100 °C [mm2/s].
+    density
+        Density at 15 °C [kg/m3].
+    pressure_factor, pressure_exponent
+        s and t of alpha = s nu^t 1e-8 1/Pa, with nu in mm2/s (Gold et al. 2001).
+    gear_factor
+        Lubricant factor X_L of Schlenk's friction law (ISO/TR 14179-2).
+    source
+        Origin of the viscosities.
+    thickener, nlgi
+        Thickener and consistency of a grease; empty for an oil.
+    """
+
+    name: str
+    base: str
+    viscosity_40: float
+    viscosity_100: float
+    density: float
+    pressure_factor: float
+    pressure_exponent: float
+    gear_factor: float
+    source: str
+    thickener: str = ""
+    nlgi: str = ""
+
+    def kinematic_viscosity(self, temperature: float) -> float:
+        """Compute the kinematic viscosity [mm2/s] at a temperature [°C] by Walther's equation."""
+        return walther(self.viscosity_40, self.viscosity_100, temperature)
+
+    def viscosity(self, temperature: float) -> float:
+        """Compute the dynamic viscosity [Pa s] at a temperature [°C] and ambient pressure."""
+        density = self.density + DENSITY_SLOPE * (temperature - SPECIFIED_AT)
+        return 1e-6 * self.kinematic_viscosity(temperature) * density
+
+    def pressure_coefficient(self, temperature: float) -> float:
+        """Compute the pressure coefficient of viscosity alpha [1/Pa] at a temperature [°C] (Gold et al. 2001)."""
+        return 1e-8 * self.pressure_factor * self.kinematic_viscosity(temperature) ** self.pressure_exponent
+
+
+@dataclass(frozen=True)
+class PlasticPair:
+    """Sliding friction of a plastic: lowest and highest coefficient, dry and greased, and the dry PV limit [Pa m/s]."""
+
+    pair: str
+    dry: tuple[float, float]
+    greased: tuple[float, float]
+    pv_limit: float
+    source: str
+
+
+def walther(viscosity_40: float, viscosity_100: float, temperature: float) -> float:
+    """Interpolate a kinematic viscosity [mm2/s] at a temperature [°C]: lg lg (nu + 0.7) = A - B lg T (ASTM D341)."""
+    low, high = (math.log10(math.log10(value + 0.7)) for value in (viscosity_40, viscosity_100))
+    kelvin = [math.log10(273.15 + each) for each in (40.0, 100.0, temperature)]
+    slope = (low - high) / (kelvin[1] - kelvin[0])
+    return float(10.0 ** (10.0 ** (low - slope * (kelvin[2] - kelvin[0])))) - 0.7
+
+
+@cache
+def lubricants() -> Mapping[str, Lubricant]:
+    """Return all oils and greases by name; an oil is named by base oil and ISO viscosity grade, as ``PAO 150``."""
+    table = _table()
+    properties = {
+        base: {name: row[name] for name in ("density", "pressure_factor", "pressure_exponent", "gear_factor")}
+        for base, row in table["base_oil"].items()
+    }
+    oils = [
+        Lubricant(f"{base} {grade}", base, float(grade), hot, source=row["source"], **properties[base])
+        for base, row in table["base_oil"].items()
+        for grade, hot in row["viscosity_100"].items()
+    ]
+    greases = [Lubricant(**row, **properties[row["base"]]) for row in table["grease"]]
+    return {item.name: item for item in (*oils, *greases)}
+
+
+def lubricant(name: str) -> Lubricant:
+    """Return the lubricant of a name, ignoring case.
+
+    Raises
+    ------
+    DesignError
+        No lubricant has this name.
+    """
+    names = {known.casefold(): known for known in lubricants()}
+    if name.casefold() not in names:
+        near = get_close_matches(name.casefold(), names, n=1)
+        hint = f'did you mean "{names[near[0]]}"? ' if near else ""
+        raise DesignError(f"there is no lubricant {name!r}; {hint}the lubricants are {', '.join(lubricants())}")
+    return lubricants()[names[name.casefold()]]
+
+
+@cache
+def plastic_pairs() -> Mapping[str, PlasticPair]:
+    """Return the sliding pairs of plastics by name."""
+    return {
+        row["pair"]: PlasticPair(row["pair"], tuple(row["dry"]), tuple(row["greased"]), 1e6 * row["pv"], row["source"])
+        for row in _table()["plastic"]
+    }
+
+
+@cache
+def _table() -> dict[str, Any]:
+    return tomllib.loads(TABLE.read_text(encoding="utf-8"))

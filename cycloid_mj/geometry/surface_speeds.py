@@ -1,0 +1,101 @@
+"""Speeds of the surfaces of ideal contacts past their contact lines, in closed form.
+
+Lubrication depends on the speeds at which both surfaces pass the contact line: half their sum entrains the lubricant,
+their difference is the sliding (Hamrock, Schmid and Jacobson 2004, Fundamentals of Fluid Film Lubrication, section 18).
+Symbols as in `profile`: the phase B of a pin, its distance l from the pitch point, and w, the speed of the crank
+against the ring. The disc turns at w/(N - 1) about the pitch point, so it slides past a pin by v = w (l - rho)/(N - 1);
+the contact line travels over the pin at V = rho c N w (E cos B - c N)/l^2.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.geometry import profile
+from cycloid_mj.geometry.profile import CycloidGear
+
+
+@dataclass(frozen=True)
+class SurfaceSpeeds:
+    """Speeds of two surfaces past their contact line [m/s], in one direction along the surface; any equal shapes.
+
+    Attributes
+    ----------
+    moving
+        Speed of the disc's surface, or of a rolling pin or roller in its seat.
+    fixed
+        Speed of the mate's surface.
+    """
+
+    moving: Array
+    fixed: Array
+
+    @property
+    def sliding(self) -> Array:
+        """Sliding speed [m/s]: the difference of both speeds."""
+        return self.moving - self.fixed
+
+    @property
+    def entrainment(self) -> Array:
+        """Entrainment speed [m/s]: the mean of both speeds; where it passes through 0, no film forms."""
+        return 0.5 * (self.moving + self.fixed)
+
+
+def tooth_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float) -> SurfaceSpeeds:
+    """Compute the surface speeds of the disc on pins that do not turn, or on the arcs of an internal gear.
+
+    Parameters
+    ----------
+    gear
+        The mesh.
+    B
+        Phases of the pins [rad]: angle of the pin from the eccentricity, clockwise as in `profile`.
+    crank_speed
+        Speed of the crank against the ring [rad/s].
+    """
+    N, c, E, rho = gear.symbols
+    distance = profile.pitch_distance(gear, B)
+    sliding = crank_speed / gear.lobes * (distance - rho)
+    travel = rho * c * N * crank_speed * (E * np.cos(B) - c * N) / distance**2
+    return SurfaceSpeeds(moving=travel + sliding, fixed=travel)
+
+
+def rolling_tooth_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float) -> SurfaceSpeeds:
+    """Compute the surface speeds of the disc on free pins or sleeves that roll on it; parameters as `tooth_speeds`."""
+    disc = tooth_speeds(gear, B, crank_speed).moving
+    return SurfaceSpeeds(moving=disc, fixed=disc)
+
+
+def seat_speeds(gear: CycloidGear, B: npt.ArrayLike, crank_speed: float, radius: float) -> SurfaceSpeeds:
+    """Compute the surface speeds in the seat of a rolling pin or sleeve; parameters as `tooth_speeds`.
+
+    The pin turns as on the disc, and the load turns with the contact line: both at the seat's `radius` [m], which is
+    the pin's in a socket, and that of the bore of a sleeve.
+    """
+    on_disc, scale = tooth_speeds(gear, B, crank_speed), radius / gear.pin_radius
+    return SurfaceSpeeds(moving=scale * on_disc.moving, fixed=scale * on_disc.fixed)
+
+
+def hole_speeds(gear: CycloidGear, pin_radius: float, hole_radius: float, crank_speed: float) -> SurfaceSpeeds:
+    """Compute the surface speeds of a hole of the disc on an output pin without roller, radii in [m].
+
+    The contact line runs round pin and hole at the speed w N/(N - 1) of the crank against the disc.
+    """
+    turning = crank_speed * gear.ring_teeth / gear.lobes
+    return SurfaceSpeeds(moving=np.asarray(hole_radius * turning), fixed=np.asarray(pin_radius * turning))
+
+
+def entrainment_zeros(gear: CycloidGear) -> Array:
+    """Compute the phases B in (0, pi) [rad], in order, at which a pin that does not turn has no entrainment.
+
+    With v/2 + V = 0 the distance l from the pitch point is a root of l^3 - N rho l^2 + (N - 1) rho (E^2 - c^2 N^2);
+    those in (E - c N, E + c N) have a phase. There may be none.
+    """
+    N, c, E, rho = gear.symbols
+    constant = gear.lobes * rho * (E**2 - (c * N) ** 2)
+    roots = np.roots([1.0, -N * rho, 0.0, constant])
+    real = roots[np.abs(roots.imag) < 1e-9 * E].real
+    cosine = (E**2 + (c * N) ** 2 - real**2) / (2.0 * E * c * N)
+    return np.sort(np.arccos(cosine[(np.abs(cosine) < 1.0) & (real > 0.0)]))

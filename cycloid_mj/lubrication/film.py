@@ -1,0 +1,109 @@
+"""Film thickness of elastohydrodynamic line contacts, isothermal and fully flooded.
+
+Groups: U = eta u/(E' R), G = alpha E', W = w/(E' R L), with the viscosity eta at the inlet, the entrainment speed u,
+the radius 1/R = 1/R1 + 1/R2 and the modulus 2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2. The formulas are fits to numerical
+solutions in the piezoviscous-elastic regime and agree to about 20 %.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.base.array import Array
+
+FORMULA_SPREAD = 0.2
+"""Relative difference of the formulas for one contact, and of measured films from them."""
+
+
+@dataclass(frozen=True)
+class Groups:
+    """Dimensionless groups of a line contact; arrays of one shape.
+
+    Attributes
+    ----------
+    speed, material, load
+        U, G and W.
+    radius
+        Reduced radius R [m].
+    length
+        Length of the line [m].
+    """
+
+    speed: Array
+    material: float
+    load: Array
+    radius: Array
+    length: float
+
+
+def groups(
+    force: npt.ArrayLike,
+    entrainment: npt.ArrayLike,
+    radius: npt.ArrayLike,
+    length: float,
+    viscosity: float,
+    pressure_coefficient: float,
+    modulus: float,
+) -> Groups:
+    """Compute the dimensionless groups of line contacts.
+
+    Parameters
+    ----------
+    force, entrainment, radius
+        Normal force [N], entrainment speed [m/s], whose sign has no effect, and reduced radius R [m].
+    length
+        Length of the line [m].
+    viscosity, pressure_coefficient
+        Viscosity at the inlet [Pa s], and its pressure coefficient [1/Pa].
+    modulus
+        Reduced modulus E' [Pa]: twice `ideal_loads.contact_modulus`.
+    """
+    force, speed, radius = (np.asarray(values, float) for values in (force, entrainment, radius))
+    return Groups(
+        speed=np.asarray(viscosity * np.abs(speed) / (modulus * radius)),
+        material=pressure_coefficient * modulus,
+        load=np.asarray(force / (modulus * radius * length)),
+        radius=radius,
+        length=length,
+    )
+
+
+def dowson_higginson(contact: Groups) -> Array:
+    """Compute the minimum film thickness [m] of line contacts (Dowson and Higginson 1966)."""
+    return _power_law(contact, 2.65, 0.70, 0.54, -0.13)
+
+
+def pan_hamrock(contact: Groups) -> Array:
+    """Compute the minimum film thickness [m] of line contacts (Pan and Hamrock 1989)."""
+    return _power_law(contact, 1.714, 0.694, 0.568, -0.128)
+
+
+def pan_hamrock_central(contact: Groups) -> Array:
+    """Compute the central film thickness [m] of line contacts (Pan and Hamrock 1989)."""
+    return _power_law(contact, 2.922, 0.692, 0.470, -0.166)
+
+
+def hamrock_dowson(contact: Groups) -> Array:
+    """Compute the minimum film thickness [m] of long elliptic contacts (Hamrock and Dowson 1977, k to infinity)."""
+    point_load = contact.load * contact.length / contact.radius
+    return _power_law(contact, 3.63, 0.68, 0.49, -0.073, point_load)
+
+
+FORMULAS: Mapping[str, Callable[[Groups], Array]] = {
+    "pan-hamrock": pan_hamrock,
+    "dowson-higginson": dowson_higginson,
+    "hamrock-dowson": hamrock_dowson,
+}
+"""Minimum film thickness by name of its formula."""
+
+
+def _power_law(
+    contact: Groups, factor: float, speed: float, material: float, load: float, loads: Array | None = None
+) -> Array:
+    """Compute factor U^speed G^material W^load R; 0 where nothing moves or presses."""
+    loads = contact.load if loads is None else loads
+    loaded = np.maximum(loads, np.finfo(float).tiny)
+    thickness = factor * contact.speed**speed * contact.material**material * loaded**load * contact.radius
+    return np.asarray(np.where(loads > 0.0, thickness, 0.0))
