@@ -23,27 +23,19 @@ KINDS = {
 }
 """Pressure limits of an emergency stop: consequence, factor, strength that it multiplies, and source."""
 
+FAR_BEYOND = 2.0
+"""Ratio of a torque by the square root law to the smallest other limit, from which no equilibrium is sought."""
+
 
 def rate_emergency_stop(reducer: Reducer, peak: float, worst: Loading) -> Iterator[RatedItem]:
     """Rate a peak torque [N m] of an emergency stop; forces are in proportion to those of the worst loading."""
     design = reducer.design
     torque = abs(worst.point.torque)
-    for key, (what, factor, strength_name, source) in KINDS.items():
-        limits = {}
-        for kind in worst.pressures:
-            limit_factor = SHAKEDOWN_PRESSURE if reducer.contacts[kind].weaker_is_plastic else factor
-            if kind != "cam" or design.gear.bearing == "plain":
-                limits[kind] = limit_factor * min(getattr(part, strength_name) for part in design.partners(kind))
-            elif has_bare_rollers(reducer):  # a bought bearing has its static factor
-                limits[kind] = cam_pressure_limit(reducer, limit_factor, strength_name)
-        if limits:
-            torque_limit, note = _torque_at_limits(worst, limits)
-            yield _torque_item(key, what, peak, torque_limit, source, note)
     output, material = design.output, design.material_of("output")
     radius, force = output.root_radius, float(worst.output.sum(axis=1).max()) * peak / torque
     sections = 1 if output.support == "cantilever" else 2
     shear, strength = force / (sections * math.pi * radius**2), material.yield_strength / math.sqrt(3.0)
-    yield RatedItem(
+    pin_shear = RatedItem(
         "peak_pin_shear",
         "emergency stop: shear of an output pin",
         1e-6 * shear,
@@ -55,7 +47,7 @@ def rate_emergency_stop(reducer: Reducer, peak: float, worst: Loading) -> Iterat
         f"{sections} x {1e3 * radius:.3g} mm radius; forces in proportion to the torque",
     )
     bending = 4.0 * float(pin_moment(reducer, worst.output).max()) * peak / torque / (math.pi * radius**3)
-    yield RatedItem(
+    pin_bending = RatedItem(
         "peak_pin_bending",
         "emergency stop: bending of an output pin",
         1e-6 * bending,
@@ -66,27 +58,46 @@ def rate_emergency_stop(reducer: Reducer, peak: float, worst: Loading) -> Iterat
         "4 M/(pi r^3) against Y",
         "nominal stress: a notch yields without failing; forces in proportion to the torque",
     )
-    jump = torque / (design.lobes * worst.wind_up) if worst.wind_up else math.inf
-    yield _torque_item(
+    jump = _torque_item(
         "peak_jump",
         "skipped tooth",
         peak,
-        jump,
+        torque / (design.lobes * worst.wind_up) if worst.wind_up else math.inf,
         "T = k/z: maximum of a sine with the pitch of one of z lobes and the initial stiffness k of the disc",
         "assumed: a rigid ring; k of all contacts and the cam at the largest load",
     )
+    items = [pin_shear, pin_bending, jump]
+    for key, (what, factor, strength_name, source) in KINDS.items():
+        limits = {}
+        for kind in worst.pressures:
+            limit_factor = SHAKEDOWN_PRESSURE if reducer.contacts[kind].weaker_is_plastic else factor
+            if kind != "cam" or design.gear.bearing == "plain":
+                limits[kind] = limit_factor * min(getattr(part, strength_name) for part in design.partners(kind))
+            elif has_bare_rollers(reducer):  # a bought bearing has its static factor
+                limits[kind] = cam_pressure_limit(reducer, limit_factor, strength_name)
+        if limits:
+            smallest = peak * min(item.margin(0.0) for item in items)
+            torque_limit, note = _torque_at_limits(worst, limits, smallest)
+            items.append(_torque_item(key, what, peak, torque_limit, source, note))
+    yield from items
 
 
-def _torque_at_limits(worst: Loading, limits: Mapping[str, float]) -> tuple[float, str]:
-    """Compute the torque [N m] at which a kind of contact first reaches its pressure limit [Pa], and the method."""
+def _torque_at_limits(worst: Loading, limits: Mapping[str, float], other: float) -> tuple[float, str]:
+    """Compute the torque [N m] at which a kind of contact first reaches its pressure limit [Pa], and the method.
+
+    The square root of the torque gives a lower bound of it above the load, as more contacts share a larger torque. No
+    equilibrium is sought where that is beyond the `other` limit [N m], such as a skipped tooth: there may be none.
+    """
     kind = min(limits, key=lambda name: limits[name] / worst.pressures[name])
     torque = math.copysign(worst.point.torque, worst.reducer.design.drive.speed)
     guess = torque * (limits[kind] / worst.pressures[kind]) ** 2
+    by_root = "the pressure is taken as the square root of the torque"
+    if abs(guess) > max(FAR_BEYOND * other, abs(torque)):
+        return abs(guess), f"in {kind}, at least: {by_root}, as another limit of the stop is far below"
     try:
         at_limit, kind = torque_at_pressure(worst.reducer, worst.springs, limits, guess)
     except RunError:
-        note = f"in {kind}; no equilibrium was found there: the pressure is taken as the square root of the torque"
-        return abs(guess), note
+        return abs(guess), f"in {kind}; no equilibrium was found there: {by_root}"
     return abs(at_limit), f"in {kind}, by the equilibrium at that torque"
 
 

@@ -8,7 +8,7 @@ from commands import told
 from cycloid_mj.base.judgement import Judgement
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
-from cycloid_mj.life import rate
+from cycloid_mj.life import emergency_stop, rate
 from cycloid_mj.life.bearing_compliance import CamCase, CamCompliance
 from cycloid_mj.life.checks import check_design, checks_of_rating, life_checks, life_remedies
 from cycloid_mj.life.duty import constant_duty
@@ -59,6 +59,22 @@ def test_an_emergency_stop_is_the_same_whatever_the_load(name: str) -> None:
     for share in (0.03, 1.0):
         stops = rate(design, constant_duty(share * design.rated_torque, design.drive.speed)).items
         assert stops["peak_yield"].limit == pytest.approx(capacity, rel=0.005)
+
+
+@pytest.mark.parametrize("name", ["pin", "nonpin", "printed"])
+def test_no_equilibrium_is_sought_far_beyond_another_limit_of_a_stop(name: str, monkeypatch) -> None:
+    """At 15 kN m, a thousand times the load, the search for an equilibrium took 15 s and found none."""
+    bounded = rate(PRESETS[name], poses=19)
+    monkeypatch.setattr(emergency_stop, "FAR_BEYOND", math.inf)
+    searched = rate(PRESETS[name], poses=19)
+    bounds, limits = (
+        {key: item.safety for key, item in rating.items.items() if key.startswith("peak_")}
+        for rating in (bounded, searched)
+    )
+    assert min(bounds.values()) == min(limits.values())
+    assert all(0.7 * limits[key] < bounds[key] <= limits[key] for key in limits)
+    assert ("at least" in bounded.items["peak_dents"].note) == (bounds["peak_dents"] < limits["peak_dents"])
+    assert "at least" not in searched.items["peak_dents"].note
 
 
 def test_the_checks_tell_the_weakest_item_of_each_kind() -> None:
