@@ -169,7 +169,7 @@ def _lightest(requirement: Requirement, pool: Pool) -> Solution | None:
     studies: dict[int, Figures] = {}
 
     def accept(rated: Rated) -> bool:
-        full = _rated_fully(requirement, rated)
+        full = _rated_fully(requirement, rated) if math.isfinite(rated.mass) else None
         study = tolerance_study(requirement, full.reducer) if full else {}
         studies[id(rated)] = study
         return full is not None and study.get("yield_percent", 0.0) >= 100.0 * MIN_YIELD

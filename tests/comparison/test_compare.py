@@ -102,6 +102,7 @@ def instant(monkeypatch):
         values["/reducer"] = random.normal(size=values["/reducer"].shape)
         values["/reducer"][:, list(groups["/reducer"]).index("crank_angle")] = reducer.design.drive.speed * time
         yield cycloid_mj.dynamics.run.SampleBlock(time, values)
+        return ()
 
     monkeypatch.setattr(cycloid_mj.dynamics.run, "blocks", blocks)
     return ran
