@@ -80,11 +80,15 @@ def ladder(distances: Distances, start: float) -> Array:
     If the farthest such distance is below the start, it is the last.
     """
     rungs = start / 2.0 * np.sqrt(2.0) ** np.arange(16)
-    kept = rungs[rungs <= distances.farthest()]
-    return kept if len(kept) > RUNGS_PER_OCTAVE else np.append(kept, distances.farthest() * (1.0 - 1e-9))
+    rungs_with_nodes = rungs[rungs <= distances.farthest()]
+    return (
+        rungs_with_nodes
+        if len(rungs_with_nodes) > RUNGS_PER_OCTAVE
+        else np.append(rungs_with_nodes, distances.farthest() * (1.0 - 1e-9))
+    )
 
 
-def largest(around: Distances, distances: Array, angle: int, stress: Array) -> tuple[Array, Integers]:
+def largest(node_distances: Distances, distances: Array, angle: int, stress: Array) -> tuple[Array, Integers]:
     """Compute the largest von Mises stress [Pa] (s,) beyond each distance at an angle, and its node (s,).
 
     `stress` is that of all nodes, (n,). Nodes with the largest stress are searched first, in bands, and others only for
@@ -94,7 +98,7 @@ def largest(around: Distances, distances: Array, angle: int, stress: Array) -> t
     top = np.inf
     for bottom in np.append(0.35 ** np.arange(1, 5), 0.0) * stress.max():
         nodes = np.flatnonzero((stress >= bottom) & (stress < top))
-        beyond = around.at(angle, nodes) >= distances[missing, np.newaxis]
+        beyond = node_distances.at(angle, nodes) >= distances[missing, np.newaxis]
         found = beyond.any(axis=1)
         if len(nodes):
             chosen[missing] = nodes[np.where(beyond, stress[nodes], -1.0).argmax(axis=1)]

@@ -31,7 +31,7 @@ from cycloid_mj.geometry.profile import CycloidGear, unit
 from cycloid_mj.parts import output_centres
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import wall_radius
-from cycloid_mj.stress.flank import lobe_lines, lobe_place
+from cycloid_mj.stress.flank import lobe_contact_point, lobe_lines
 from cycloid_mj.stress.turn import Turn
 
 MAX_HALF_ANGLE = np.pi / 3
@@ -130,7 +130,7 @@ class PartContact:
         "pin_3", "lobe_3", "socket_3", "cam", "output_pin_2" or "gear".
     action
         The force on the part and its moment about the origin, in the part's frame.
-    place
+    position
         Position of the force [m], shape (k, 2); NaN where there is no force.
     half_width
         Half width of its patch on the part [m], shape (k,): Hertz's, or that of a conformal contact.
@@ -140,7 +140,7 @@ class PartContact:
 
     name: str
     action: Action
-    place: Array
+    position: Array
     half_width: Array
     line: HertzStrip
 
@@ -290,8 +290,8 @@ def _of_output(turn: Turn) -> list[PartContact]:
         action = _in(seat, _on_gear(turn, name, disc).reaction())
         wide = np.full_like(action.size, MAX_HALF_ANGLE * output.root_radius)
         width = wide if output.rollers else _round_width(turn, "output", action)
-        place = action.on_disc(centre, output.root_radius, width)
-        contacts.append(_contact(turn, _pair_name(turn, name, disc), "output", action, place, width))
+        position = action.on_disc(centre, output.root_radius, width)
+        contacts.append(_contact(turn, _pair_name(turn, name, disc), "output", action, position, width))
     return contacts
 
 
@@ -303,8 +303,8 @@ def _of_shaft(turn: Turn) -> list[PartContact]:
         action = _in(seat, _on_gear(turn, CAM, disc).reaction())
         width = _round_width(turn, "cam", action)
         centre = (gear.eccentricity + errors.eccentricity) * unit(-phase) + errors.cam_place[disc]
-        place = action.on_disc(centre, gear.bore_radius, width)
-        contacts.append(_contact(turn, _pair_name(turn, CAM, disc), "cam", action, place, width))
+        position = action.on_disc(centre, gear.bore_radius, width)
+        contacts.append(_contact(turn, _pair_name(turn, CAM, disc), "cam", action, position, width))
     return contacts
 
 
@@ -316,14 +316,14 @@ def _of_pin(turn: Turn) -> list[PartContact]:
         action = _in(seat, _on_gear(turn, "pin_1", disc).reaction())
         curvature = _pin_curvature(gear, 0, _tooth_frame(turn, disc).angle, turn.reducer.profile_offset)
         width = half_width(turn.reducer, "pin_gear", action.size, curvature, gear.pin_radius)
-        place = action.on_disc(centre, gear.pin_radius, width)
-        contacts.append(_contact(turn, name, "pin_gear", action, place, width, curvature))
+        position = action.on_disc(centre, gear.pin_radius, width)
+        contacts.append(_contact(turn, name, "pin_gear", action, position, width, curvature))
         sockets.append(_in(seat, _socket_force(turn, 0, disc)))
     for disc, action in enumerate(sockets[:1] if _has_free_pins(turn) else sockets):
         width = _round_width(turn, "pin_socket", action)
         name = SOCKET if _has_free_pins(turn) else _pair_name(turn, SOCKET, disc)
-        place = action.on_disc(centre, gear.pin_radius, width)
-        contacts.append(_contact(turn, name, "pin_socket", action, place, width))
+        position = action.on_disc(centre, gear.pin_radius, width)
+        contacts.append(_contact(turn, name, "pin_socket", action, position, width))
     return contacts
 
 
@@ -341,15 +341,15 @@ def _teeth(turn: Turn, part: str, disc: int) -> list[PartContact]:
         name = numbered_name(LOBE, lobe + 1)
         action = _on_gear(turn, name, disc)
         seen = _in(on_teeth, action)
-        place, curvature = lobe_place(
+        position, curvature = lobe_contact_point(
             flank, seen.foot, seen.direction, lines[:, lobe], curvatures[:, lobe], ahead, offset
         )
-        place = rotate_vectors(place, on_teeth.angle - seat.angle)
+        position = rotate_vectors(position, on_teeth.angle - seat.angle)
         if part == "ring":
-            place, action = place + on_teeth.origin, action.reaction()
+            position, action = position + on_teeth.origin, action.reaction()
         width = half_width(reducer, "tooth", action.size, curvature, gear.pin_radius)
         name = _pair_name(turn, name, disc)
-        contacts.append(_contact(turn, name, "tooth", _in(seat, action), place, width, curvature))
+        contacts.append(_contact(turn, name, "tooth", _in(seat, action), position, width, curvature))
     return contacts
 
 
@@ -357,10 +357,12 @@ def _pin_on_gear(turn: Turn, pin: int, disc: int) -> PartContact:
     """Return the contact of a ring pin with a disc, on the disc."""
     gear, seat, name = turn.reducer.gear_profile, _disc(turn, disc), numbered_name(PIN, pin + 1)
     action = _in(seat, _on_gear(turn, name, disc))
-    place = action.on_hole(seat.sees(pin_centre(turn, pin)), gear.pin_radius + turn.reducer.deviations.pin_radius[pin])
+    position = action.on_hole(
+        seat.sees(pin_centre(turn, pin)), gear.pin_radius + turn.reducer.deviations.pin_radius[pin]
+    )
     curvature = _pin_curvature(gear, pin, _tooth_frame(turn, disc).angle, turn.reducer.profile_offset)
     width = half_width(turn.reducer, "pin_gear", action.size, curvature, gear.pin_radius)
-    return _contact(turn, _pair_name(turn, name, disc), "pin_gear", action, place, width, curvature)
+    return _contact(turn, _pair_name(turn, name, disc), "pin_gear", action, position, width, curvature)
 
 
 def _socket(turn: Turn, pin: int, disc: int) -> PartContact:
@@ -396,10 +398,10 @@ def _in_hole(turn: Turn, name: str, kind: str, action: Action, centre: Array) ->
 
 
 def _contact(
-    turn: Turn, name: str, kind: str, action: Action, place: Array, width: Array, curvature: Array | None = None
+    turn: Turn, name: str, kind: str, action: Action, position: Array, width: Array, curvature: Array | None = None
 ) -> PartContact:
     """Return a contact of a kind, with its Hertz line; `curvature` [1/m] is that of a tooth."""
-    return PartContact(name, action, place, width, line_contact(turn.reducer, kind, action.size, curvature))
+    return PartContact(name, action, position, width, line_contact(turn.reducer, kind, action.size, curvature))
 
 
 def _round_radii(turn: Turn, kind: str) -> tuple[float, float]:

@@ -31,11 +31,11 @@ GROWTH = {2: 1.16, 3: 1.9}
 
 @dataclass(frozen=True)
 class Cost:
-    """Processor time `seconds` [s], peak `memory` [B], and the part of it that is `kept` to the end [B]."""
+    """Processor time `seconds` [s], peak `memory` [B], and the part of it that is `retained` to the end [B]."""
 
     seconds: float
     memory: float
-    kept: float
+    retained: float
 
 
 def cost(grid: Grid, settings: StudySettings) -> Cost:
@@ -51,7 +51,11 @@ def cost(grid: Grid, settings: StudySettings) -> Cost:
 
 def total(costs: Iterable[Cost]) -> Cost:
     """Add the costs of parts that are studied one after the other."""
-    seconds, memory, kept = 0.0, BASE_MEMORY, 0.0
+    seconds, memory, retained = 0.0, BASE_MEMORY, 0.0
     for cost in costs:
-        seconds, memory, kept = seconds + cost.seconds, max(memory, kept + cost.memory), kept + cost.kept
-    return Cost(seconds, memory, kept)
+        seconds, memory, retained = (
+            seconds + cost.seconds,
+            max(memory, retained + cost.memory),
+            retained + cost.retained,
+        )
+    return Cost(seconds, memory, retained)

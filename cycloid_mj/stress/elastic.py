@@ -65,8 +65,8 @@ def body(grid: Grid, material: Material, springs: Any = None, loose: tuple[int, 
     Parameters
     ----------
     grid
-        Its grid; nodes in `held` are fixed. Without such nodes a planar part is free: three unknowns are fixed so that
-        the solution is unique, and have no reaction since the loads are in balance.
+        Its grid. Without `fixed_nodes` a planar part is free: three unknowns are fixed so that the solution is unique,
+        and have no reaction since the loads are in balance.
     material
         Young's modulus, Poisson's ratio and density.
     springs
@@ -76,8 +76,8 @@ def body(grid: Grid, material: Material, springs: Any = None, loose: tuple[int, 
     """
     motions = rigid_motions(grid.points)
     if loose is None:
-        loose = () if len(grid.held) or springs is not None else tuple(range(motions.shape[1]))
-    fixed = np.union1d(unknowns(grid.held, grid.dimension), _auxiliary_supports(motions, loose))
+        loose = () if len(grid.fixed_nodes) or springs is not None else tuple(range(motions.shape[1]))
+    fixed = np.union1d(unknowns(grid.fixed_nodes, grid.dimension), _auxiliary_supports(motions, loose))
     _require_supports(grid, motions, fixed, springs)
     free = np.setdiff1d(np.arange(grid.unknowns), fixed)
     assembler = _Assembler(grid)

@@ -117,18 +117,18 @@ def extrude_section(section: Grid, levels: Array, filled: Mask, loaded: Sequence
     z = _with_middles(levels)
     middles = np.column_stack([section.points[node], z[height]])
     mesh, vertices, grid = quadratic(points, np.concatenate(tetrahedra), np.concatenate(ends), middles, section.part)
-    at = np.full((len(z), len(section.points)), -1, np.int64)
-    at[::2, : section.mesh.nvertices][level, vertex] = vertices
-    at[height, node] = grid
-    held = at[:, section.held]
-    pressed = [at[2 * part.start : 2 * part.stop - 1] for part in loaded]
+    node_index = np.full((len(z), len(section.points)), -1, np.int64)
+    node_index[::2, : section.mesh.nvertices][level, vertex] = vertices
+    node_index[height, node] = grid
+    fixed_nodes = node_index[:, section.fixed_nodes]
+    pressed = [node_index[2 * part.start : 2 * part.stop - 1] for part in loaded]
     unknowns = 3 * len(mesh.doflocs.T)
     return Grid(
         part=section.part,
         mesh=mesh,
         thickness=1.0,
         loops=(),
-        held=np.unique(held[held >= 0]),
+        fixed_nodes=np.unique(fixed_nodes[fixed_nodes >= 0]),
         bulk_distance=section.bulk_distance,
         keep_off=np.zeros((0, 3)),
         section=SectionGrid(

@@ -127,18 +127,19 @@ def solve(
     """
     reducer = Reducer(design)
     case = part_case(reducer, grid, loads)
-    answers = list(_answers(case))
-    apart = distances_of(grid, case)
+    responses = list(_responses(case))
+    distances = distances_of(grid, case)
     del case  # its factor: with it the operators would be the peak of memory
     operators, material = recovery(grid), material_of(reducer, grid.part)
-    return _maxima(grid, loads, apart, distance, answers, lambda moved: stresses(operators, moved, material))
+    return _maxima(grid, loads, distances, distance, responses, lambda moved: stresses(operators, moved, material))
 
 
 @dataclass(frozen=True)
 class LoadedPart:
     """A part under its loads, factorised once for its maxima and for all maps.
 
-    `operators` recover its stress, `material` is its own, `apart` has the distances of its nodes from narrow patches.
+    `operators` recover its stress, `material` is its own, `distances` are those of its nodes from narrow
+    patches.
     """
 
     grid: Grid
@@ -146,7 +147,7 @@ class LoadedPart:
     material: Material
     operators: Recovery
     case: LoadCase
-    apart: Distances
+    distances: Distances
 
     def components(self, moved: Array) -> Array:
         """Compute the stress components at the nodes under displacements (n d, c) [m], as of ``recover.stresses``."""
@@ -160,22 +161,22 @@ def assemble_part(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadedPart:
     return LoadedPart(grid, loads, material_of(reducer, grid.part), operators, case, distances_of(grid, case))
 
 
-Seen = Callable[[int, Array], None]
+StateObserver = Callable[[int, Array], None]
 """Function that receives index and stress components (components, n) [Pa] of each crank angle, in their order."""
 
 
-def unseen(index: int, stress: Array) -> None:
+def ignore_state(index: int, stress: Array) -> None:
     """Ignore a state: the observer where there is none."""
 
 
-def maxima(part: LoadedPart, distance: float | None = None, seen: Seen = unseen) -> PartStress:
-    """Compute the maxima of stress at each crank angle, as ``solve``; `seen` is called with the stress at each."""
-    answers = _answers(part.case)
-    return _maxima(part.grid, part.loads, part.apart, distance, answers, part.components, seen)
+def maxima(part: LoadedPart, distance: float | None = None, on_state: StateObserver = ignore_state) -> PartStress:
+    """Compute the maxima of stress at each crank angle, as ``solve``; `on_state` is called with the stress at each."""
+    responses = _responses(part.case)
+    return _maxima(part.grid, part.loads, part.distances, distance, responses, part.components, on_state)
 
 
-def _answers(case: LoadCase) -> Iterator[Response]:
-    """Yield what a part answers to its loads, a block of angles at a time."""
+def _responses(case: LoadCase) -> Iterator[Response]:
+    """Yield the response of a part to its loads, a block of angles at a time."""
     block = min(MAX_BLOCK_ANGLES, max(1, MAX_FIELD_BYTES // case.body.motions[:, 0].nbytes - 1))
     for start in range(0, case.angles, block):
         yield case.response(np.arange(start, min(start + block, case.angles)))
@@ -184,21 +185,21 @@ def _answers(case: LoadCase) -> Iterator[Response]:
 def _maxima(
     grid: Grid,
     loads: PartLoads,
-    apart: Distances,
+    distances: Distances,
     distance: float | None,
-    answers: Iterable[Response],
+    responses: Iterable[Response],
     components: Callable[[Array], Array],
-    seen: Seen = unseen,
+    on_state: StateObserver = ignore_state,
 ) -> PartStress:
-    """Compute the maxima of stress, of the answers at all angles in turn and the stress components of displacements."""
-    rungs = ladder(apart, grid.bulk_distance) if distance is None else np.array([distance])
+    """Compute the maxima of stress from the responses at all angles; `components` maps displacements to stress."""
+    rungs = ladder(distances, grid.bulk_distance) if distance is None else np.array([distance])
     maxima: list[tuple[Array, ...]] = []
     angle = count()
-    for answer in answers:
+    for answer in responses:
         stress, chosen = components(answer.moved), []
         for state, size in zip(np.moveaxis(stress, -1, 0), np.ascontiguousarray(von_mises(stress).T), strict=True):
-            seen(index := next(angle), state)
-            chosen.append(largest(apart, rungs, index, size))
+            on_state(index := next(angle), state)
+            chosen.append(largest(distances, rungs, index, size))
         sizes, nodes = map(np.array, zip(*chosen, strict=True))
         maxima.append((sizes, nodes, answer.reaction, answer.imbalance, answer.moments))
     sizes, nodes, reaction, imbalance, moments = map(np.concatenate, zip(*maxima, strict=True))
@@ -232,9 +233,9 @@ def by_corner(part: LoadedPart, index: int, distance: float) -> tuple[tuple[floa
     stress = von_mises(part.components(part.case.response(np.array([index])).moved)[..., 0])
     bulk = []
     for factor in CORNER_DISTANCES:
-        apart = distances_of(replace(grid, corner_distance=factor * grid.corner_distance), part.case)
-        kept = min(distance, apart.farthest() * (1.0 - 1e-9))
-        sizes, _ = largest(apart, np.array([kept]), index, stress)
+        distances = distances_of(replace(grid, corner_distance=factor * grid.corner_distance), part.case)
+        limit = min(distance, distances.farthest() * (1.0 - 1e-9))
+        sizes, _ = largest(distances, np.array([limit]), index, stress)
         bulk.append((factor * grid.corner_distance, float(sizes[0])))
     return tuple(bulk)
 
@@ -269,7 +270,7 @@ def evaluate_map(part: LoadedPart, index: int, distance: float | None = None) ->
     grid = part.grid
     moved = part.case.response(np.array([index])).moved
     stress = part.components(moved)[..., 0]
-    apart = part.apart.at(index, np.arange(len(grid.points)))
+    distances = part.distances.at(index, np.arange(len(grid.points)))
     return StressMap(
         part=grid.part,
         angle=float(part.loads.angle[index]),
@@ -279,5 +280,5 @@ def evaluate_map(part: LoadedPart, index: int, distance: float | None = None) ->
         stress=stress.T,
         von_mises=von_mises(stress),
         principal=principal(stress),
-        bulk=apart >= (grid.bulk_distance if distance is None else distance),
+        bulk=distances >= (grid.bulk_distance if distance is None else distance),
     )

@@ -47,7 +47,7 @@ class Peak:
         Stress [Pa]; NaN where there is none.
     angle
         Crank angle [rad].
-    place
+    position
         Position in the part's frame [m].
     contact
         Name of the contact above it; empty in the bulk.
@@ -57,7 +57,7 @@ class Peak:
 
     stress: float
     angle: float
-    place: Array
+    position: Array
     contact: str
     safety: float
 
@@ -66,7 +66,7 @@ class Peak:
         return {
             "stress_mpa": _finite(self.stress / MEGAPASCAL),
             "angle_deg": float(np.degrees(self.angle)),
-            "place_mm": [_finite(value / MILLIMETRE) for value in self.place],
+            "place_mm": [_finite(value / MILLIMETRE) for value in self.position],
             "contact": self.contact,
             "safety_against_yield": _finite(self.safety),
         }

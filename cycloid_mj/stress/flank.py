@@ -26,7 +26,7 @@ def lobe_lines(gear: CycloidGear, crank_angle: Array) -> tuple[Array, Array]:
     return t, curvature
 
 
-def lobe_place(
+def lobe_contact_point(
     gear: CycloidGear,
     foot: Array,
     along: Array,

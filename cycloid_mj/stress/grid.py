@@ -92,7 +92,7 @@ class Grid:
         Thickness of a planar part [m]; 1 for a solid one.
     loops
         Outlines with contacts, each (e, 3): start, middle and end node of each edge, in order.
-    held
+    fixed_nodes
         Fixed nodes; empty for a free part.
     bulk_distance
         Distance from loaded patches beyond which stress counts as bulk [m].
@@ -106,7 +106,7 @@ class Grid:
     mesh: Any
     thickness: float
     loops: tuple[Integers, ...]
-    held: Integers
+    fixed_nodes: Integers
     bulk_distance: float
     keep_off: Array
     corner_distance: float = 0.0
@@ -194,13 +194,13 @@ def _planar_grid(region: Region, settings: GridSettings, length: float, folds: A
     mesh, vertex, middle = quadratic(points, triangles, ends, middles, region.part, section)
     tables = [np.column_stack([vertex[ring], middle[ring], vertex[np.roll(ring, -1)]]) for ring in rings]
     pairs = list(zip(region.boundaries, tables, strict=True))
-    clamped = [table[:, :2].ravel() for boundary, table in pairs if boundary.held]
+    clamped = [table[:, :2].ravel() for boundary, table in pairs if boundary.is_fixed]
     return Grid(
         part=region.part,
         mesh=mesh,
         thickness=region.thickness,
         loops=tuple(table for boundary, table in pairs if boundary.touched),
-        held=np.unique(np.concatenate([np.zeros(0, np.int64), *clamped])),
+        fixed_nodes=np.unique(np.concatenate([np.zeros(0, np.int64), *clamped])),
         bulk_distance=settings.bulk_distance * length,
         keep_off=np.zeros((0, 2)),
     )
@@ -208,7 +208,7 @@ def _planar_grid(region: Region, settings: GridSettings, length: float, folds: A
 
 def _clamped_circles(region: Region) -> Array:
     """Compute the middles of clamped circles within a region and the edge length there, rows (x, y, edge) [m]."""
-    circles = [each.polygon for each in region.boundaries if each.held and each.role == "inset"]
+    circles = [each.polygon for each in region.boundaries if each.is_fixed and each.role == "inset"]
     # a longer arc than a quarter of the radius would cut into the circle
     rows = [(*circle.mean(axis=0), 0.25 * float(np.ptp(circle[:, 0])) / 2.0) for circle in circles]
     return np.array(rows).reshape(-1, 3)

@@ -31,7 +31,7 @@ class PartLoads:
     """"shaft", "gear" (of several "gear_1"), "ring" (pinwheel or internal gear), "output", or "pin_1"."""
     angle: Array
     """Crank angle [rad], shape (k,)."""
-    place: Array
+    position: Array
     """Centre of each contact patch [m], shape (k, m, 2); nan where there is none."""
     force: Array
     """Force on the part, normal and friction [N], shape (k, m, 2); zero where there is none."""
@@ -101,7 +101,7 @@ def part_loads(run: Run, reducer: Reducer, part: str, angles: npt.ArrayLike = DE
     return PartLoads(
         part=part,
         angle=sampled.angle,
-        place=np.stack([contact.place for contact in touching], axis=1),
+        position=np.stack([contact.position for contact in touching], axis=1),
         force=np.stack([contact.action.force for contact in touching], axis=1),
         half_width=np.stack([contact.half_width for contact in touching], axis=1),
         pressure=np.stack([contact.line.pressure for contact in touching], axis=1),

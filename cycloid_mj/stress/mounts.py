@@ -32,8 +32,8 @@ Limits = tuple[
 ]
 
 
-def _length(what: str) -> Any:
-    return quantity(..., what, u.MILLIMETRE, gt=0.0, le=1e4)
+def _length(description: str) -> Any:
+    return quantity(..., description, u.MILLIMETRE, gt=0.0, le=1e4)
 
 
 class StudSeats(Section):
@@ -101,8 +101,8 @@ def read_mounts(path: Path) -> Mounts:
 def printed_of(reducer: Reducer, modulus: float) -> Reducer:
     """Return a reducer whose parts of the housing's material have another Young's modulus [Pa]."""
     design = reducer.design
-    alike = [part for part in PARTS if design.material_of(part) == design.material_of("housing")]
-    return reducer.but(**{design.material_table(part): {"youngs_modulus": modulus} for part in alike})
+    housing_parts = [part for part in PARTS if design.material_of(part) == design.material_of("housing")]
+    return reducer.but(**{design.material_table(part): {"youngs_modulus": modulus} for part in housing_parts})
 
 
 def studs_compliance(reducer: Reducer, studs: StudSeats, loads: PartLoads) -> dict[str, float]:

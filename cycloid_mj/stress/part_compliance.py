@@ -61,8 +61,8 @@ def compute_part_compliance(
         )
         work = np.sum(answer.forces * answer.moved, axis=0)
         # the study has one pin of the ring: the others carry in turn
-        alike = reducer.design.ring.teeth if part == "pin_1" else 1
-        shares[part] = alike * float(np.mean(work)) / torque**2
+        equal_parts = reducer.design.ring.teeth if part == "pin_1" else 1
+        shares[part] = equal_parts * float(np.mean(work)) / torque**2
         if part == "shaft":
             shares["bearing_seats"] = float(np.mean(_seats_work(reducer, loads))) / torque**2
     return shares
@@ -75,9 +75,9 @@ def _seats_work(reducer: Reducer, loads: PartLoads) -> Array:
     1051, 1946), with E of the housing. The forces of both bearings are by statics.
     """
     seats = bearing_seats(reducer, crank_stretches(reducer))
-    far, near = (0.5 * sum(seat) for seat in seats)
+    far_seat, near_seat = (0.5 * sum(seat) for seat in seats)
     planes = np.array(reducer.design.gear.disc_planes)
-    on_near = (planes - far) / (near - far)
+    on_near = (planes - far_seat) / (near_seat - far_seat)
     compliance = [1.0 / (reducer.design.material_of("housing").youngs_modulus * (end - begin)) for begin, end in seats]
     carried = [np.einsum("d,kdx->kx", share, loads.force) for share in (1.0 - on_near, on_near)]
     return np.asarray(sum(item * np.sum(force**2, axis=1) for item, force in zip(compliance, carried, strict=True)))

@@ -65,13 +65,13 @@ def patches(grid: Grid, loads: PartLoads) -> Patches:
     edges = _edges(grid)
     tree, tree_edge, tree_xi = _sample_edges(edges)
     size = np.linalg.norm(loads.force, axis=2)
-    active = np.isfinite(loads.place).all(axis=2) & (size > 1e-12 * np.nanmax(size, initial=0.0))
+    active = np.isfinite(loads.position).all(axis=2) & (size > 1e-12 * np.nanmax(size, initial=0.0))
     rows, columns, values, angle, points = [], [], [], [], []
     for contact, name in enumerate(loads.labels):
-        at = np.flatnonzero(active[:, contact])
-        if not len(at):
+        acting = np.flatnonzero(active[:, contact])
+        if not len(acting):
             continue
-        covered: Any = tree.query(loads.place[at, contact])
+        covered: Any = tree.query(loads.position[acting, contact])
         distance, nearest = covered
         if distance.max() > grid.bulk_distance:
             raise CycloidError(
@@ -79,16 +79,16 @@ def patches(grid: Grid, loads: PartLoads) -> Patches:
                 "the loads are of another design. Use the loads of this design"
             )
         edge = tree_edge[nearest]
-        centre = _nearest_arc(edges, edge, tree_xi[nearest], loads.place[at, contact])
+        centre = _nearest_arc(edges, edge, tree_xi[nearest], loads.position[acting, contact])
         # a nearly conformal patch covers at most half of the outline
-        half_width = np.minimum(loads.half_width[at, contact], 0.25 * edges.length_of_loop[edge])
-        nodes, forces = _spread(edges, edge, centre, half_width, loads.force[at, contact])
+        half_width = np.minimum(loads.half_width[acting, contact], 0.25 * edges.length_of_loop[edge])
+        nodes, forces = _spread(edges, edge, centre, half_width, loads.force[acting, contact])
         rows.append(2 * nodes[..., np.newaxis] + np.arange(2))
-        columns.append(np.broadcast_to(at[:, np.newaxis, np.newaxis, np.newaxis], rows[-1].shape))
+        columns.append(np.broadcast_to(acting[:, np.newaxis, np.newaxis, np.newaxis], rows[-1].shape))
         values.append(forces)
-        narrow = loads.narrow[at, contact]
-        angle.append(at[narrow])
-        points.append(loads.place[at, contact][narrow])
+        narrow = loads.narrow[acting, contact]
+        angle.append(acting[narrow])
+        points.append(loads.position[acting, contact][narrow])
     flat = [np.concatenate([part.ravel() for part in parts] or [np.zeros(0)]) for parts in (values, rows, columns)]
     shape = (grid.unknowns, len(loads.angle))
     matrix = sparse.csc_matrix((flat[0], (flat[1].astype(np.int64), flat[2].astype(np.int64))), shape=shape)
@@ -132,11 +132,11 @@ def _shape_slope_at(edges: _Edges, edge: Integers, centre: Array) -> npt.NDArray
     return tangent / np.abs(tangent)
 
 
-def _nearest_arc(edges: _Edges, edge: Integers, xi: Array, place: Array) -> Array:
+def _nearest_arc(edges: _Edges, edge: Integers, xi: Array, position: Array) -> Array:
     """Compute the arc length of the outline's nearest point to each position, by the tangent at the nearest sample."""
     chosen = np.einsum("ai,aix->ax", _shape(xi), edges.positions[edge])
     tangent = np.einsum("ai,aix->ax", _slope(xi), edges.positions[edge])
-    ahead = np.sum((place - chosen) * tangent, axis=1) / np.sum(tangent**2, axis=1)
+    ahead = np.sum((position - chosen) * tangent, axis=1) / np.sum(tangent**2, axis=1)
     return edges.start[edge] + edges.length[edge] * np.clip(xi + ahead, 0.0, 1.0)
 
 

@@ -139,16 +139,16 @@ def _polynomials(points: Array, vertices: Array, table: Integers, used: Mask) ->
 
     Return the operator, sparse (v t, p), to their coefficients, and the lengths [m] (v,) that places are divided by.
     """
-    apart = np.where(used[..., np.newaxis], points[table] - vertices[:, np.newaxis], 0.0)
-    size = np.linalg.norm(apart, axis=2).max(axis=1)
-    terms = _terms(apart / size[:, np.newaxis, np.newaxis]) * used[..., np.newaxis]
+    offsets = np.where(used[..., np.newaxis], points[table] - vertices[:, np.newaxis], 0.0)
+    size = np.linalg.norm(offsets, axis=2).max(axis=1)
+    terms = _terms(offsets / size[:, np.newaxis, np.newaxis]) * used[..., np.newaxis]
     # regularisation of the quadratic terms, for patches with few points, as at a surface
     ridge = np.diag((np.arange(terms.shape[2]) > points.shape[1]) * 0.03)
     fit = np.linalg.solve(terms.transpose(0, 2, 1) @ terms + ridge, terms.transpose(0, 2, 1))
-    kept = np.broadcast_to(used[:, np.newaxis], fit.shape)
+    used_entries = np.broadcast_to(used[:, np.newaxis], fit.shape)
     starts = np.append(0, np.cumsum(np.repeat(used.sum(axis=1), fit.shape[1])))
-    columns = np.broadcast_to(table[:, np.newaxis], fit.shape)[kept]
-    return sparse.csr_matrix((fit[kept], columns, starts), shape=(len(starts) - 1, len(points))), size
+    columns = np.broadcast_to(table[:, np.newaxis], fit.shape)[used_entries]
+    return sparse.csr_matrix((fit[used_entries], columns, starts), shape=(len(starts) - 1, len(points))), size
 
 
 def _evaluation_operator(grid: Grid, size: Array) -> Any:

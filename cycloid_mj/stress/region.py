@@ -27,13 +27,13 @@ class Boundary:
     """Closed outline, a counter-clockwise polygon (n, 2) [m], with its role.
 
     `role` is "outline", "hole", or "inset" (a closed curve within the material, where a pin is attached). `touched`
-    states whether other parts have line or wide contacts with it. If `held`, it is fixed.
+    states whether other parts have line or wide contacts with it. If `is_fixed`, it is fixed.
     """
 
     polygon: Array
     role: str
     touched: Literal["", "line", "wide"] = ""
-    held: bool = False
+    is_fixed: bool = False
 
 
 @dataclass(frozen=True)
@@ -75,14 +75,14 @@ def part_region(reducer: Reducer, part: str) -> Region:
             return Region(part, (outline, bore, *holes), design.gear.face_width)
         case "ring":
             prism = solids["housing"].prisms[0]
-            rim = Boundary(prism.outline, "outline", held=design.housing.support == "rim")
+            rim = Boundary(prism.outline, "outline", is_fixed=design.housing.support == "rim")
             return Region(part, (rim, Boundary(prism.holes[0], "hole", touched="line"), *_bolts(reducer)), width)
         case "pin_1" if design.ring.kind == "pin":
             return Region(part, (Boundary(solids["pin"].prisms[0].outline, "outline", touched="line"),), width)
         case "output":
             return _output(reducer, solids["output"].prisms[0].outline)
-    known = [name for name in PLANAR_PARTS if name != "pin_1" or design.ring.kind == "pin"]
-    raise UsageError(f"the design {design.name!r} has no planar part {part!r}. Available: {', '.join(known)}")
+    available = [name for name in PLANAR_PARTS if name != "pin_1" or design.ring.kind == "pin"]
+    raise UsageError(f"the design {design.name!r} has no planar part {part!r}. Available: {', '.join(available)}")
 
 
 def _bolts(reducer: Reducer) -> tuple[Boundary, ...]:
@@ -94,7 +94,7 @@ def _bolts(reducer: Reducer) -> tuple[Boundary, ...]:
     turn = 2.0 * np.pi * np.arange(housing.bolts) / housing.bolts
     centres = design.bolt_circle_radius * np.stack([np.sin(turn), np.cos(turn)], axis=1)
     clamped = circle(design.bolt_radius, CHORD_ERROR)
-    return tuple(Boundary(clamped + centre, "inset", held=True) for centre in centres)
+    return tuple(Boundary(clamped + centre, "inset", is_fixed=True) for centre in centres)
 
 
 def _output(reducer: Reducer, rim: Array) -> Region:
@@ -104,5 +104,5 @@ def _output(reducer: Reducer, rim: Array) -> Region:
         raise UsageError("the output's pins leave no space for a hub of the shaft's radius: reduce shaft.radius_mm")
     pin = circle(output.root_radius, CHORD_ERROR)
     pins = tuple(Boundary(pin + centre, "inset", touched="line") for centre in output_centres(reducer))
-    clamped = Boundary(circle(hub, CHORD_ERROR), "hole", held=True)
+    clamped = Boundary(circle(hub, CHORD_ERROR), "hole", is_fixed=True)
     return Region("output", (Boundary(rim, "outline"), clamped, *pins), output.disc_thickness)

@@ -120,10 +120,10 @@ def solve_open_pads(pads: Pads, compliance: Array, pressed: Array) -> Array:
     freed, displaced = np.zeros_like(pressed), pressed
     is_open: Mask = np.zeros(len(pressed), bool)
     for _ in range(60):  # about five are usual
-        now = displaced < 0.0
-        if np.array_equal(now, is_open):
+        pulls = displaced < 0.0
+        if np.array_equal(pulls, is_open):
             return freed
-        is_open = now
+        is_open = pulls
         at = np.flatnonzero(is_open)
         freed = np.zeros_like(pressed)
         freed[at] = np.linalg.solve(np.diag(1.0 / pads.stiffness[at]) - compliance[np.ix_(at, at)], pressed[at])
@@ -182,9 +182,9 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
 
 def _cam_shares(shaft: ShaftDimensions, loads: PartLoads, cam: int) -> Iterator[Array]:
     """Yield the shares (k,) of the pressures on a cam, then of its couple, in the loads."""
-    place = loads.place[:, cam]
-    force = np.where(np.isfinite(place), loads.force[:, cam], 0.0)
-    arm = np.nan_to_num(place) - shaft.cam_centres[cam]
+    position = loads.position[:, cam]
+    force = np.where(np.isfinite(position), loads.force[:, cam], 0.0)
+    arm = np.nan_to_num(position) - shaft.cam_centres[cam]
     size, middle = np.hypot(force[..., 0], force[..., 1]), np.arctan2(-force[..., 1], -force[..., 0])
     for order in HARMONICS:
         weight = _half_cosine(order) / _half_cosine(1) * size
@@ -249,7 +249,7 @@ def section_turns(points: Array, positions: Array) -> Array:
     hand on; they are in balance with what comes after it.
     """
     before = points[:, 2, np.newaxis] < positions - 1e-6
-    turns = [elastic.rigid_motions(points - (0.0, 0.0, place))[:, 3:] for place in positions]
+    turns = [elastic.rigid_motions(points - (0.0, 0.0, height))[:, 3:] for height in positions]
     return np.stack(turns, axis=1) * np.repeat(before, 3, axis=0)[..., np.newaxis]
 
 

@@ -27,7 +27,7 @@ def shaft_grid(reducer: Reducer, settings: GridSettings) -> Grid:
         mesh=_tetrahedra(shaft, edge),
         thickness=1.0,
         loops=(),
-        held=np.zeros(0, np.int64),
+        fixed_nodes=np.zeros(0, np.int64),
         bulk_distance=CORNER_DISTANCE * shaft.radius,
         corner_distance=CORNER_DISTANCE * shaft.radius,
         keep_off=_inner_corners(shaft),

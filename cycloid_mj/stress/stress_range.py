@@ -23,18 +23,18 @@ RANGE_PARTS = ("gear", "ring")
 
 @dataclass(frozen=True)
 class StressRange:
-    """Stress over a turn at the worst node of a part: `amplitude` and `mean` [Pa] there, and its `place` [m]."""
+    """Stress over a turn at the worst node of a part: `amplitude` and `mean` [Pa] there, and its `position` [m]."""
 
     amplitude: float
     mean: float
-    place: Array
+    position: Array
 
     def as_json(self) -> dict[str, Any]:
         """Convert the range to JSON values in MPa and mm."""
         return {
             "amplitude_mpa": self.amplitude / MEGAPASCAL,
             "mean_mpa": self.mean / MEGAPASCAL,
-            "place_mm": [float(value) / MILLIMETRE for value in self.place],
+            "place_mm": [float(value) / MILLIMETRE for value in self.position],
         }
 
 
@@ -50,7 +50,7 @@ def critical_stress_range(part: LoadedPart, states: Mapping[int, Array], distanc
     has the largest 2 amplitude + mean: Goodman's criterion with an endurance limit of half the tensile strength.
     """
     every = np.arange(len(part.grid.points))
-    beyond = [np.where(part.apart.at(angle, every) < distance, np.nan, state) for angle, state in states.items()]
+    beyond = [np.where(part.distances.at(angle, every) < distance, np.nan, state) for angle, state in states.items()]
     amplitude, mean, nodes = worst_nodes(np.stack(beyond))
     worst = int(np.argmax(2.0 * amplitude + np.maximum(mean, 0.0)))
     return StressRange(float(amplitude[worst]), float(mean[worst]), part.grid.points[nodes[worst]])
@@ -62,29 +62,29 @@ def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
     `states` are the stress components at each instant (c, components, n) [Pa], NaN outside the bulk. A node that is
     never in the bulk has none.
     """
-    seen = np.flatnonzero(np.isfinite(states[:, 0]).any(axis=0))
-    bound = von_mises_bound(states[:, :, seen])
-    chosen = seen[np.argsort(bound)[-1500:]]  # the others cannot be critical
+    in_bulk = np.flatnonzero(np.isfinite(states[:, 0]).any(axis=0))
+    bound = von_mises_bound(states[:, :, in_bulk])
+    chosen = in_bulk[np.argsort(bound)[-1500:]]  # the others cannot be critical
     some = states[:, :, chosen].astype(np.float64)
-    apart, first, second = (np.zeros(len(chosen)), *(np.zeros(len(chosen), int) for _ in range(2)))
+    largest_range, first, second = (np.zeros(len(chosen)), *(np.zeros(len(chosen), int) for _ in range(2)))
     for item in range(len(some)):
         distance = np.nan_to_num(von_mises(np.moveaxis(some - some[item], 1, 0)), nan=-1.0)
-        other = distance.argmax(axis=0)
-        farther = distance[other, np.arange(len(chosen))]
-        better = farther > apart
-        apart = np.where(better, farther, apart)
-        first, second = np.where(better, item, first), np.where(better, other, second)
+        farthest = distance.argmax(axis=0)
+        its_range = distance[farthest, np.arange(len(chosen))]
+        better = its_range > largest_range
+        largest_range = np.where(better, its_range, largest_range)
+        first, second = np.where(better, item, first), np.where(better, farthest, second)
     positions = np.arange(len(chosen))
     middle = 0.5 * (some[first, :, positions] + some[second, :, positions]).T
     # a node that is in the bulk at one instant, or never moves, stands still at what it has
     still = np.nan_to_num(some[0]) if len(some) == 1 else np.nanmean(some, axis=0)
-    middle = np.where(apart > 0.0, middle, still)
+    middle = np.where(largest_range > 0.0, middle, still)
     trace = middle[: 2 if len(middle) == 3 else 3].sum(axis=0)
-    return 0.5 * apart, np.copysign(von_mises(middle), trace), chosen
+    return 0.5 * largest_range, np.copysign(von_mises(middle), trace), chosen
 
 
 def von_mises_bound(states: Array) -> Array:
     """Compute a bound by which nodes are chosen: by range and level of each component, of states (c, components, n)."""
-    most, least = np.fmax.reduce(states, axis=0), np.fmin.reduce(states, axis=0)  # no numbers are passed over
-    level = np.maximum(np.abs(most), np.abs(least))
-    return np.asarray(np.sqrt(3.0) * np.linalg.norm(most - least, axis=0) + 0.5 * np.linalg.norm(level, axis=0))
+    largest, smallest = np.fmax.reduce(states, axis=0), np.fmin.reduce(states, axis=0)  # no numbers are passed over
+    level = np.maximum(np.abs(largest), np.abs(smallest))
+    return np.asarray(np.sqrt(3.0) * np.linalg.norm(largest - smallest, axis=0) + 0.5 * np.linalg.norm(level, axis=0))

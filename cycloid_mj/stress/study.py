@@ -275,7 +275,7 @@ def _solve_part(
         if index in states:
             states[index] = state.copy()
 
-    stress = maxima(part, seen=keep)
+    stress = maxima(part, on_state=keep)
     angle = loads.angle[stress.bulk_stress.argmax()] if map_angle is None else map_angle
     row = int(np.argmax(np.cos(loads.angle - angle)))
     stress_range = critical_stress_range(part, states, stress.bulk_distance) if swinging else None
@@ -384,11 +384,11 @@ def _contact_peak(loads: PartLoads, lines: LineStress, reducer: Reducer) -> Peak
     stresses = np.where(np.isnan(lines.von_mises), -1.0, lines.von_mises)
     row, contact = np.unravel_index(int(np.argmax(stresses)), stresses.shape)
     size = float(lines.von_mises[row, contact])
-    place = loads.place[row, contact]
+    position = loads.position[row, contact]
     return Peak(
         size,
         float(loads.angle[row]),
-        place,
+        position,
         loads.labels[contact],
         _safety(size, material_of(reducer, loads.part).yield_strength),
     )

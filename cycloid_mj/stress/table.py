@@ -55,10 +55,10 @@ def part_notes(part: PartFindings) -> list[str]:
 
 def _bulk(part: PartFindings) -> list[str]:
     bulk = part.bulk_peak
-    place = ", ".join(f"{value / MILLIMETRE:.1f}" for value in bulk.place)
+    position = ", ".join(f"{value / MILLIMETRE:.1f}" for value in bulk.position)
     return [
         *(part.part, _stress(bulk), f"{part.bulk_distance / MILLIMETRE:.3g}", f"{0.0 - 100 * part.choice:.0f} %"),
-        *(_angle(bulk), place, _safety(part), f"{100 * part.refinement.change:.1f} %"),
+        *(_angle(bulk), position, _safety(part), f"{100 * part.refinement.change:.1f} %"),
     ]
 
 

@@ -147,12 +147,12 @@ def _last_turn(run: Run, hold: Mask) -> npt.NDArray[np.intp]:
 def _require_fine(crank: Array, wanted: Array, run: Run, rows: npt.NDArray[np.intp]) -> None:
     """Raise LogError if the samples of a run are too coarse for the step between angles [rad]."""
     step = float(np.median(np.abs(np.diff(crank))))
-    apart = 2 * np.pi / max(wanted.size, 1)
-    if wanted.size > 1 and step > 1.5 * apart:  # no sample is used for more than two angles
+    largest = 2 * np.pi / max(wanted.size, 1)
+    if wanted.size > 1 and step > 1.5 * largest:  # no sample is used for more than two angles
         rate = (rows.size - 1) / float(np.ptp(run.time[rows]))
         raise LogError(
-            f"the log has a sample every {np.degrees(step):.3g} deg of crank, but one every {np.degrees(apart):.3g} "
-            f"deg is needed. Simulate it with settings.log_rate_hz of {rate * step / apart:.0f} or more"
+            f"the log has a sample every {np.degrees(step):.3g} deg of crank, but one every {np.degrees(largest):.3g} "
+            f"deg is needed. Simulate it with settings.log_rate_hz of {rate * step / largest:.0f} or more"
         )
 
 

@@ -87,7 +87,7 @@ def patch_moments(loads, circles):
     """
     u = np.cos((np.arange(200) + 0.5) * np.pi / 200)
     weight = np.sqrt(1 - u**2) * np.sin(np.arccos(u))
-    out = np.where(np.isnan(loads.place), 1.0, loads.place - circles)
+    out = np.where(np.isnan(loads.position), 1.0, loads.position - circles)
     turned = loads.half_width / np.linalg.norm(out, axis=-1) * u[:, np.newaxis, np.newaxis]
     spin = np.exp(1j * turned)
     arm = (out[..., 0] + 1j * out[..., 1]) * spin
@@ -111,7 +111,7 @@ def circles_of(loads, design):
 def moments(loads, design):
     """Moments about the origin [N m], (k, m): of the forces on flanks where they act, of others by their patches."""
     flank = np.array([name.startswith(("pin_", "lobe_")) for name in loads.labels])
-    at_place = np.nan_to_num(cross(loads.place, loads.force))
+    at_place = np.nan_to_num(cross(loads.position, loads.force))
     return np.where(flank, at_place, patch_moments(loads, circles_of(loads, design)))
 
 
@@ -164,14 +164,14 @@ def test_loads_of_the_ideal_mesh_are_where_and_as_large_as_statics_says():
     assert size == pytest.approx(ideal_load_sharing(gear, np.full(4, TORQUE), angle).forces, abs=1e-9)
     touched = conjugate_point(gear, pin_angles(gear), -angle[:, np.newaxis]).gear_frame
     loaded = size > 0.0
-    assert loads.place[:, : gear.ring_teeth][loaded] == pytest.approx(touched[loaded], abs=1e-9)
-    assert np.isnan(loads.place[:, : gear.ring_teeth][~loaded]).all()
+    assert loads.position[:, : gear.ring_teeth][loaded] == pytest.approx(touched[loaded], abs=1e-9)
+    assert np.isnan(loads.position[:, : gear.ring_teeth][~loaded]).all()
 
 
 def test_a_wrong_moment_moves_the_place():
     run = made_run(PIN, scale=0.0)
     spoiled = replace(run, columns={**run.columns, "pin_30_moment": run["pin_30_moment"] + 1e-3})
-    places = [part_loads(one, Reducer(PIN), "gear", QUARTERS).place[:, 29] for one in (run, spoiled)]
+    places = [part_loads(one, Reducer(PIN), "gear", QUARTERS).position[:, 29] for one in (run, spoiled)]
     assert np.nanmax(np.abs(places[0] - places[1])) > 1e-6
 
 
@@ -182,7 +182,7 @@ def test_lobes_press_on_the_flank_where_the_arcs_touch():
     for row, angle in enumerate(turn(run, Reducer(NONPIN), QUARTERS)["crank_angle"]):
         loaded = np.linalg.norm(loads.force[row], axis=-1) > 0.0
         # the flank lies a clearance deeper in the gear than the arc
-        assert loads.place[row][loaded] == pytest.approx(arc_contacts(gear, float(angle)).points[loaded], abs=1.1e-6)
+        assert loads.position[row][loaded] == pytest.approx(arc_contacts(gear, float(angle)).points[loaded], abs=1.1e-6)
 
 
 def test_half_widths_follow_the_flank():
@@ -241,7 +241,7 @@ def test_every_patch_has_the_moment_of_its_force(request, kind):
         loads = part_loads(run, Reducer(design), part, SOME)
         of_contacts = np.stack([one.action.moment for one in contacts(turn(run, Reducer(design), SOME), part)], axis=1)
         assert moments(loads, design) == pytest.approx(of_contacts, abs=1e-6)
-        assert np.array_equal(np.isnan(loads.place[..., 0]), np.linalg.norm(loads.force, axis=-1) == 0.0)
+        assert np.array_equal(np.isnan(loads.position[..., 0]), np.linalg.norm(loads.force, axis=-1) == 0.0)
 
 
 def test_actions_are_opposite_to_reactions(request):
@@ -271,7 +271,7 @@ def test_the_nearest_samples_of_the_last_turn_are_taken(request):
 def test_pins_in_open_sockets_press_on_the_wall_only(request):
     run, design = runs(request, "pin")
     loads = part_loads(run, Reducer(design), "ring")
-    out = np.linalg.norm(loads.place, axis=-1)
+    out = np.linalg.norm(loads.position, axis=-1)
     # an edge lies on the wall's radius, and gives way by less than the clearance
     assert np.nanmin(out) >= design.ring.pin_circle_radius - design.clearance.pin_socket
     assert np.nanmax(out) <= design.ring.pin_circle_radius + design.ring.pin_radius + design.clearance.pin_socket

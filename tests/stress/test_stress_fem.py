@@ -64,7 +64,7 @@ def made_loads(part: str, place: npt.ArrayLike, force: npt.ArrayLike, half_width
     loads = PartLoads(
         part=part,
         angle=np.linspace(0.0, 1.0, k),
-        place=place,
+        position=place,
         force=force,
         half_width=np.full((k, m), half_width),
         pressure=2.0 * np.linalg.norm(force, axis=2) / (np.pi * half_width * WIDTH),
@@ -178,7 +178,7 @@ def test_cantilever() -> None:
     outline = np.array([[0, -0.5], [1, -0.5], [1, 0.5], [0, 0.5]]) * [length, height]
     settings = GridSettings(contact_edge=0.25, inner_edge=0.3)
     grid = planar_grid(Region("ring", (Boundary(outline, "outline", touched="line"),), WIDTH), settings, height)
-    grid = replace(grid, held=np.flatnonzero(grid.points[:, 0] < 1e-9))
+    grid = replace(grid, fixed_nodes=np.flatnonzero(grid.points[:, 0] < 1e-9))
     loads = made_loads("ring", [[[length, 0.0]]], [[[0.0, -force]]], height / 2.2)
     found = stress_map(PIN, grid, loads, 0)
     second = WIDTH * height**3 / 12
@@ -491,9 +491,9 @@ def read_back(written: StressMap) -> tuple[int, Array, Array]:
 
 def test_a_singular_support_is_refused() -> None:
     grid = part_grid(PIN, "ring", COARSE)
-    for held in (grid.held[:1], np.zeros(0, np.int64)):
+    for held in (grid.fixed_nodes[:1], np.zeros(0, np.int64)):
         with pytest.raises(CycloidError, match="support of the ring is singular"):
-            elastic.body(replace(grid, held=held), STEEL, loose=())
+            elastic.body(replace(grid, fixed_nodes=held), STEEL, loose=())
 
 
 def test_mistakes_are_told() -> None:
@@ -667,7 +667,7 @@ def plate() -> Grid:
     """A wide plate with a hole, on a grid with edges of some shares of a millimetre."""
     settings = GridSettings(contact_edge=0.3, inner_edge=2.0, turn=0.1)
     grid = planar_grid(ring_region(5e-3, 40e-3), settings, 1e-3)
-    return replace(grid, held=np.flatnonzero(np.hypot(*grid.points.T) > 40e-3 - 1e-9))
+    return replace(grid, fixed_nodes=np.flatnonzero(np.hypot(*grid.points.T) > 40e-3 - 1e-9))
 
 
 @pytest.mark.slow

@@ -49,7 +49,7 @@ def loads_of(part: str, place: npt.ArrayLike, force: npt.ArrayLike, labels: tupl
     return PartLoads(
         part=part,
         angle=np.arange(float(k)),
-        place=place,
+        position=place,
         force=force,
         half_width=flat + 2e-3,
         pressure=flat,
@@ -240,7 +240,7 @@ def test_a_ring_on_bolts_bears_more_than_one_in_a_seat() -> None:
         grid = part_grid(design, "ring", GridSettings(refinement=0.3))
         found[support] = solve(design, grid, loads, distance=5e-3)
         assert found[support].reaction[0, :2] == pytest.approx(-loads.force[0, 0], abs=1e-6)
-        held = np.linalg.norm(grid.points[grid.held], axis=1)
+        held = np.linalg.norm(grid.points[grid.fixed_nodes], axis=1)
         if support == "bolts":
             apart = np.abs(held - design.bolt_circle_radius).max()
             assert apart == pytest.approx(design.bolt_radius, rel=1e-3)
@@ -253,5 +253,5 @@ def test_rings_of_other_designs_mesh_with_their_bolts_however_coarse(name: str) 
     """A long edge of the rim would cut into the bolts' circles, which stand near it in a thin wall."""
     design = unlike(name)
     grid = part_grid(design, "ring", GridSettings(refinement=0.33))
-    apart = np.linalg.norm(grid.points[grid.held], axis=1) - design.bolt_circle_radius
+    apart = np.linalg.norm(grid.points[grid.fixed_nodes], axis=1) - design.bolt_circle_radius
     assert np.abs(apart).max() == pytest.approx(design.bolt_radius, rel=1e-3)
