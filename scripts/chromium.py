@@ -125,9 +125,10 @@ class Tab:
 
     def listen(self, seconds: float) -> None:
         """Receive the messages of the browser for some time [s]."""
-        self._socket.settimeout(seconds)
+        end = time.monotonic() + seconds
         try:
-            while True:
+            while (left := end - time.monotonic()) > 0.0:
+                self._socket.settimeout(left)
                 self._hear(json.loads(self._socket.recv()))
         except WebSocketTimeoutException:
             pass

@@ -1,16 +1,16 @@
 """Questions that the page may ask: functions from JSON values to JSON values, by name.
 
-`AT_ONCE` are answered by the page's own process, `QUICK` and `SLOWER` by a worker process each, and jobs by a third.
+`AT_ONCE` are answered by the page's own process, `QUICK` and `SLOWER` by a worker process each, and jobs by others.
 """
 
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
-from cycloid_mj.app import artifacts, monte_carlo, part_stress, requirement, solid, summary, turn
-from cycloid_mj.app.controls import controls, key_in_words, value_in_words
+from cycloid_mj.app import artifacts, drive, monte_carlo, part_stress, requirement, solid, summary, turn
+from cycloid_mj.app.controls import controls, find_controls, key_in_words, value_in_words
 from cycloid_mj.app.drawing import section
 from cycloid_mj.app.state import apply_changes, design_of, differences, values_of
 from cycloid_mj.base.errors import UsageError
@@ -24,6 +24,9 @@ MAX_MAGNIFICATION = 1000.0
 
 MAX_TURN = 1000
 """Highest number of a crank turn whose forces the page requests."""
+
+MAX_FOUND = 30
+"""Most parameters that a search shows."""
 
 Content = Mapping[str, Any]
 
@@ -90,8 +93,9 @@ def statics(content: Content) -> dict[str, Any]:
 
 
 def life(content: Content) -> dict[str, Any]:
-    """Return the rating."""
-    return summary.life(_reducer(content), content.get("asked"))
+    """Return the rating, with the size of the drive with covers for a motor of the ``options``."""
+    options = drive.build_options(content.get("options"))
+    return summary.life(_reducer(content), content.get("asked"), options.motor)
 
 
 def checks(content: Content) -> dict[str, Any]:
@@ -115,6 +119,12 @@ def compare(content: Content) -> dict[str, Any]:
     }
 
 
+def find(content: Content) -> dict[str, Any]:
+    """Return controls of the parameters that a ``text`` matches and the page does not show already."""
+    found = find_controls(design_of(content.get("design", {})), str(content.get("text", "")))
+    return {"controls": [asdict(control) for control in found[:MAX_FOUND]]}
+
+
 def forces(content: Content) -> dict[str, Any]:
     """Return the forces over the crank turn with the number ``turn``."""
     number = content.get("turn", 0)
@@ -129,11 +139,21 @@ def error(content: Content) -> dict[str, Any]:
 
 
 def shape(content: Content) -> dict[str, Any]:
-    """Return the meshes of the assembly."""
-    return solid.assembly(_reducer(content))
+    """Return the meshes of the drive with covers for a motor of the ``options``."""
+    return solid.assembly(_reducer(content), drive.build_options(content.get("options")))
 
 
-AT_ONCE: Mapping[str, Callable[[Content], dict[str, Any]]] = {"draw": draw, "open": open_design, "compare": compare}
+def build(content: Content) -> dict[str, Any]:
+    """Return size, bill and order of assembly of the drive with covers for a motor of the ``options``."""
+    return drive.describe_drive(_reducer(content), drive.build_options(content.get("options")))
+
+
+AT_ONCE: Mapping[str, Callable[[Content], dict[str, Any]]] = {
+    "draw": draw,
+    "open": open_design,
+    "compare": compare,
+    "find": find,
+}
 
 QUICK: Mapping[str, Callable[[Content], dict[str, Any]]] = {"statics": statics, "forces": forces}
 
@@ -143,11 +163,21 @@ SLOWER: Mapping[str, Callable[[Content], dict[str, Any]]] = {
     "remedies": remedies,
     "error": error,
     "solid": shape,
+    "build": build,
 }
 
 
-def job_of(content: Content) -> tuple[Callable[..., Any], tuple[Any, ...]]:
-    """Return the function of a job and its arguments.
+class JobKind(NamedTuple):
+    """A job: its queue (``studies``, ``files`` or ``at once``), what it computes in words, function and arguments."""
+
+    queue: str
+    name: str
+    work: Callable[..., Any]
+    args: tuple[Any, ...]
+
+
+def job_of(content: Content) -> JobKind:
+    """Return the job of a question.
 
     Raises
     ------
@@ -157,14 +187,17 @@ def job_of(content: Content) -> tuple[Callable[..., Any], tuple[Any, ...]]:
     kind, design = str(content.get("kind")), content.get("design")
     if kind == "size":
         requirement.requirement_of(content.get("form"))
-        return requirement.size, (content.get("form"),)
-    if kind in artifacts.FILES:
-        return artifacts.make, (design, kind)
-    jobs: Mapping[str, tuple[Callable[..., Any], tuple[Any, ...]]] = {
-        "run": (artifacts.run, (design,)),
-        "scatter": (monte_carlo.samples, (design, content.get("spread_um"))),
-        "stress": (part_stress.stress, (design,)),
+        return JobKind("studies", "the search for drives", requirement.size, (content.get("form"),))
+    if kind in artifacts.FILES or kind == artifacts.WHOLE_DRIVE:
+        options = drive.build_options(content.get("options"))
+        queue = "at once" if kind == artifacts.DESIGN_FILE else "files"
+        name = "the files of the drive" if kind == artifacts.WHOLE_DRIVE else artifacts.FILES[kind][0]
+        return JobKind(queue, name, artifacts.make, (design, kind, options))
+    jobs: Mapping[str, tuple[str, Callable[..., Any], tuple[Any, ...]]] = {
+        "run": ("the simulation", artifacts.run, (design,)),
+        "scatter": ("tolerances", monte_carlo.samples, (design, content.get("spread_um"))),
+        "stress": ("stresses", part_stress.stress, (design,)),
     }
     if kind not in jobs:
         raise UsageError(f"unknown job {kind!r}; available: {', '.join((*artifacts.FILES, *jobs))}")
-    return jobs[kind]
+    return JobKind("studies", *jobs[kind])

@@ -3,15 +3,26 @@
 import json
 import math
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
+from cycloid_mj.app.drive import BuildOptions, build_files, drive_of
 from cycloid_mj.app.jobs import Download
 from cycloid_mj.app.state import design_of
 from cycloid_mj.base.atomic_write import zip_files
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.result import plain
 from cycloid_mj.design import Design, dump
-from cycloid_mj.parts.export import CHORD_ERROR, assembly_step, bill, bill_csv, export, plate, threemf_bytes
+from cycloid_mj.parts.export import (
+    CHORD_ERROR,
+    Format,
+    assembly_step,
+    casing_or_none,
+    drive_files,
+    export,
+    widen_clearances,
+)
+from cycloid_mj.parts.export.print_files import PrintSettings, print_files, stock_cam_seat
 from cycloid_mj.reducer import Reducer
 
 MIN_CRANK_TURNS = 1.25
@@ -19,20 +30,22 @@ MIN_CRANK_TURNS = 1.25
 
 Progress = Callable[[Any], None]
 
+DEFAULT_OPTIONS = BuildOptions()
 
-def design_file(design: Design) -> dict[str, bytes]:
+
+def design_file(design: Design, _options: BuildOptions) -> dict[str, bytes]:
     """Return the design file (TOML)."""
     return {f"{design.name}.toml": dump(design).encode()}
 
 
-def model(design: Design) -> dict[str, bytes]:
+def model(design: Design, _options: BuildOptions) -> dict[str, bytes]:
     """Return a zip file of a model folder for stock MuJoCo."""
     from cycloid_mj.dynamics.mjcf.folder import model_files
 
     return _zip(f"{design.name}-mjcf", model_files(Reducer(design)))
 
 
-def data_sheet(design: Design) -> dict[str, bytes]:
+def data_sheet(design: Design, _options: BuildOptions) -> dict[str, bytes]:
     """Return the data sheet as PDF."""
     from cycloid_mj.life.datasheet import datasheet
     from cycloid_mj.plots.datasheet import datasheet_pages
@@ -41,29 +54,31 @@ def data_sheet(design: Design) -> dict[str, bytes]:
     return {f"{design.name}-datasheet.pdf": document(datasheet_pages(datasheet(Reducer(design))))}
 
 
-def meshes(design: Design) -> dict[str, bytes]:
-    """Return a zip file with an STL mesh of each part."""
-    return _zip(f"{design.name}-stl", export(design, "stl").files)
+def parts_in(file_format: Format, design: Design, options: BuildOptions) -> dict[str, bytes]:
+    """Return a zip file with a file of each part in a format, with covers where they fit."""
+    files = dict(export(design, file_format, CHORD_ERROR, options.offset, options.motor).files)
+    reducer = drive_of(Reducer(design))
+    if sizes := casing_or_none(reducer, options.motor)[0]:
+        wide = widen_clearances(reducer, options.offset)
+        files |= drive_files(wide, file_format, sizes, CHORD_ERROR, stock_cam_seat(reducer))
+    return _zip(f"{design.name}-{file_format}", files)
 
 
-def outlines(design: Design) -> dict[str, bytes]:
-    """Return a zip file with the outlines of each part as DXF."""
-    return _zip(f"{design.name}-dxf", export(design, "dxf").files)
+def assembly(design: Design, options: BuildOptions) -> dict[str, bytes]:
+    """Return the assembly as a STEP file, with covers where they fit."""
+    reducer = drive_of(Reducer(design))
+    return {f"{design.name}.step": assembly_step(reducer, 0.0, casing_or_none(reducer, options.motor)[0])}
 
 
-def assembly(design: Design) -> dict[str, bytes]:
-    """Return the assembly as a STEP file."""
-    return {f"{design.name}.step": assembly_step(Reducer(design))}
+def print_plate(design: Design, options: BuildOptions) -> dict[str, bytes]:
+    """Return a zip file with print plates, test coupon and bill of materials, with covers where they fit."""
+    reducer = drive_of(Reducer(design))
+    settings = PrintSettings(CHORD_ERROR, options.offset, stock_cam_seat(reducer), options.bed)
+    printed = print_files(reducer, casing_or_none(reducer, options.motor)[0], settings)
+    return _zip(f"{design.name}-print", printed.files)
 
 
-def print_plate(design: Design) -> dict[str, bytes]:
-    """Return a zip file with a print plate (3MF) and the bill of materials (CSV)."""
-    reducer = Reducer(design)
-    files = {"plate.3mf": threemf_bytes(plate(reducer, CHORD_ERROR)), "bom.csv": bill_csv(bill(reducer))}
-    return _zip(f"{design.name}-print", files)
-
-
-def joint(design: Design) -> dict[str, bytes]:
+def joint(design: Design, _options: BuildOptions) -> dict[str, bytes]:
     """Return a zip file with the joint for a robot model: the files of ``cycloid-mj reduce`` without its page."""
     from cycloid_mj.robot.files import choose_scenes, joint_files
     from cycloid_mj.robot.identification import reduce
@@ -74,23 +89,32 @@ def joint(design: Design) -> dict[str, bytes]:
     return _zip(f"{design.name}-joint", files)
 
 
-FILES: Mapping[str, tuple[str, Callable[[Design], dict[str, bytes]]]] = {
-    "toml": ("Design file", design_file),
+DESIGN_FILE, WHOLE_DRIVE = "toml", "drive"
+"""Kinds of the design file, which is written at once, and of all files to build a drive."""
+
+FILES: Mapping[str, tuple[str, Callable[[Design, BuildOptions], dict[str, bytes]]]] = {
+    DESIGN_FILE: ("Design file", design_file),
     "datasheet": ("Data sheet (PDF)", data_sheet),
     "step": ("Assembly (STEP)", assembly),
     "3mf": ("Print plate (3MF)", print_plate),
-    "stl": ("Meshes (STL)", meshes),
-    "dxf": ("Outlines (DXF)", outlines),
+    "stl": ("Meshes (STL)", partial(parts_in, "stl")),
+    "dxf": ("Outlines (DXF)", partial(parts_in, "dxf")),
     "mjcf": ("MuJoCo model (MJCF)", model),
     "joint": ("Joint for a robot", joint),
 }
 """Kind -> text of its button, and the function that creates the files by name."""
 
 
-def make(on_progress: Progress, values: Any, kind: str) -> Download:
-    """Create the files of a kind of `FILES` for a design of the page."""
+def make(on_progress: Progress, values: Any, kind: str, options: BuildOptions = DEFAULT_OPTIONS) -> Download:
+    """Create the files of a kind of `FILES` for a design of the page, or all files to build it."""
+    design = design_of(values)
+    if kind == WHOLE_DRIVE:
+        files = build_files(
+            Reducer(design), options, lambda doing, share: on_progress({"doing": doing, "share": share})
+        )
+        return Download(files=_zip(f"{design.name}-drive", files))
     on_progress({"doing": "creating the file"})
-    return Download(files=FILES[kind][1](design_of(values)))
+    return Download(files=FILES[kind][1](design, options))
 
 
 def run(on_progress: Progress, values: Any) -> Download:

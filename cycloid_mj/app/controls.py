@@ -6,10 +6,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, get_args
 
+from pydantic import BaseModel
+
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.design import Design, declaration_of, value_of
 from cycloid_mj.design.materials import MATERIALS
-from cycloid_mj.design.units import file_key, unit_of
+from cycloid_mj.design.units import Unit, file_key, unit_of
 
 
 @dataclass(frozen=True)
@@ -90,7 +92,7 @@ MADE_OF = {
 
 SETS_VALUES = "Material of the library; its name sets all its values"
 
-LAYOUT, MATERIAL = "Layout", "Materials"
+LAYOUT, MATERIAL, OTHERS = "Layout", "Materials", "Other parameters"
 
 SYMBOLS = {
     "um": "µm",
@@ -135,6 +137,44 @@ SLIDER_STEPS = 400
 def controls(design: Design) -> tuple[Control, ...]:
     """Return the lists and sliders of a design."""
     return (*_lists(design), *(_slider(design, *row) for row in _rows()))
+
+
+def find_controls(design: Design, text: str) -> tuple[Control, ...]:
+    """Return controls of the other numbers, lists and switches of the design file whose key or meaning matches a text.
+
+    Each word of the text is a part of the key, its name in words, or the description.
+    """
+    words, shown = text.lower().split(), {control.key for control in controls(design)}
+    return tuple(
+        control
+        for control in _other_controls(design)
+        if control.key not in shown
+        and all(word in f"{control.key} {control.label} {control.meaning}".lower() for word in words)
+    )
+
+
+def _other_controls(design: Design) -> Iterator[Control]:
+    """Yield a control for each number, list of options and switch of the tables of a design."""
+    for table, section in design:
+        for name, field in type(section).model_fields.items() if isinstance(section, BaseModel) else ():
+            value, key = getattr(section, name), f"{table}.{file_key(name, field)}"
+            options, meaning = get_args(field.annotation), _sentence(field.description)
+            label = _sentence(f"{name} ({table})".replace("_", " "))
+            if isinstance(value, bool):
+                yield Control(key, OTHERS, label, "", meaning, value, options=((True, "yes"), (False, "no")))
+            elif isinstance(value, str) and value in options:
+                words = tuple((option, str(option).replace("_", " ")) for option in options)
+                yield Control(key, OTHERS, label, "", meaning, value, options=words)
+            elif isinstance(value, int | float) and math.isfinite(value):
+                yield _plain_slider(key, label, meaning, unit_of(field), value)
+
+
+def _plain_slider(key: str, label: str, meaning: str, unit: Unit, value: float) -> Control:
+    """Return a slider around a value in SI, of integers for an integer; from 0 to 1 around zero."""
+    shown = value if isinstance(value, int) else unit.from_si(value)
+    low, high = (0.0, max(1.0, abs(shown))) if shown == 0.0 else sorted((0.0, DEFAULT_SPAN * shown))
+    step = 1.0 if isinstance(value, int) else 10.0 ** math.floor(math.log10((high - low) / SLIDER_STEPS))
+    return Control(key, OTHERS, label, _symbol(unit.suffix), meaning, shown, low, math.ceil(high / step) * step, step)
 
 
 def label_of(key: str) -> str:

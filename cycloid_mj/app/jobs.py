@@ -1,12 +1,15 @@
-"""Jobs of the page: long work that runs one after the other, reports its progress and can be stopped."""
+"""Jobs of the page: long work in queues of its own kind, which reports its progress and can be stopped.
+
+Studies wait for each other, and so do files; neither waits for the other. A file that takes no time is made at once.
+"""
 
 import itertools
 import threading
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Protocol
 
-from cycloid_mj.app.workers import Work, Worker
+from cycloid_mj.app.workers import Progress, Work
 from cycloid_mj.base.errors import CycloidError, UsageError
 
 MAX_QUEUED = 6
@@ -14,6 +17,27 @@ MAX_QUEUED = 6
 
 MAX_FINISHED = 40
 """Finished and stopped jobs whose results are kept, the latest."""
+
+
+class JobWorker(Protocol):
+    """Runs functions one after the other, see `workers.Worker`."""
+
+    def do(self, work: Work, *args: Any, on_progress: Progress | None = None) -> Any:
+        """Run a function and return its result."""
+
+    def stop(self) -> None:
+        """Stop the function that is running."""
+
+
+class InProcess:
+    """Runs functions in this process: for work of some milliseconds, which cannot be stopped."""
+
+    def do(self, work: Work, *args: Any, on_progress: Progress | None = None) -> Any:
+        """Run a function and return its result."""
+        return work(on_progress, *args)
+
+    def stop(self) -> None:
+        """Do nothing."""
 
 
 @dataclass
@@ -24,6 +48,8 @@ class Job:
     ----------
     number
         Its number in the addresses of its files.
+    name
+        What it computes, in words.
     state
         ``queued``, ``running``, ``done`` or ``stopped``.
     progress
@@ -35,6 +61,7 @@ class Job:
     """
 
     number: int
+    name: str = ""
     state: str = "queued"
     progress: Any = None
     result: Any = None
@@ -63,16 +90,26 @@ class Download:
     page: str = ""
 
 
+@dataclass
+class Queue:
+    """Jobs that run one after the other in a worker; `running` is the one that runs now, `waiting` the others."""
+
+    worker: JobWorker
+    turn: threading.Lock = field(default_factory=threading.Lock)
+    running: Job | None = None
+    waiting: list[Job] = field(default_factory=list)
+
+
 class Jobs:
-    """The jobs of a page, which share one worker process."""
+    """The jobs of a page, in queues by name with a worker each."""
 
-    def __init__(self, worker: Worker) -> None:
-        self._worker, self._numbers = worker, itertools.count(1)
+    def __init__(self, workers: Mapping[str, JobWorker]) -> None:
+        self._queues = {name: Queue(worker) for name, worker in workers.items()}
+        self._numbers = itertools.count(1)
         self._jobs: dict[int, Job] = {}
-        self._turn, self._running = threading.Lock(), 0
 
-    def start(self, work: Work, *args: Any) -> Job:
-        """Start a job, or queue it behind the others.
+    def start(self, queue: str, name: str, work: Work, *args: Any) -> Job:
+        """Start a job in a queue, or let it wait for the others of that queue; `name` says what it computes.
 
         Raises
         ------
@@ -81,13 +118,26 @@ class Jobs:
         """
         if sum(job.state in ("queued", "running") for job in self._jobs.values()) > MAX_QUEUED:
             raise UsageError(f"{MAX_QUEUED} jobs are queued already: stop one of them, or wait")
-        job = Job(next(self._numbers))
+        job = Job(next(self._numbers), name)
         self._jobs[job.number] = job
         finished = [number for number, other in self._jobs.items() if other.state in ("done", "stopped")]
         for number in finished[:-MAX_FINISHED]:
             del self._jobs[number]
-        threading.Thread(target=self._run, args=(job, work, args), daemon=True).start()
+        threading.Thread(target=self._run, args=(self._queues[queue], job, work, args), daemon=True).start()
         return job
+
+    def queued(self, queue: str) -> tuple[Job, ...]:
+        """Return the jobs of a queue that wait for the running one."""
+        return tuple(self._queues[queue].waiting)
+
+    def describe(self, job: Job) -> dict[str, Any]:
+        """Convert a job to JSON values; the progress of a queued job names the one that it waits for."""
+        ahead = next((queue.running for queue in self._queues.values() if job in queue.waiting), None)
+        if job.state != "queued" or ahead is None:
+            return job.as_json()
+        doing = ahead.progress.get("doing", "") if isinstance(ahead.progress, Mapping) else ""
+        words = ", ".join(filter(None, (f"queued behind {ahead.name}", doing)))
+        return job.as_json() | {"progress": {"doing": words}}
 
     def get(self, number: int) -> Job:
         """Return a job by its number.
@@ -104,21 +154,23 @@ class Jobs:
     def stop(self, number: int) -> Job:
         """Stop a queued or running job; errors as `get`."""
         job = self.get(number)
-        queued = job.state == "queued"
         if job.state in ("queued", "running"):
             job.state = "stopped"
-        if not queued and self._running == number:
-            self._worker.stop()
+        for queue in self._queues.values():
+            if queue.running is job:
+                queue.worker.stop()
         return job
 
-    def _run(self, job: Job, work: Work, args: tuple[Any, ...]) -> None:
+    def _run(self, queue: Queue, job: Job, work: Work, args: tuple[Any, ...]) -> None:
         """Run a job when those before it have ended, unless it was stopped; runs in a thread."""
-        with self._turn:
+        queue.waiting.append(job)
+        with queue.turn:
+            queue.waiting.remove(job)
             if job.state == "stopped":
                 return
-            job.state, self._running = "running", job.number
+            job.state, queue.running = "running", job
             try:
-                result = self._worker.do(work, *args, on_progress=lambda content: setattr(job, "progress", content))
+                result = queue.worker.do(work, *args, on_progress=lambda content: setattr(job, "progress", content))
             except CycloidError as error:
                 job.error = "" if job.state == "stopped" else str(error)
             else:
@@ -127,5 +179,5 @@ class Jobs:
                 else:
                     job.result = result
             finally:
-                self._running = 0
+                queue.running = None
                 job.state = "stopped" if job.state == "stopped" else "done"

@@ -11,17 +11,28 @@ from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.judgement import judge
 from cycloid_mj.base.units import MEGAPASCAL
 from cycloid_mj.figures import figure
+from cycloid_mj.life.item import Rating
 from cycloid_mj.reducer import Reducer
 
-PARTS = {"gear": "gear", "output": "output", "shaft": "shaft", "pin": "pin", "ring": "housing"}
-"""Kind of part in the keys of the catalogue -> the part that names its material."""
+PARTS = {
+    "output": ("output pins", "output", ("output", "peak")),
+    "gear": ("disc", "gear", ("gear", "tooth", "bore", "hole")),
+    "shaft": ("crank", "shaft", ("shaft", "crank", "cam", "key")),
+    "pin": ("ring pins", "pin", ("pin",)),
+    "ring": ("ring", "housing", ("housing", "ring")),
+}
+"""Kind of part in the keys of the catalogue -> its name, the part that names its material, and words of the rated items
+that belong to it; the first kind with a word of an item has it."""
+
+COLOURS = ("#313695", "#4575b4", "#74add1", "#fdae61", "#f46d43", "#a50026")
+"""Colours from no stress to the limit and above: the ends of the map RdYlBu of ColorBrewer, in reverse."""
 
 
 def stress(on_progress: Callable[[Any], None], values: Any) -> dict[str, Any]:
     """Compute the largest stress of each part over one crank turn under the load, and judge it by the yield strength.
 
     A part whose bulk does not yield can still fail at its surface or by fatigue: those items of the rating at the
-    same load come first. `on_progress` is called with the rows so far after each part.
+    same load stand next to it. `on_progress` is called with the parts so far after each part.
 
     Raises
     ------
@@ -30,29 +41,41 @@ def stress(on_progress: Callable[[Any], None], values: Any) -> dict[str, Any]:
     """
     design = design_of(values)
     reducer = Reducer(design)
-    rating = rating_at_load(reducer)
-    rated = [rated_item(item, rating.life) for item in rating.items.values() if item.unit == "MPa"]
-    rows = list[dict[str, Any]]()
-    for number, (kind, part) in enumerate(PARTS.items()):
-        progress = number / len(PARTS)
-        on_progress({"doing": f"stress of the {kind}", "share": progress, "rated": rated, "rows": list(rows)})
+    parts = _rated_parts(rating_at_load(reducer))
+    for number, (kind, (name, part, _)) in enumerate(PARTS.items()):
+        on_progress({"doing": f"stress of the {name}", "share": number / len(PARTS), "parts": list(parts.values())})
         entry = figure(f"{kind}_stress_mpa")
         largest = entry.value(reducer)
         if not math.isnan(largest):
-            rows.append(
-                _row(entry.name, largest, design.material_of(part).yield_strength / MEGAPASCAL, entry.definition)
-            )
-    if not rows:
+            limit = design.material_of(part).yield_strength / MEGAPASCAL
+            parts[kind]["bulk"].append(_bulk_row(entry.name, largest, limit, entry.definition))
+    if not any(part["bulk"] for part in parts.values()):
         raise CycloidError("no part of this design has a stress that can be computed")
-    return {"rated": rated, "rows": rows}
+    return {"parts": [part for part in parts.values() if part["rated"] or part["bulk"]]}
 
 
-def _row(name: str, stress_mpa: float, yield_mpa: float, definition: str) -> dict[str, Any]:
-    """Return a bulk stress as a row with a bar, judged by the yield strength."""
-    return {
-        "name": name,
-        "text": f"{stress_mpa:.3g} of {yield_mpa:.3g} MPa",
-        "judgement": judge(yield_mpa / stress_mpa if stress_mpa > 0.0 else math.inf),
-        "share": min(1.0, stress_mpa / yield_mpa),
-        "title": definition,
+def _rated_parts(rating: Rating) -> dict[str, dict[str, Any]]:
+    """Return each kind of part with the contact and fatigue stress that the rating has of it."""
+    parts: dict[str, dict[str, Any]] = {
+        kind: {"name": name, "rated": [], "bulk": []} for kind, (name, *_) in PARTS.items()
     }
+    for item in rating.items.values():
+        if item.unit == "MPa":
+            words = set(item.key.split("_"))
+            kind = next((kind for kind, (*_, named) in PARTS.items() if words & set(named)), "ring")
+            parts[kind]["rated"].append(_coloured(rated_item(item, rating.life), item.margin(rating.life)))
+    return parts
+
+
+def _coloured(row: dict[str, Any], margin: float) -> dict[str, Any]:
+    """Return a row with the length and colour of its bar by the load over its limit, that is 1 over the margin."""
+    share = 1.0 / margin if margin > 0.0 else math.inf
+    place = min(len(COLOURS) - 1, int(share * (len(COLOURS) - 1)))
+    return row | {"share": min(1.0, share), "colour": COLOURS[place]}
+
+
+def _bulk_row(name: str, stress_mpa: float, yield_mpa: float, definition: str) -> dict[str, Any]:
+    """Return a bulk stress as a row with a bar, judged by the yield strength."""
+    margin = yield_mpa / stress_mpa if stress_mpa > 0.0 else math.inf
+    row = {"name": name, "text": f"{stress_mpa:.3g} of {yield_mpa:.3g} MPa", "judgement": judge(margin)}
+    return _coloured(row | {"title": definition}, margin)

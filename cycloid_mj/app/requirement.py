@@ -13,12 +13,21 @@ from cycloid_mj.base.units import MICROMETRES, MILLIMETRES, RPM
 from cycloid_mj.life.duration import format_life
 from cycloid_mj.sizing.answer import Answer, SizedDrive
 from cycloid_mj.sizing.drives import size_drive
-from cycloid_mj.sizing.process import PROCESSES
+from cycloid_mj.sizing.process import COOLING, PROCESSES
 from cycloid_mj.sizing.requirement import Requirement, required
 
 INTEGERS = ("ratio", "discs")
-NUMBERS = ("diameter_mm", "torque_nm", "life_h", "speed_rpm", "length_mm", "backlash_arcmin", "clearance_um")
-WORDS = ("process", "material", "fit")
+NUMBERS = (
+    "diameter_mm",
+    "torque_nm",
+    "life_h",
+    "speed_rpm",
+    "duty_percent",
+    "length_mm",
+    "backlash_arcmin",
+    "clearance_um",
+)
+WORDS = ("process", "material", "fit", "cooling", "motor")
 """Fields of the form by the kind of their values."""
 
 NAMES = {
@@ -60,6 +69,9 @@ def requirement_of(form: Any) -> Requirement:
     for key in WORDS:
         if not isinstance(values.get(key, ""), str):
             raise UsageError(f"the {key} is {values[key]!r}: expected text")
+    values.pop("motor", None)  # chosen for the covers, which the search does not need
+    if "duty_percent" in values:
+        values["duty"] = values.pop("duty_percent") / 100.0
     return required(**values)
 
 
@@ -75,6 +87,8 @@ def form_of(requirement: Requirement) -> dict[str, Any]:
         "torque_nm": requirement.torque,
         "life_h": requirement.life,
         "speed_rpm": limit(requirement.speed / RPM),
+        "duty_percent": limit(100.0 * requirement.duty_share),
+        "cooling": next((name for name, film in COOLING.items() if film == requirement.film), f"{requirement.film:g}"),
         "process": requirement.process,
         "discs": requirement.discs,
         "length_mm": limit(MILLIMETRES * requirement.length),

@@ -26,7 +26,8 @@ from cycloid_mj.app.access import AccessControl
 from cycloid_mj.app.api import AT_ONCE, QUICK, SLOWER, job_of, with_load
 from cycloid_mj.app.artifacts import FILES
 from cycloid_mj.app.connections import LimitedConnection
-from cycloid_mj.app.jobs import Jobs
+from cycloid_mj.app.drive import BEDS, MOTOR_WORDS
+from cycloid_mj.app.jobs import InProcess, Jobs
 from cycloid_mj.app.limits import LIMITS
 from cycloid_mj.app.state import values_of
 from cycloid_mj.app.summary import sentence_in_words
@@ -35,7 +36,7 @@ from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.result import plain
 from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.design.materials import MATERIALS
-from cycloid_mj.sizing.process import PROCESSES
+from cycloid_mj.sizing.process import COOLING, PROCESSES, ProcessLimits
 
 CONTENT_SECURITY_POLICY = "default-src 'self'; img-src 'self' data:; base-uri 'none'; frame-ancestors 'none'"
 
@@ -51,7 +52,8 @@ class Page:
     """
 
     def __init__(self, design: Design, workers: Workers) -> None:
-        self.workers, self.jobs = workers, Jobs(workers.long)
+        self.workers = workers
+        self.jobs = Jobs({"studies": workers.long, "files": workers.files, "at once": InProcess()})
         self.slots = threading.BoundedSemaphore(LIMITS.questions)
         self.start = start_values(design)
 
@@ -74,11 +76,11 @@ class Page:
         if name == "start":
             return self.start
         if name == "job":
-            work, args = job_of(content)
-            return self.jobs.start(work, *args).as_json()
+            job = job_of(content)
+            return self.jobs.describe(self.jobs.start(job.queue, job.name, job.work, *job.args))
         number = content.get("job")
         if name in ("look", "stop") and isinstance(number, int):
-            return (self.jobs.get if name == "look" else self.jobs.stop)(number).as_json()
+            return self.jobs.describe((self.jobs.get if name == "look" else self.jobs.stop)(number))
         raise KeyError(name)
 
 
@@ -136,9 +138,22 @@ def start_values(design: Design) -> dict[str, Any]:
         "design": values_of(with_load(design)),
         "fresh": design == PRESETS["pin"],
         "presets": list(PRESETS),
-        "processes": {name: [limits.material, *limits.others] for name, limits in PROCESSES.items()},
+        "processes": {name: process_defaults(limits) for name, limits in PROCESSES.items()},
         "materials": list(MATERIALS),
         "files": {kind: words for kind, (words, _) in FILES.items()},
+        "motors": MOTOR_WORDS,
+        "beds": BEDS,
+        "cooling": list(COOLING),
+    }
+
+
+def process_defaults(limits: ProcessLimits) -> dict[str, Any]:
+    """Return the material of a process and its usual life, speed and share of the time, by fields of the start form."""
+    return {
+        "material": limits.material,
+        "life_h": limits.life_h,
+        "speed_rpm": limits.speed_rpm,
+        "duty_percent": 100.0 * limits.duty_share,
     }
 
 

@@ -5,17 +5,19 @@ Each function takes a reducer and returns JSON values, numbers with their units 
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from typing import Any
 
 from cycloid_mj.app.controls import key_in_words, number_with_unit, with_symbols
 from cycloid_mj.app.drawing import PLACES
-from cycloid_mj.app.state import at_load
-from cycloid_mj.app.verdicts import TORQUE_RTOL, rated_item, requirement_verdicts, verdict
+from cycloid_mj.app.drive import drive_of, part_masses
+from cycloid_mj.app.state import apply_changes, at_load
+from cycloid_mj.app.verdicts import TORQUE_RTOL, rated_item, requirement_verdicts, unmet_without_covers, verdict
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.judgement import Judgement, gravest, judge
 from cycloid_mj.base.result import Quantity
+from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.checks import Check, soundness
 from cycloid_mj.design import value_of
 from cycloid_mj.figures import figure
@@ -25,6 +27,8 @@ from cycloid_mj.life.duration import format_life
 from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.item import Rating
 from cycloid_mj.life.rated import rated_torque
+from cycloid_mj.parts.export import casing_or_none
+from cycloid_mj.parts.export.motors import MotorName
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sheet import load_of, quick_sheet
 
@@ -49,6 +53,9 @@ LOSSES = {"teeth": "teeth", "cam": "cam", "output": "output pins", "seals": "sea
 CLEARANCE = "clearance of "
 """Start of the labels of clearances."""
 
+MAX_FOLLOWING = 2
+"""Errors that a change of an error may cause and that its button resolves with it."""
+
 POSES = 61
 """Crank angles of the rated torque in the header; its accuracy is `TORQUE_RTOL`."""
 
@@ -56,7 +63,7 @@ POSES = 61
 def geometry(reducer: Reducer, required: Any = None) -> dict[str, Any]:
     """Return the figures of the header that need no load, judged by the requirements of the start form.
 
-    A diameter that is met is not judged here: `life` does so with the covers.
+    A diameter that is met is not judged here: `life` does so with the covers, with which the drive has to meet it.
     """
     design, mass = reducer.design, None
     with suppress(CycloidError):  # a part cannot be built: the checks say which
@@ -123,10 +130,11 @@ def statics(reducer: Reducer, required: Any = None) -> dict[str, Any]:
     }
 
 
-def life(reducer: Reducer, required: Any = None) -> dict[str, Any]:
+def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> dict[str, Any]:
     """Return the rating of a valid design at its load: its items, its life, and the torque for its required life.
 
-    Figures are judged by `required`, the requirements of the start form; the life by the one of the design.
+    Figures are judged by `required`, the requirements of the start form; the life by the one of the design. Diameter
+    and length are those with covers for the motor: without covers no size is met.
     """
     design, hours_required = reducer.design, reducer.design.service.life
     rating = rating_at_load(reducer)
@@ -139,9 +147,13 @@ def life(reducer: Reducer, required: Any = None) -> dict[str, Any]:
             rated, limit = once, "emergency stop at twice the torque"
     except CycloidError as error:
         rated, limit = 0.0, str(error)
-    covered = covered_size(reducer)
-    diameter = covered["diameter_mm"] if covered else 2e3 * design.housing.outer_radius
-    verdicts = requirement_verdicts(required, {"drive_diameter_mm": diameter, "rated_torque_nm": rated})
+    covered, no_covers = covered_size(reducer, motor)
+    verdicts = requirement_verdicts(required, {"rated_torque_nm": rated})
+    if covered:
+        sizes = {"drive_diameter_mm": covered["diameter_mm"], "drive_length_mm": covered["length_mm"]}
+        verdicts |= requirement_verdicts(required, sizes)
+    else:
+        verdicts |= unmet_without_covers(required)
     verdicts["life_h"] = verdict(judge(shortest / hours_required), f"≥ {hours_required:.6g} h")
     return {
         "condition": rating.duty,
@@ -153,6 +165,7 @@ def life(reducer: Reducer, required: Any = None) -> dict[str, Any]:
         "verdicts": verdicts,
         "items": rated_items(rating),
         "cased": covered,
+        "no_covers": no_covers,
     }
 
 
@@ -169,13 +182,21 @@ def rated_items(rating: Rating) -> list[dict[str, Any]]:
     return [rated_item(item, rating.life) for item in items if item.safety is not None or item.life is not None]
 
 
-def covered_size(reducer: Reducer) -> dict[str, float] | None:
-    """Return diameter and mass with covers, bearings and screws; None for a drive that has none."""
-    keys = {"diameter_mm": "drive_diameter_mm", "mass_kg": "drive_mass_kg"}
+def covered_size(reducer: Reducer, motor: MotorName = "auto") -> tuple[dict[str, float] | None, str]:
+    """Return diameter, length and mass with covers, bearings and screws; None for a drive without, and the reason."""
     try:
-        return {name: figure(key, reducer=reducer).value(reducer) for name, key in keys.items()}
-    except CycloidError:
-        return None
+        built = drive_of(reducer)
+        sizes, reason = casing_or_none(built, motor)
+        if not sizes:
+            return None, reason
+        low, high = sizes.ends
+        return {
+            "diameter_mm": 2.0 * MILLIMETRES * sizes.outer,
+            "length_mm": MILLIMETRES * (high - low),
+            "mass_kg": sum(part_masses(built, sizes).values()),
+        }, ""
+    except CycloidError as error:
+        return None, str(error)
 
 
 def _unmet(reducer: Reducer, failed: Iterable[Check]) -> list[dict[str, Any]]:
@@ -189,11 +210,39 @@ def _unmet(reducer: Reducer, failed: Iterable[Check]) -> list[dict[str, Any]]:
             "what": sentence_in_words(f"{key_in_words(check.key)} is {check.got}, must be {check.limit}"),
             "why": sentence_in_words(check.why),
             "remedy": "" if check.name in KINDS else sentence_in_words(check.remedy),
-            "changes": [_change(reducer, change) for change in check.changes],
+            "changes": [_change(reducer, change) for change in _resolving(reducer, check)],
         }
         for check in failed
         if not check.passed
     ]
+
+
+def _resolving(reducer: Reducer, check: Check) -> list[Mapping[str, float]]:
+    """Return the changes of a check; those of an error that leave no other error, completed, the shortest first.
+
+    Where none does, all changes are returned as they are.
+    """
+    if check.severity != "error":
+        return list(check.changes)
+    completed = [_completed(reducer, change, MAX_FOLLOWING) for change in check.changes]
+    return sorted((change for change in completed if change), key=len) or list(check.changes)
+
+
+def _completed(reducer: Reducer, change: Mapping[str, float], following: int) -> Mapping[str, float] | None:
+    """Return a change with up to so many others that resolve the errors it causes; None where they contradict it."""
+    error = next(_errors_after(reducer, change), None)
+    if error is None:
+        return change
+    further = (other for other in error.changes if following and not other.keys() & change.keys())
+    attempts = (_completed(reducer, {**change, **other}, following - 1) for other in further)
+    return next((attempt for attempt in attempts if attempt), None)
+
+
+def _errors_after(reducer: Reducer, change: Mapping[str, float]) -> Iterator[Check]:
+    """Yield the errors of a design after a change."""
+    with suppress(CycloidError):
+        changed = Reducer(apply_changes(reducer.design, _values(reducer, change)))
+        yield from (check for check in soundness(changed) if check.severity == "error" and not check.passed)
 
 
 def _check_name(name: str) -> str:
@@ -203,10 +252,16 @@ def _check_name(name: str) -> str:
 
 def _change(reducer: Reducer, change: Mapping[str, float]) -> dict[str, Any]:
     """Return a remedy as a button has it: values by key, the motor torque as output torque, and words."""
+    values = _values(reducer, change)
+    return {"changes": values, "words": _change_in_words(reducer, values)}
+
+
+def _values(reducer: Reducer, change: Mapping[str, float]) -> dict[str, float]:
+    """Return the values of a change by key, the motor torque as output torque."""
     values = dict(change)
     if "drive.torque_nm" in values:
         values["load.torque_nm"] = float(f"{values.pop('drive.torque_nm') * reducer.design.reduction:.10g}")
-    return {"changes": values, "words": _change_in_words(reducer, values)}
+    return values
 
 
 def _change_in_words(reducer: Reducer, values: Mapping[str, float]) -> str:

@@ -38,6 +38,9 @@ REQUIREMENTS: Mapping[str, RequirementLimit] = {
 }
 """Fields of the start form; diameter and length are those of the drive with its covers."""
 
+SIZES = ("diameter_mm", "length_mm")
+"""Requirements of the size with covers."""
+
 Verdicts = dict[str, dict[str, str]]
 
 
@@ -65,6 +68,15 @@ def requirement_verdicts(required: Any, figures: Mapping[str, float]) -> Verdict
             margin = _margin(figures[limited.figure], float(limit), limited.sense) * (1.0 + limited.rtol)
             verdicts[field] = verdict(judge(margin), f"{limited.sense}{limit:.6g} {limited.unit}".replace(" :", ":"))
     return verdicts
+
+
+def unmet_without_covers(required: Any) -> Verdicts:
+    """Return the failed verdicts of the sizes that a drive without covers cannot meet: it cannot be built."""
+    infinite = dict.fromkeys((REQUIREMENTS[field].figure for field in SIZES), math.inf)
+    return {
+        field: verdict(Judgement.FAILED, f"{judged['words']} with covers, which do not fit")
+        for field, judged in requirement_verdicts(required, infinite).items()
+    }
 
 
 def verdict(judgement: Judgement, words: str) -> dict[str, str]:

@@ -1,7 +1,7 @@
 """Worker processes of the page, so that it redraws at once whatever they are computing.
 
 One answers the questions that follow every move of a slider, one those that take longer, so that neither waits for the
-other, and one runs the jobs, which can be stopped.
+other; one runs the studies and one makes files, both of which can be stopped.
 
 A call costs 0.09 ms here and 0.35 ms in a pool of Pebble (5.2.3, November 2026), which has no progress reports: a queue
 for them stays locked when a job is stopped while it writes there, while a pipe ends with its process.
@@ -98,14 +98,14 @@ class Worker:
 
 
 class Workers:
-    """The three worker processes, which all windows of the page share; each with its functions to warm up."""
+    """The worker processes, which all windows of the page share; each with its functions to warm up."""
 
     def __init__(self, quick: WarmUp = (), slower: WarmUp = ()) -> None:
-        self.quick, self.slower, self.long = Worker(quick, nice=False), Worker(slower), Worker()
+        self.quick, self.slower, self.long, self.files = Worker(quick, nice=False), Worker(slower), Worker(), Worker()
 
     def close(self) -> None:
         """Terminate all processes for good."""
-        for worker in (self.quick, self.slower, self.long):
+        for worker in (self.quick, self.slower, self.long, self.files):
             worker.close()
 
 

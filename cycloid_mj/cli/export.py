@@ -20,15 +20,13 @@ from cycloid_mj.reducer.sockets import require_one_ring
 
 if TYPE_CHECKING:
     from cycloid_mj.parts.export import Casing, Export, Motor, PrintPlate
+    from cycloid_mj.parts.export.print_files import PrintSettings
 
 EXAMPLES = """Examples:
   cycloid-mj export --design pin --format stl
   cycloid-mj export --design nonpin --format dxf --out drawings
   cycloid-mj export --design my.toml --set clearance.tooth_um=20 --format step
   cycloid-mj export --design printed --plate --offset-um 80 --out print"""
-
-PLATE, BILL = "plate", "bom.csv"
-ASSEMBLY, ORDER, EXPLODED = "assembly.step", "assembly.txt", "exploded"
 
 FormatFlag = Annotated[
     Literal["stl", "obj", "dxf", "svg", "step"],
@@ -248,9 +246,9 @@ def export(
     parts: name -> count), plates (the same of each), bom (item, count, size, material, made_or_bought, designation,
     fit) and consumables.
     """
-    from cycloid_mj.base.units import MILLIMETRES
-    from cycloid_mj.parts.export import cam_bearing, drive_files, widen_clearances
+    from cycloid_mj.parts.export import drive_files, widen_clearances
     from cycloid_mj.parts.export import export as exported
+    from cycloid_mj.parts.export.print_files import PrintSettings, stock_cam_seat
 
     _require_flags(format_, polylines=polylines, arcs=arcs, plate=plate, bore=cam_bearing_bore_mm, bed=bed)
     design, offset, chord_error = chosen.resolve_checked().at_reference, offset_um * 1e-6, chord_error_um * 1e-6
@@ -258,9 +256,7 @@ def export(
     drive = plate or assembly or drawings
     if drive:
         require_one_ring(reducer, "print plates, assemblies and drawings")
-    in_stock = cam_bearing(reducer)
-    bore = cam_bearing_bore_mm or (MILLIMETRES * in_stock[0].bore if in_stock else 0.0)
-    seat = round(bore / 2.0 / MILLIMETRES, 9)
+    seat = round(0.5e-3 * cam_bearing_bore_mm, 9) if cam_bearing_bore_mm else stock_cam_seat(reducer)
     arc_error = None if arcs is None else arcs * 1e-6
     outlines = exported(
         design,
@@ -277,7 +273,8 @@ def export(
     if sizes:
         wide = widen_clearances(reducer, offset)
         parts |= drive_files(wide, format_, sizes, chord_error, seat, polylines=polylines, arcs=arc_error)
-    printed = _plate(reducer, sizes, (offset, chord_error, seat), _bed_size(bed)) if plate else None
+    settings = PrintSettings(chord_error, offset, seat, _bed_size(bed))
+    printed = _plate(reducer, sizes, settings) if plate else None
     if printed:
         parts |= printed.files
     if assembly:
@@ -364,67 +361,23 @@ class _Printed:
         return {"plate": each[0], "plates": each, **self.entries}
 
 
-def _plate(
-    reducer: Reducer,
-    sizes: "Casing | None",
-    drawn: tuple[float, float, float],
-    bed: tuple[float, float] | None,
-) -> _Printed:
-    """Lay out the plates and the bill; `drawn` are offset, chord error and radius of the cam's seat [m]."""
-    from cycloid_mj.base.units import MILLIMETRES
-    from cycloid_mj.parts import mesh
-    from cycloid_mj.parts.export import bill, bill_csv, plates, stl_bytes, threemf_bytes, widen_clearances
-    from cycloid_mj.parts.export.assembly import printed_materials
-    from cycloid_mj.parts.export.bill import consumables, out_of_stock
-    from cycloid_mj.parts.export.casing import is_plastic
-    from cycloid_mj.parts.export.printable import coupon, coupon_words, print_warnings
+def _plate(reducer: Reducer, sizes: "Casing | None", settings: "PrintSettings") -> _Printed:
+    """Lay out the plates and the bill; warn of what is not in stock and of what a printer cannot make."""
+    from cycloid_mj.life.joints import tightening_torques
+    from cycloid_mj.parts.export.print_files import print_files
 
-    offset, chord_error, seat = drawn
-    laid = plates(widen_clearances(reducer, offset), chord_error, seat, sizes, bed)
-    stems = [PLATE] if len(laid) == 1 else [f"{PLATE}_{number}" for number in range(1, len(laid) + 1)]
-    items = bill(reducer, seat, sizes, _tightening_torques(reducer) if sizes else None)
-    files = {BILL: bill_csv(items)}
-    materials = printed_materials(reducer, sizes, {part for one in laid for part in one.counts})
-    for stem, one in zip(stems, laid, strict=True):
-        files |= {f"{stem}.stl": stl_bytes(one.mesh, MILLIMETRES), f"{stem}.3mf": threemf_bytes(one, materials)}
-    notes = [
-        f"{stem} of {' x '.join(f'{MILLIMETRES * length:.1f}' for length in one.size)} mm"
-        for stem, one in zip(stems, laid, strict=True)
-    ]
-    needed = consumables(reducer, sizes) if sizes else ()
-    notes += [f"also needed: {text}" for text in needed]
-    warn(reducer.design.name, out_of_stock(items))
-    if is_plastic(reducer):
-        files |= {f"{name}.stl": stl_bytes(mesh(one), MILLIMETRES) for name, one in coupon(chord_error).items()}
-        hanging = {name: faces for one in laid for name, faces in one.hanging.items()}
-        warn(reducer.design.name, print_warnings(reducer, hanging, chord_error, sizes))
-        notes.append(coupon_words())
-    held = [place.part for one in laid for place, props in zip(one.places, one.supports, strict=True) if props]
-    if held:
-        notes.append(
-            f"supports that break away, a layer below the faces that they hold: {', '.join(dict.fromkeys(held))}"
-        )
-    counts: Counter[str] = sum((Counter(one.counts) for one in laid), Counter())
+    printed = print_files(reducer, sizes, settings, tightening_torques(reducer) if sizes else None)
+    warn(reducer.design.name, printed.warnings)
+    counts: Counter[str] = sum((Counter(one.counts) for one in printed.plates.values()), Counter())
     columns = ("item", "count", "size", "material", "made or bought", "designation")
-    lines = tuple(tuple(str(value) for value in asdict(item).values())[:-1] for item in items)
+    lines = tuple(tuple(str(value) for value in asdict(item).values())[:-1] for item in printed.bill)
     tables = (
         Table("parts on the plate", ("part", "count"), tuple((part, str(count)) for part, count in counts.items())),
         Table("bill of materials", columns, lines, words=(2, 3, 4, 5)),
     )
-    entries = {"bom": [asdict(item) for item in items], "consumables": list(needed)}
-    return _Printed({f"{stem}.stl": one for stem, one in zip(stems, laid, strict=True)}, files, notes, tables, entries)
-
-
-def _tightening_torques(reducer: Reducer) -> dict[str, float]:
-    """Return the tightening torque [N m] of the screws in the bill, by item."""
-    from cycloid_mj.life.joints import screwed_joints
-
-    return {
-        part.item: each.tightening_torque
-        for each in screwed_joints(reducer)
-        for part in each.joint.bought
-        if "thread" in dict(part.dimensions)
-    }
+    entries = {"bom": [asdict(item) for item in printed.bill], "consumables": list(printed.consumables)}
+    by_file = {f"{stem}.stl": one for stem, one in printed.plates.items()}
+    return _Printed(by_file, dict(printed.files), list(printed.notes), tables, entries)
 
 
 def _casing(reducer: Reducer, motor: "Motor", cover_material: str) -> "Casing | None":
@@ -449,16 +402,6 @@ def _drawings(reducer: Reducer, sizes: "Casing") -> dict[str, bytes]:
 
 def _assembly(reducer: Reducer, sizes: "Casing | None") -> dict[str, bytes]:
     """Encode the assembly, and where there are covers its picture and the order of its steps."""
-    from cycloid_mj.parts.export import assembly_order, assembly_step
+    from cycloid_mj.plots.exploded import assembly_files
 
-    files = {ASSEMBLY: assembly_step(reducer, 0.0, sizes)}
-    if not sizes:
-        return files
-    from cycloid_mj.plots.exploded import exploded_figure
-    from cycloid_mj.plots.save import encode_figure
-
-    steps = (f"{number}. {step}\n" for number, step in enumerate(assembly_order(reducer, sizes), start=1))
-    return files | {
-        f"{EXPLODED}.png": encode_figure(exploded_figure(reducer, sizes), "png"),
-        ORDER: "".join(steps).encode(),
-    }
+    return assembly_files(reducer, sizes)

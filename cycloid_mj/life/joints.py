@@ -130,6 +130,16 @@ def screwed_joints(reducer: Reducer) -> tuple[ScrewedJoint, ...]:
     return tuple(_make_screwed_joint(reducer, sizes, joint) for joint in joints if joint.kind is JointKind.SCREWED)
 
 
+def tightening_torques(reducer: Reducer) -> dict[str, float]:
+    """Return the tightening torque [N m] of the screws of a drive with covers, by item of the bill."""
+    return {
+        part.item: each.tightening_torque
+        for each in screwed_joints(reducer)
+        for part in each.joint.bought
+        if "thread" in dict(part.dimensions)
+    }
+
+
 def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
     """Rate screws and dowels of each face; where a face has both, the stronger transmits the torque."""
     joints, screwed = drive_joints(reducer, casing(reducer)), screwed_joints(reducer)

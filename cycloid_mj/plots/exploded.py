@@ -11,10 +11,11 @@ from cycloid_mj.base import names
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import VISUAL_CHORD_ERROR, Prism
 from cycloid_mj.parts.cut import cut
-from cycloid_mj.parts.export.assembly import COLOURS, assembly_parts, places
+from cycloid_mj.parts.export.assembly import COLOURS, assembly_parts, assembly_step, places
 from cycloid_mj.parts.export.casing import Casing
-from cycloid_mj.parts.export.order import ALONG
+from cycloid_mj.parts.export.order import ALONG, assembly_order
 from cycloid_mj.parts.export.step import Place
+from cycloid_mj.plots.save import encode_figure
 from cycloid_mj.plots.style import WIDTH, NotebookFigure, with_style
 from cycloid_mj.reducer import Reducer
 
@@ -23,6 +24,24 @@ GAP = 0.12
 
 AXIS = {"color": "#7A8590", "linewidth": 0.45, "linestyle": (0, (9, 2.5, 1.5, 2.5))}
 HEIGHT = 6.2
+
+ASSEMBLY, ORDER, EXPLODED = "assembly.step", "assembly.txt", "exploded.png"
+"""Files of an assembly."""
+
+
+def assembly_files(reducer: Reducer, sizes: Casing | None) -> dict[str, bytes]:
+    """Encode the assembly (STEP), and where there are covers its exploded view (PNG) and the order of assembly.
+
+    Errors as `assembly_step`.
+    """
+    files = {ASSEMBLY: assembly_step(reducer, 0.0, sizes)}
+    return files | instruction_files(reducer, sizes) if sizes else files
+
+
+def instruction_files(reducer: Reducer, sizes: Casing) -> dict[str, bytes]:
+    """Encode the exploded view of a drive (PNG) and the order of its assembly (text)."""
+    steps = (f"{number}. {step}\n" for number, step in enumerate(assembly_order(reducer, sizes), start=1))
+    return {EXPLODED: encode_figure(exploded_figure(reducer, sizes), "png"), ORDER: "".join(steps).encode()}
 
 
 @with_style

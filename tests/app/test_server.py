@@ -39,7 +39,7 @@ class Immediate:
     """Workers that answer without a process, and fail for one torque."""
 
     def __init__(self) -> None:
-        self.quick = self.slower = self.long = self
+        self.quick = self.slower = self.long = self.files = self
 
     def do(self, work: Any, *args: Any, on_progress: Any = None) -> Any:
         if on_progress:

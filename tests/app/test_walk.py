@@ -67,6 +67,7 @@ def test_keys_undo_and_redo_and_the_address_contains_the_design(page: Tab) -> No
 
 
 def test_the_focus_stays_in_place(page: Tab) -> None:
+    page.click("[role=tab]", "Figures")
     page.run("document.getElementById('skip').focus()")
     page.key("Enter")
     assert page.run("document.activeElement.id") == "tab-figures"

@@ -38,7 +38,7 @@ def test_what_is_missing_is_told_with_its_remedy(capsys, monkeypatch: pytest.Mon
     out = capsys.readouterr().out
     assert "FAIL  no-such-package: not installed: pip install no-such-package" in out
     assert "FAIL  contact and simulation: MuJoCo 9.9" in out
-    assert "none  extra cad: without no_such_module: pip install 'cycloid-mj[cad]'" in out
+    assert "none  extra cad: missing no_such_module: pip install 'cycloid-mj[cad]'" in out
 
 
 @pytest.mark.slow

@@ -1,9 +1,9 @@
 // The page: its state, which is kept in the address; requests after a change; undo and redo; files.
 
 import { ask, newest, work, download } from "./net.js";
-import { el, byId, number, toast, fill, refill, JUDGED } from "./dom.js";
+import { el, byId, number, toast, announce, fill, refill, JUDGED } from "./dom.js";
 import { Section } from "./section.js";
-import { showControls, markControl } from "./controls.js";
+import { showControls, markControl, filterControls } from "./controls.js";
 import { Tabs } from "./tabs.js";
 import { Start } from "./start.js";
 
@@ -12,7 +12,7 @@ const history = { past: [], at: -1, key: "", time: 0 };
 const COALESCED = 900; // ms: changes of one slider within this time are undone together
 const ADDRESSED = 250; // ms from a change to the update of the address
 
-const section = new Section(byId("section"), byId("controls"), byId("legend"));
+const section = new Section(byId("section"), byId("crank-row"), byId("controls"), byId("legend"));
 const tabs = new Tabs(byId("tabs"), () => state, apply);
 const start = new Start(byId("start"), take, open);
 
@@ -21,7 +21,7 @@ const start = new Start(byId("start"), take, open);
 const solved = {
   statics: newest("statics", data => { state.statics = data; showHead(); tabs.receive("statics", data); }, words => { state.statics = null; showHead(); tabs.receiveError("statics", words); }),
   forces: newest("forces", data => { section.forces(data); tabs.receive("forces", data); }, words => { section.forces(null); tabs.receiveError("forces", words); }),
-  checks: newest("checks", data => { state.checks = data; showRemedies(); }, words => showChecks([], { judgement: "failed", words: "The checks could not run" }, words)),
+  checks: newest("checks", data => { state.checks = data; showRemedies(); showHead(); }, words => showChecks([], { judgement: "failed", words: "The checks could not run" }, words)),
   life: newest("life", data => { state.life = data; showHead(); tabs.receive("life", data); }, words => { state.life = null; showHead(); tabs.receiveError("life", words); }),
   remedies: newest("remedies", data => { state.remedies = data; showRemedies(); }, () => {}),
 };
@@ -55,8 +55,9 @@ function show(data) {
   state.name = data.name;
   state.shown = data;
   state.remedies = null;
-  if (!data.errors.length) for (const one of Object.values(solved)) one.ask({ design: state.design, asked: state.asked }); // solved by the workers while the browser draws
+  if (!data.errors.length) for (const one of Object.values(solved)) one.ask({ design: state.design, asked: state.asked, options: tabs.options() }); // solved by the workers while the browser draws
   showControls(byId("parameters"), data.controls, apply);
+  find();
   section.show(data.section, data.errors);
   byId("name").value = data.name;
   document.title = `${data.name}: ${data.head.ratio}:1, ${number(data.head.diameter_mm)} mm – cycloid_mj`;
@@ -97,16 +98,18 @@ function showHead() {
   const broken = shown.errors.length > 0;
   const head = shown.head, cased = life?.cased;
   const verdicts = { ...head.verdicts, ...(broken ? {} : { ...statics?.verdicts, ...life?.verdicts }) };
-  const covers = cased && cased.diameter_mm > head.diameter_mm * 1.001 ? `with covers ${number(cased.diameter_mm)} mm` : null;
+  const covers = cased ? `with covers ${number(cased.diameter_mm)} mm` : life?.no_covers ? "no covers fit" : null;
   const figures = [
     ["ratio", `${head.ratio}:1`, "ratio"],
     ["diameter", `${number(head.diameter_mm)} mm`, "diameter_mm", covers],
+    ...(verdicts.length_mm || cased ? [["length", cased ? `${number(cased.length_mm)} mm` : "–", "length_mm", "with covers"]] : []),
     ["mass", head.mass_kg === null ? "–" : `${number(head.mass_kg, 3)} kg`, "", cased && `with covers ${number(cased.mass_kg, 3)} kg`],
     ["rated torque", broken ? "–" : life ? `${number(life.rated_torque_nm, 3)} N m` : "…", "torque_nm"],
     ["backlash", broken ? "–" : statics ? `${number(statics.backlash_arcmin, 3)} arcmin` : "…", "backlash_arcmin"],
     [`life at ${number(shown.load_nm, 3)} N m`, broken ? "–" : life ? life.life : "…", "life_h"],
   ];
   byId("head").classList.toggle("old", !broken && !(statics && life));
+  if (!broken && statics && life && state.checks) sayResults(figures, verdicts);
   fill(byId("head"), ...figures.map(([name, value, field, also]) => {
     const verdict = verdicts[field], judged = verdict && JUDGED[verdict.judgement];
     return el("div", { class: `figure ${judged?.look ?? ""}` },
@@ -114,6 +117,43 @@ function showHead() {
       el("small", {}, name, verdict ? el("i", {}, ` · required: ${verdict.words}`) : null, also ? el("i", {}, ` · ${also}`) : null));
   }));
 }
+
+// Announce the results once they are complete and no slider has moved for a moment; equal words are not said again.
+function sayResults(figures, verdicts) {
+  const judged = field => (verdicts[field] ? ` (${JUDGED[verdicts[field].judgement].word})` : "");
+  announce(`${figures.slice(1).map(([name, value, field]) => `${name} ${value}${judged(field)}`).join(", ")}. ${state.checks.words}.`);
+}
+
+// --- the search among the parameters
+
+let finding = 0;
+
+async function find() {
+  const text = byId("find").value.trim(), mine = finding += 1;
+  const count = filterControls(byId("parameters"), text);
+  let others = [];
+  if (text) try { others = (await ask("find", { design: state.design, text })).controls; } catch (error) { toast(error.message); }
+  if (mine !== finding) return;
+  byId("others").hidden = !others.length;
+  if (others.length) showControls(byId("others"), others, apply);
+  byId("none").hidden = Boolean(count || others.length);
+}
+
+byId("find").addEventListener("input", async () => {
+  await find();
+  const shown = document.querySelectorAll("#parameters-of .control:not([hidden])").length - (byId("others").hidden ? byId("others").querySelectorAll(".control").length : 0);
+  announce(`${shown} parameters`);
+});
+
+// On a narrow screen the parameters follow the picture, in the order of the keys as on the screen.
+const narrow = matchMedia("(max-width: 760px)");
+function order() {
+  const [parameters, picture] = [byId("parameters-of"), document.querySelector(".picture")];
+  if (narrow.matches) picture.after(parameters); else picture.before(parameters);
+  byId("parameters-open").open = !narrow.matches;
+}
+narrow.addEventListener("change", order);
+order();
 
 // --- failures and warnings
 
@@ -263,6 +303,11 @@ window.addEventListener("hashchange", () => put(fromAddress()));
 window.addEventListener("pagehide", writeAddress);
 
 tabs.swap = entry => put(entry);
+tabs.choseMotor = motor => {
+  state.asked = { ...state.asked, motor };
+  if (!state.shown.errors.length) solved.life.ask({ design: state.design, asked: state.asked, options: tabs.options() });
+  remember("motor");
+};
 
 // --- start
 

@@ -2,12 +2,12 @@
 
 import { el, number, fill } from "./dom.js";
 
-let layout = "";
+const layouts = new Map(); // place -> keys and options of its controls
 
 export function showControls(place, controls, apply) {
   const shape = controls.map(control => `${control.key}:${control.options.length}`).join();
-  if (shape !== layout) {
-    layout = shape;
+  if (shape !== layouts.get(place)) {
+    layouts.set(place, shape);
     const groups = new Map();
     for (const control of controls) groups.set(control.group, [...(groups.get(control.group) || []), control]);
     fill(place, ...[...groups].map(([group, inside]) => el("fieldset", {}, el("legend", {}, group),
@@ -23,35 +23,53 @@ export function markControl(key, words) {
   row.querySelector(".said").textContent = words;
 }
 
-const tip = control => `${control.meaning} · ${control.key}`;
+// Hide the controls that a text does not match; return the number of the others.
+export function filterControls(place, text) {
+  const words = text.toLowerCase().split(/\s+/).filter(Boolean);
+  let count = 0;
+  for (const group of place.querySelectorAll("fieldset")) {
+    const name = group.querySelector("legend").textContent;
+    let shown = 0;
+    for (const row of group.querySelectorAll(".control")) {
+      const all = `${name} ${row.querySelector("label").textContent} ${row.dataset.key} ${row.querySelector(".meaning").textContent}`.toLowerCase();
+      row.hidden = !words.every(word => all.includes(word));
+      shown += row.hidden ? 0 : 1;
+    }
+    group.hidden = !shown;
+    count += shown;
+  }
+  return count;
+}
+
+const meaning = control => `${control.meaning} · ${control.key}`;
+
+const described = control => ({ id: `k-${control.key}`, "aria-describedby": `m-${control.key}` });
 
 function list(control, apply) {
-  const id = `k-${control.key}`;
-  return el("div", { class: "control list", "data-key": control.key, "data-tip": tip(control) },
-    el("label", { for: id }, control.label),
-    el("select", { id, onchange: event => apply({ [control.key]: JSON.parse(event.target.value) }) }),
-    el("span", { class: "said" }));
+  return el("div", { class: "control list", "data-key": control.key },
+    el("label", { for: `k-${control.key}` }, control.label),
+    el("select", { ...described(control), onchange: event => apply({ [control.key]: JSON.parse(event.target.value) }) }),
+    el("span", { class: "meaning", id: `m-${control.key}` }), el("span", { class: "said" }));
 }
 
 function slider(control, apply) {
-  const id = `k-${control.key}`;
   const send = event => {
     const value = event.target.valueAsNumber;
     if (Number.isFinite(value)) apply({ [control.key]: value });
     else event.target.value = event.target.defaultValue;
   };
-  return el("div", { class: "control", "data-key": control.key, "data-tip": tip(control) },
-    el("label", { for: id }, control.label),
+  return el("div", { class: "control", "data-key": control.key },
+    el("label", { for: `k-${control.key}` }, control.label),
     el("span", { class: "value" }, el("input", { type: "number", step: "any", "aria-label": `${control.label}${control.unit ? ` in ${control.unit}` : ""}, typed`, onchange: send }), el("span", { class: "unit" }, control.unit)),
-    el("input", { id, type: "range", oninput: send }),
+    el("input", { ...described(control), type: "range", oninput: send }),
     el("span", { class: "ends", "aria-hidden": "true" }, el("span", {}), el("span", {})),
-    el("span", { class: "said" }));
+    el("span", { class: "meaning", id: `m-${control.key}` }), el("span", { class: "said" }));
 }
 
 function update(row, control) {
   row.classList.remove("refused");
   row.querySelector(".said").textContent = "";
-  row.dataset.tip = tip(control);
+  row.querySelector(".meaning").textContent = meaning(control);
   const select = row.querySelector("select");
   if (select) {
     fill(select, ...control.options.map(([value, words]) => el("option", { value: JSON.stringify(value) }, words)));

@@ -55,3 +55,11 @@ export function toast(words) {
   clearTimeout(hiding);
   hiding = setTimeout(() => { box.hidden = true; }, 6000);
 }
+
+// Say something to screen readers, once nothing else has been said for a moment.
+const QUIET = 700; // ms
+let saying;
+export function announce(words) {
+  clearTimeout(saying);
+  saying = setTimeout(() => { byId("says").textContent = words; }, QUIET);
+}

@@ -6,12 +6,12 @@ const SECONDS = 8; // duration of one crank turn of the animation
 const FRAME = 1.34; // half the picture over the outer radius of the reducer: leaves space for the load bars
 
 export class Section {
-  constructor(place, controls, legend) {
+  constructor(place, crank, controls, legend) {
     Object.assign(this, { place, legend, crank: 17, play: 1, drawn: null, acting: null, wrong: [], zoom: 1, middle: [0, 0], ahead: new Map() });
     this.nextTurn = null;
     this.changedPlay = () => {};
     this.shows = { arrows: true, bars: true, dimensions: false };
-    this.#controls(controls);
+    this.#controls(crank, controls);
     this.#mouse();
   }
 
@@ -38,15 +38,15 @@ export class Section {
     this.#place();
   }
 
-  #controls(place) {
+  #controls(crank, place) {
     const toggle = (key, words) => el("label", {}, el("input", { type: "checkbox", checked: this.shows[key], onchange: event => { this.shows[key] = event.target.checked; this.#build(); this.#place(); } }), words);
     this.button = el("button", { "aria-pressed": "false", title: "Rotate the crank (space)", onclick: () => this.#toggle() }, "▶ Rotate");
-    this.angle = el("input", { id: "crank", type: "range", min: 0, max: 360, step: 1, "aria-label": "Crank angle in degrees", oninput: event => { this.#halt(); this.crank = event.target.valueAsNumber; this.#place(); } });
-    this.degrees = el("output", { for: "crank" });
+    this.angle = el("input", { id: "crank", type: "range", min: 0, max: 360, step: 1, "aria-label": "Crank angle", oninput: event => { this.#halt(); this.crank = event.target.valueAsNumber; this.#place(); } });
+    this.degrees = el("span", { class: "degrees", "aria-hidden": "true" });
     this.factor = el("select", { id: "play", onchange: event => { this.play = +event.target.value; this.changedPlay(); } },
       [1, 5, 20, 50, 200].map(times => el("option", { value: times }, times === 1 ? "true scale" : `× ${times}`)));
+    crank.append(el("div", { class: "crank" }, this.button, this.angle, this.degrees));
     place.append(
-      el("div", { class: "crank" }, this.button, this.angle, this.degrees),
       el("div", { class: "shows" }, toggle("arrows", "Forces"), toggle("bars", "Load bars"), toggle("dimensions", "Dimensions"),
         el("label", { title: "Factor by which clearances are magnified in the drawing" }, "Clearances ", this.factor),
         el("span", { class: "zooms" },
@@ -88,6 +88,12 @@ export class Section {
       }[event.key];
       if (does) { event.preventDefault(); does(); }
     });
+  }
+
+  // Size of text of so many pixels, in units of the picture.
+  #text(pixels) {
+    const box = this.place.getBoundingClientRect();
+    return pixels * 2 * this.half / this.zoom / (Math.min(box.width, box.height) || 500);
   }
 
   get half() { return FRAME * (this.drawn ? this.drawn.reach : 50); }
@@ -164,7 +170,7 @@ export class Section {
       gear: [-0.62, 0.5], pin: [0.62, 0.66], ring: [0.74, -0.78], bore: [d.bore_radius / d.reach, -0.08], shaft: [0, 0.06],
       hole: [d.holes[0][0] / d.reach, -d.holes[0][1] / d.reach], output: [d.holes[0][0] / d.reach + 0.1, -d.holes[0][1] / d.reach + 0.06],
     };
-    const size = 0.055 * this.half / this.zoom;
+    const size = Math.max(0.055 * this.half / this.zoom, this.#text(9));
     return svg("g", { class: "badges" }, this.wrong.map((one, place) => {
       const spot = spots[one.place];
       if (!spot) return null;
@@ -175,7 +181,7 @@ export class Section {
   }
 
   #dimensions() {
-    const d = this.drawn, size = 0.036 * this.half / this.zoom;
+    const d = this.drawn, size = Math.max(0.036 * this.half / this.zoom, this.#text(12));
     return svg("g", { class: "dimensions" }, d.dimensions.map((one, row) => {
       const angle = (-70 + 38 * row) * Math.PI / 180, r = one.diameter / 2, [x, y] = [r * Math.cos(angle), r * Math.sin(angle)];
       const words = `⌀ ${number(one.diameter)} ${one.name}`, wide = 0.52 * size * words.length;
@@ -205,6 +211,7 @@ export class Section {
     const angle = this.crank * Math.PI / 180, turn = d.gear_rate * this.crank, now = this.#now();
     this.degrees.textContent = `${Math.round(this.crank % 360)}°`;
     this.angle.value = this.crank % 360;
+    this.angle.setAttribute("aria-valuetext", `${Math.round(this.crank % 360)} degrees`);
     const between = values => values[now.low] + now.share * (values[now.low + 1] - values[now.low]);
     this.discs.forEach((disc, place) => {
       const at = angle + d.phases[place];

@@ -1,11 +1,14 @@
-// The assembly in 3-D: triangles of the parts in WebGL, rotated by mouse or arrow keys, with a running crank.
+// The drive in 3-D: triangles of its parts in WebGL, rotated by mouse or keys, with a section plane and steps of assembly.
 
-import { el } from "./dom.js";
+import { el, announce } from "./dom.js";
 
-const VERTEX = `attribute vec3 corner, normal; uniform mat4 place, view; uniform vec2 aspect; varying vec3 n;
-void main() { vec4 at = view * place * vec4(corner, 1.0); n = mat3(view) * mat3(place) * normal; gl_Position = vec4(at.xy * aspect, at.z * 0.25, 1.0); }`;
-const FRAGMENT = `precision mediump float; uniform vec4 colour; varying vec3 n;
-void main() { vec3 m = normalize(n); if (m.z > 0.0) m = -m; float light = 0.5 + 0.45 * max(0.0, dot(m, normalize(vec3(0.35, 0.6, -0.7)))) + 0.16 * max(0.0, dot(m, normalize(vec3(-0.7, 0.1, -0.5)))); gl_FragColor = vec4(colour.rgb * min(light, 1.1), colour.a); }`;
+const VERTEX = `attribute vec3 corner, normal; uniform mat4 place, view; uniform vec2 aspect; varying vec3 n, world;
+void main() { vec4 there = place * vec4(corner, 1.0); world = there.xyz; vec4 at = view * there; n = mat3(view) * mat3(place) * normal; gl_Position = vec4(at.xy * aspect, at.z * 0.25, 1.0); }`;
+// What lies before the section plane is left out; the inside of a part that is cut open is drawn as its cut face.
+const FRAGMENT = `precision mediump float; uniform vec4 colour; uniform vec2 cut; varying vec3 n, world;
+void main() { if (world.x > cut.x) discard; vec3 m = normalize(n); bool inside = m.z > 0.0; if (inside) m = -m;
+float light = 0.5 + 0.45 * max(0.0, dot(m, normalize(vec3(0.35, 0.6, -0.7)))) + 0.16 * max(0.0, dot(m, normalize(vec3(-0.7, 0.1, -0.5))));
+gl_FragColor = vec4(colour.rgb * (inside && cut.y > 0.5 ? 0.8 : min(light, 1.1)), colour.a); }`;
 const CREASE = 0.8; // cosine of the angle between two faces above which their edge is drawn sharp
 
 // Normals at the corners of triangles: the mean of the faces that meet there without a sharp edge.
@@ -30,23 +33,27 @@ function normalsOf(corners) {
   return normals;
 }
 
-const columns = (angle, x, y) => { const [c, s] = [Math.cos(angle), Math.sin(angle)]; return [c, s, 0, 0, -s, c, 0, 0, 0, 0, 1, 0, x, y, 0, 1]; };
+// Rotation by an angle about the axis, then a translation.
+const columns = (angle, x, y, z) => { const [c, s] = [Math.cos(angle), Math.sin(angle)]; return [c, s, 0, 0, -s, c, 0, 0, 0, 0, 1, 0, x, y, z, 1]; };
+
+const SPEED = 0.8; // of the crank [rad/s]
 
 export class Solid {
   constructor(data) {
-    Object.assign(this, { data, yaw: -0.6, pitch: -1.0, size: 1, crank: 0, cut: true, turns: !matchMedia("(prefers-reduced-motion: reduce)").matches });
-    this.canvas = el("canvas", { tabindex: "0", role: "img", class: "solid", "aria-label": "The assembly in 3-D. Drag or use the arrow keys to rotate it, + and − to zoom" });
+    Object.assign(this, { data, yaw: -0.6, pitch: -1.0, size: 1, crank: 0, cut: true, at: 0, apart: 0, step: data.steps.length, turns: !matchMedia("(prefers-reduced-motion: reduce)").matches });
+    this.canvas = el("canvas", { tabindex: "0", role: "img", class: "solid", "aria-label": "The drive in 3-D, cut open. Drag or use the arrow keys to rotate it, + and − to zoom" });
     this.gl = this.canvas.getContext("webgl", { antialias: true, alpha: true, preserveDrawingBuffer: true });
-    const toggle = (key, words) => el("label", {}, el("input", { type: "checkbox", checked: this[key], onchange: event => { this[key] = event.target.checked; this.#draw(); } }), words);
-    this.element = el("div", {}, this.gl ? [this.canvas, el("div", { class: "shows" }, toggle("turns", "Rotate crank"), toggle("cut", "Transparent housing"), el("span", { class: "soft" }, "Drag or arrow keys: rotate; + and −: zoom"))]
-      : el("p", { class: "near" }, "This browser has no WebGL. The STEP file (tab Export) shows the assembly in a CAD program."));
-    if (!this.gl) return;
+    if (!this.gl) {
+      this.element = el("p", { class: "near" }, "This browser has no WebGL. The STEP file (tab Export) shows the assembly in a CAD program.");
+      return;
+    }
     this.#upload();
+    this.element = el("div", {}, this.canvas, this.#controls());
     this.#hands();
     let before = performance.now();
     const frame = now => {
       if (this.ended) return;
-      if (this.turns && this.element.isConnected) { this.crank += (now - before) / 1000 * 0.8; this.#draw(); }
+      if (this.turns && this.element.isConnected) { this.crank += (now - before) / 1000 * SPEED; this.#draw(); }
       before = now;
       requestAnimationFrame(frame);
     };
@@ -55,6 +62,23 @@ export class Solid {
   }
 
   end() { this.ended = true; this.gl?.getExtension("WEBGL_lose_context")?.loseContext(); }
+
+  #controls() {
+    const { steps, reason } = this.data;
+    const toggle = (key, words) => el("label", {}, el("input", { type: "checkbox", checked: this[key], onchange: event => { this[key] = event.target.checked; this.#draw(); } }), words);
+    const range = (words, limits, value, change) => el("label", { class: "range" }, words, el("input", { type: "range", ...limits, value: String(value), oninput: event => { change(event.target.valueAsNumber); this.#draw(); } }));
+    const says = el("p", { class: "soft", id: "step-words" });
+    const show = step => {
+      this.step = step;
+      says.textContent = step < steps.length ? `Step ${step} of ${steps.length}: ${steps[step - 1] ?? "nothing yet"}` : `All ${steps.length} steps: the drive is assembled. The written order is in the tab Export.`;
+    };
+    show(steps.length);
+    return el("div", { class: "solid-controls" },
+      el("div", { class: "shows" }, toggle("turns", "Rotate crank"), toggle("cut", "Section"), range("Section plane", { min: "-1", max: "1", step: "0.02" }, 0, value => { this.at = value; })),
+      el("div", { class: "shows" }, range("Exploded", { min: "0", max: "1", step: "0.02" }, 0, value => { this.apart = value; }),
+        steps.length ? range("Assembly step", { min: "1", max: String(steps.length), step: "1" }, steps.length, value => { show(value); announce(says.textContent); }) : null),
+      steps.length ? says : el("p", { class: "near" }, `Without covers: ${reason}`));
+  }
 
   #upload() {
     const gl = this.gl, program = gl.createProgram();
@@ -66,24 +90,27 @@ export class Solid {
     }
     gl.linkProgram(program);
     gl.useProgram(program);
-    this.at = Object.fromEntries(["place", "view", "aspect", "colour"].map(name => [name, gl.getUniformLocation(program, name)]));
-    let reach = 0, low = Infinity, high = -Infinity;
-    this.bodies = this.data.bodies.map(body => {
-      const bytes = Uint8Array.from(atob(body.corners), one => one.charCodeAt(0)), corners = new Float32Array(bytes.buffer);
+    this.uniforms = Object.fromEntries(["place", "view", "aspect", "colour", "cut"].map(name => [name, gl.getUniformLocation(program, name)]));
+    this.reach = 0;
+    const ends = [[Infinity, -Infinity], [Infinity, -Infinity]]; // assembled, exploded
+    this.parts = this.data.parts.map(part => {
+      const bytes = Uint8Array.from(atob(part.corners), one => one.charCodeAt(0)), corners = new Float32Array(bytes.buffer);
+      let [reach, low, high] = [0, Infinity, -Infinity];
       for (let at = 0; at < corners.length; at += 3) {
         reach = Math.max(reach, Math.hypot(corners[at], corners[at + 1]));
         low = Math.min(low, corners[at + 2]);
         high = Math.max(high, corners[at + 2]);
       }
+      for (const place of part.places) {
+        this.reach = Math.max(this.reach, reach + Math.hypot(place.at[0], place.at[1]));
+        ends.forEach((end, apart) => { end[0] = Math.min(end[0], low + place.at[2] + apart * place.apart); end[1] = Math.max(end[1], high + place.at[2] + apart * place.apart); });
+      }
       const buffers = [corners, normalsOf(corners)].map(data => { const buffer = gl.createBuffer(); gl.bindBuffer(gl.ARRAY_BUFFER, buffer); gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW); return buffer; });
-      return { ...body, corners: null, buffers, count: corners.length / 3 };
+      return { ...part, corners: null, buffers, count: corners.length / 3 };
     });
+    this.ends = ends;
     this.names = ["corner", "normal"].map(name => gl.getAttribLocation(program, name));
-    this.scale = 0.88 / Math.hypot(reach, (high - low) / 2);
-    this.middle = (low + high) / 2;
     gl.enable(gl.DEPTH_TEST);
-    gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA); // for a page behind the canvas
-    gl.polygonOffset(2, 4); // what is seen through lies behind what touches it
   }
 
   #hands() {
@@ -111,29 +138,33 @@ export class Solid {
     gl.viewport(0, 0, wide, tall);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    const s = this.scale * this.size, [cy, sy, cp, sp] = [Math.cos(this.yaw), Math.sin(this.yaw), Math.cos(this.pitch), Math.sin(this.pitch)];
+    const [low, high] = [0, 1].map(end => this.ends[0][end] + this.apart * (this.ends[1][end] - this.ends[0][end]));
+    const s = 0.88 / Math.hypot(this.reach, (high - low) / 2) * this.size, middle = (low + high) / 2;
+    const [cy, sy, cp, sp] = [Math.cos(this.yaw), Math.sin(this.yaw), Math.cos(this.pitch), Math.sin(this.pitch)];
     // turned about the reducer's axis, then tilted: z of the screen looks away from us
-    const view = [cy * s, cp * sy * s, -sp * sy * s, 0, -sy * s, cp * cy * s, -sp * cy * s, 0, 0, -sp * s, -cp * s, 0, 0, sp * s * this.middle, cp * s * this.middle, 1];
-    gl.uniformMatrix4fv(this.at.view, false, new Float32Array(view));
-    gl.uniform2f(this.at.aspect, Math.min(1, tall / wide), Math.min(1, wide / tall));
-    const { orbit, gear_rate: rate } = this.data;
-    const glass = body => body.colour[3] < 1 || (this.cut && body.name === "housing");
-    for (const clear of [false, true]) {
-      for (const body of this.bodies) {
-        if (glass(body) !== clear) continue;
-        for (const what of [gl.BLEND, gl.POLYGON_OFFSET_FILL]) (clear ? gl.enable : gl.disable).call(gl, what);
-        gl.depthMask(!clear);
-        const [r, g, b, a] = body.colour;
-        gl.uniform4f(this.at.colour, r, g, b, this.cut && body.name === "housing" ? 0.28 : a);
-        this.names.forEach((name, at) => { gl.bindBuffer(gl.ARRAY_BUFFER, body.buffers[at]); gl.enableVertexAttribArray(name); gl.vertexAttribPointer(name, 3, gl.FLOAT, false, 0, 0); });
-        const at = this.crank + body.phase;
-        const pose = { crank: [this.crank, 0, 0], disc: [rate * this.crank, -orbit * Math.sin(at), orbit * Math.cos(at)], output: [rate * this.crank, 0, 0] }[body.moves];
-        for (const [x, y] of body.places) {
-          gl.uniformMatrix4fv(this.at.place, false, new Float32Array(pose ? columns(...pose) : columns(0, x, y)));
-          gl.drawArrays(gl.TRIANGLES, 0, body.count);
-        }
+    const view = [cy * s, cp * sy * s, -sp * sy * s, 0, -sy * s, cp * cy * s, -sp * cy * s, 0, 0, -sp * s, -cp * s, 0, 0, sp * s * middle, cp * s * middle, 1];
+    gl.uniformMatrix4fv(this.uniforms.view, false, new Float32Array(view));
+    gl.uniform2f(this.uniforms.aspect, Math.min(1, tall / wide), Math.min(1, wide / tall));
+    gl.uniform2f(this.uniforms.cut, this.cut ? this.at * this.reach : 1e9, this.cut ? 1 : 0);
+    for (const part of this.parts) {
+      const [r, g, b] = part.colour;
+      this.names.forEach((name, at) => { gl.bindBuffer(gl.ARRAY_BUFFER, part.buffers[at]); gl.enableVertexAttribArray(name); gl.vertexAttribPointer(name, 3, gl.FLOAT, false, 0, 0); });
+      for (const place of part.places) {
+        if (place.step > this.step) continue;
+        const fresh = place.step === this.step && this.step < this.data.steps.length; // the part of this step is brighter
+        gl.uniform4f(this.uniforms.colour, ...(fresh ? [0.95, 0.55, 0.15] : [r, g, b]), 1);
+        gl.uniformMatrix4fv(this.uniforms.place, false, new Float32Array(this.#pose(place)));
+        gl.drawArrays(gl.TRIANGLES, 0, part.count);
       }
     }
-    gl.depthMask(true);
+  }
+
+  // The pose of a part at the crank angle: fixed, or with the crank, the output or a disc.
+  #pose({ at: [x, y, z], angle, moves, phase, apart }) {
+    const { orbit, gear_rate: rate } = this.data, up = z + this.apart * apart;
+    const turn = { crank: this.crank, output: rate * this.crank, disc: rate * this.crank }[moves] ?? 0;
+    if (moves === "disc") return columns(angle + turn, -orbit * Math.sin(this.crank + phase), orbit * Math.cos(this.crank + phase), up);
+    const [c, s] = [Math.cos(turn), Math.sin(turn)];
+    return columns(angle + turn, c * x - s * y, s * x + c * y, up);
   }
 }

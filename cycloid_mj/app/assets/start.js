@@ -1,19 +1,22 @@
 // The start form: the requirements of a drive. The answer is up to three drives, or the largest feasible torque and alternatives as buttons.
 
 import { work, stop } from "./net.js";
-import { el, number, fill, refill, JUDGED } from "./dom.js";
+import { el, number, fill, refill, announce, JUDGED } from "./dom.js";
 
 const FIELDS = [
   ["ratio", "Ratio", ": 1", 15, { min: 3, max: 150, step: 1 }, "Input turns per output turn"],
   ["diameter_mm", "Diameter", "mm", 60, { min: 1, step: "any" }, "Outer diameter with covers, at most"],
   ["torque_nm", "Torque", "N m", 2, { min: 0, step: "any" }, "Continuous output torque; twice this is allowed as a peak"],
-  ["life_h", "Life", "h", 6000, { min: 1, step: "any" }, "Hours at this torque"],
+  ["life_h", "Life", "h", "", { min: 1, step: "any" }, "Hours at this torque"],
 ];
 const MORE = [
-  ["speed_rpm", "Crank speed", "rpm", 1500, { min: 1, step: "any" }, "Motor speed"],
+  ["speed_rpm", "Crank speed", "rpm", "", { min: 1, step: "any" }, "Motor speed"],
+  ["duty_percent", "Time under load", "%", "", { min: 1, max: 100, step: "any" }, "100: continuous; the rest of the time the drive cools"],
   ["length_mm", "Maximum length", "mm", "", { min: 1, step: "any" }, "Empty: no limit"],
   ["backlash_arcmin", "Maximum backlash", "arcmin", "", { min: 0, step: "any" }, "Empty: no limit. Clearances are chosen to suit"],
 ];
+const OF_PROCESS = ["life_h", "speed_rpm", "duty_percent"]; // fields whose default depends on the process
+const COOLING = { still: "still air", mounted: "mounted on a machine", fan: "fan" };
 const PROCESS = { printed: ["Printed", "plastic, clearances of 0.1 mm"], milled: ["Milled", "tempered steel, 20 µm"], steel: ["Steel", "hardened and ground, 5 µm"] };
 const LAYOUT = { 0: ["One or two discs", "two if one is not sufficient"], 1: ["One disc", "simplest; unbalanced"], 2: ["Two discs", "balanced"] };
 
@@ -23,7 +26,8 @@ export class Start {
   offer(offers) { this.offers = offers; }
 
   open(asked) {
-    this.#build({ process: "printed", discs: 1, ...Object.fromEntries([...FIELDS, ...MORE].map(([key, , , value]) => [key, value])), ...asked });
+    const process = asked.process || "printed";
+    this.#build({ process, discs: 1, ...Object.fromEntries([...FIELDS, ...MORE].map(([key, , , value]) => [key, value])), ...this.offers.processes[process], material: "", ...asked });
     this.dialog.showModal();
     this.form.elements.ratio.select();
   }
@@ -34,19 +38,27 @@ export class Start {
       el("small", {}, hint));
     const choice = (name, options, chosen) => el("div", { class: "choice" }, Object.entries(options).map(([value, [word, hint]]) => el("label", {},
       el("input", { type: "radio", name, value, checked: String(chosen) === value }), el("span", {}, el("b", {}, word), el("small", {}, hint)))));
-    this.answer = el("div", { class: "answer", "aria-live": "polite" });
+    this.answer = el("div", { class: "answer" });
     this.material = el("select", { name: "material" });
     const materials = () => {
       const before = values.material;
-      const names = this.offers.processes[this.form.elements.process.value];
-      fill(this.material, el("option", { value: "" }, `default: ${names[0]}`), ...this.offers.materials.map(name => el("option", { value: name, selected: name === before }, name)));
+      const usual = this.offers.processes[this.form.elements.process.value];
+      fill(this.material, el("option", { value: "" }, `default: ${usual.material}`), ...this.offers.materials.map(name => el("option", { value: name, selected: name === before }, name)));
     };
-    this.form = el("form", { novalidate: false, onsubmit: event => { event.preventDefault(); this.#find(this.#read()); }, onchange: event => event.target.name === "process" && materials() },
+    // Another process: fields with the default of the previous one get its own.
+    const defaults = () => {
+      const [before, now] = [values.process, this.form.elements.process.value].map(name => this.offers.processes[name]);
+      for (const key of OF_PROCESS) if (Number(this.form.elements[key].value) === before[key]) this.form.elements[key].value = String(now[key]);
+      values.process = this.form.elements.process.value;
+      materials();
+    };
+    const select = (name, label, options, hint) => el("label", { class: "field" }, el("span", {}, label), el("select", { name }, options.map(([key, words]) => el("option", { value: key, selected: key === (values[name] ?? "") }, words))), el("small", {}, hint));
+    this.form = el("form", { novalidate: false, onsubmit: event => { event.preventDefault(); this.#find(this.#read()); }, onchange: event => event.target.name === "process" && defaults() },
       el("div", { class: "fields" }, FIELDS.map(field)),
       el("fieldset", {}, el("legend", {}, "Manufacturing process"), choice("process", PROCESS, values.process)),
       el("fieldset", {}, el("legend", {}, "Layout"), choice("discs", LAYOUT, values.discs)),
-      el("details", { open: MORE.some(([key, , , usual]) => (values[key] ?? "") !== usual) || Boolean(values.material) }, el("summary", {}, "More: speed, length, backlash, material"),
-        el("div", { class: "fields" }, MORE.map(field), el("label", { class: "field" }, el("span", {}, "Material"), this.material, el("small", {}, "Material of disc and housing")))),
+      el("details", { open: MORE.some(([key, , , usual]) => (values[key] ?? "") !== (this.offers.processes[values.process][key] ?? usual)) || Boolean(values.material) }, el("summary", {}, "More: motor, speed, duty, length, backlash, material"),
+        el("div", { class: "fields" }, select("motor", "Motor", Object.entries(this.offers.motors), "Its flange and shaft are part of the covers"), MORE.map(field), select("cooling", "Cooling", this.offers.cooling.map(name => [name, COOLING[name] ?? name]), "Of the housing"), el("label", { class: "field" }, el("span", {}, "Material"), this.material, el("small", {}, "Material of disc and housing")))),
       el("div", { class: "go" }, el("button", { class: "strong", type: "submit" }, "Find drives"), el("span", { class: "soft" }, "Search by static load and life calculation, with standard pins and bearings")));
     fill(this.dialog,
       el("form", { method: "dialog", class: "close" }, el("button", { "aria-label": "Close" }, "×")),
@@ -80,6 +92,7 @@ export class Start {
 
   // Search with other values, and show them in the form.
   #instead(asked) {
+    asked = { ...asked, motor: this.form.elements.motor.value };
     this.#build({ ...asked, material: asked.material || "" });
     this.#find(Object.fromEntries(Object.entries(asked).filter(([, value]) => value !== null && value !== "")));
   }
@@ -99,7 +112,6 @@ export class Start {
     try {
       const job = await work({ kind: "size", form }, data => {
         this.job = mine = data.job;
-        if (data.state === "queued") doing.textContent = "waiting for other jobs";
         if (data.progress?.doing) doing.textContent = data.progress.doing;
         if (data.progress?.answer) {
           doing.textContent = "searching for alternatives: larger diameters, other processes, other materials";
@@ -107,6 +119,7 @@ export class Start {
             const first = ways < 0;
             ways = data.progress.answer.ways.length;
             this.#refused(found, data.progress.answer, false);
+            if (first) announce(found.querySelector("h3").textContent);
             if (first) look(); // later ones must not move the text that is being read
           }
         }
@@ -117,6 +130,7 @@ export class Start {
       this.answer.firstChild.remove();
       if (job.result.drives.length) this.#drives(found, job.result);
       else this.#refused(found, job.result, true);
+      announce(found.querySelector("h3").textContent);
       // not while the user is typing, or has already chosen
       if ([place, document.body, this.dialog].includes(document.activeElement)) found.querySelector("button")?.focus();
     } catch (error) {
@@ -137,7 +151,7 @@ export class Start {
         el("h4", {}, drive.title), el("p", { class: "soft" }, drive.why),
         drive.verdict.words ? el("p", { class: JUDGED[drive.verdict.judgement].look }, `${JUDGED[drive.verdict.judgement].mark} ${drive.verdict.words}`) : null,
         el("dl", {}, rows.map(([key, word, unit, field]) => [el("dt", {}, word), el("dd", judged(drive, field), `${number(drive.figures[key], 3)} ${unit}`)]), el("dt", {}, "Life"), el("dd", judged(drive, "life_h"), drive.life)),
-        el("button", { type: "button", class: at ? "" : "strong", onclick: async () => { if (await this.take(drive, answer.asked)) this.#shut(); } }, "Use this drive")))));
+        el("button", { type: "button", class: at ? "" : "strong", onclick: async () => { if (await this.take(drive, { ...answer.asked, motor: this.form.elements.motor.value })) this.#shut(); } }, "Use this drive")))));
   }
 
   #refused(place, answer, done) {

@@ -1,22 +1,25 @@
 // The tabs next to the cross-section: figures and charts of the design, long studies, the comparison of A and B, exports.
 
 import { ask, newest, work, stop, download } from "./net.js";
-import { el, number, toast, refill, JUDGED } from "./dom.js";
+import { el, number, toast, refill, announce, JUDGED } from "./dom.js";
 import { lines, spikes, histogram, bars } from "./charts.js";
 import { Solid } from "./solid.js";
 
 const TABS = { figures: "Figures", turn: "Loads", error: "Error", losses: "Losses", life: "Life", scatter: "Tolerances", stress: "Stress", solid: "3-D", compare: "A | B", make: "Export" };
 const STUDIES = ["scatter", "stress"]; // tabs whose results stay until they are computed again
+const SOURCES = { printed: "printed", made: "made in a workshop", bought: "bought" };
 
 // Bars of judged rows: judgement and length of each bar come from the server.
 const judgedBars = (rows, line) => bars(rows.map(row => ({ name: row.name, share: row.share, text: `${JUDGED[row.judgement].mark} ${row.text}`, look: JUDGED[row.judgement].look, mark: line, title: row.title })));
 
 export class Tabs {
   constructor(place, state, apply) {
-    Object.assign(this, { place, state, apply, open: "figures", last: {}, jobs: {}, other: null });
+    Object.assign(this, { place, state, apply, open: "figures", last: {}, jobs: {}, other: null, printer: {} });
+    this.choseMotor = () => {};
     this.solved = {
       error: newest("error", data => this.receive("error", data), words => this.receiveError("error", words)),
       solid: newest("solid", data => this.receive("solid", data), words => this.receiveError("solid", words)),
+      make: newest("build", data => this.receive("make", data), words => this.receiveError("make", words)),
     };
     this.list = el("div", { role: "tablist", "aria-label": "Results", onkeydown: event => this.#keys(event) }, Object.entries(TABS).map(([key, word]) =>
       el("button", { role: "tab", id: `tab-${key}`, "aria-controls": "panel", "aria-selected": String(key === this.open), tabindex: key === this.open ? "0" : "-1", onclick: () => this.choose(key) }, word)));
@@ -26,7 +29,10 @@ export class Tabs {
 
   offer(offers) { this.offers = offers; this.#draw(); }
 
+  // Open a tab; a study of the tab that is left is stopped.
   choose(key) {
+    const left = this.jobs[this.open];
+    if (key !== this.open && STUDIES.includes(this.open) && left?.number) stop(left.number).catch(() => {});
     this.open = key;
     for (const tab of this.list.children) {
       const mine = tab.id === `tab-${key}`;
@@ -53,7 +59,7 @@ export class Tabs {
     for (const key in this.solved) delete this.last[key];
     for (const key of STUDIES) if (this.last[key]) this.last[key].old = true;
     this.#want();
-    if ([...STUDIES, "compare", "make"].includes(this.open)) this.#draw();
+    if ([...STUDIES, "compare"].includes(this.open)) this.#draw();
     this.panel.classList.toggle("old", ![...STUDIES, "make"].includes(this.open));
   }
 
@@ -70,13 +76,16 @@ export class Tabs {
   receiveError(key, words) { this.last[key] = { words }; this.#again(key); }
 
   #again(key) {
-    const needs = { figures: ["statics"], turn: ["forces"], losses: ["statics"], life: ["life"], error: ["error"], solid: ["solid"], compare: ["statics", "life"] };
+    const needs = { figures: ["statics"], turn: ["forces"], losses: ["statics"], life: ["life"], error: ["error"], solid: ["solid"], make: ["make"], compare: ["statics", "life"] };
     if (needs[this.open]?.includes(key)) this.#draw();
   }
 
   #want() {
-    if (this.open in this.solved && !this.errors && !this.last[this.open]) this.solved[this.open].ask({ design: this.state().design });
+    if (this.open in this.solved && !this.errors && !this.last[this.open]) this.solved[this.open].ask({ design: this.state().design, options: this.options() });
   }
+
+  // Choices that are not in the design file: the motor of the requirements, and those of the printer.
+  options() { return { motor: this.state().asked.motor || "auto", ...this.printer }; }
 
   #draw() {
     this.panel.classList.remove("old");
@@ -98,7 +107,7 @@ export class Tabs {
   #figures() {
     return this.#of("statics", data => [
       el("p", { class: "soft" }, `Static equilibrium at ${data.condition}.`),
-      el("table", { class: "figures" }, el("tbody", {}, data.rows.map(row => el("tr", { title: row.note }, el("th", { scope: "row" }, row.name), el("td", {}, row.value))))),
+      el("table", { class: "figures" }, el("tbody", {}, data.rows.map(row => el("tr", {}, el("th", { scope: "row" }, el("details", {}, el("summary", {}, row.name), el("p", { class: "soft" }, row.note))), el("td", {}, row.value))))),
       el("details", {}, el("summary", {}, "Assumptions"), el("ul", {}, data.assumptions.map(one => el("li", {}, one))))]);
   }
 
@@ -167,19 +176,23 @@ export class Tabs {
       try {
         const done = await work({ kind: key, design: this.state().design, ...content() }, data => {
           this.#progress(mine, data);
-          const found = data.progress?.seen || (data.progress?.rows && { rows: data.progress.rows, rated: data.progress.rated });
+          const found = data.progress?.seen || (data.progress?.parts && { parts: data.progress.parts });
           if (!found || JSON.stringify(found) === seen) return;
           seen = JSON.stringify(found);
           this.last[key] = { data: found };
           if (this.open === key && this.jobs[key] === mine) this.#draw();
         });
         if (done.result) this.last[key] = { data: done.result, old: mine.asked !== this.state().design };
-      } catch (error) { this.last[key] = { words: error.message }; }
+        announce(done.result ? `${TABS[key]}: finished` : `${TABS[key]}: stopped`);
+        if (!done.result) mine.stopped = true;
+      } catch (error) { this.last[key] = { words: error.message }; announce(`${TABS[key]}: ${error.message}`); }
+      if (mine.stopped && this.last[key]) this.last[key].stopped = true;
       if (this.jobs[key] === mine) delete this.jobs[key];
       if (this.open === key) this.#draw();
     };
     return [
       job ? this.#progress(job) : el("div", { class: "go" }, before, el("button", { class: "strong", onclick: begin }, label)),
+      last?.stopped ? el("p", { class: "near" }, `${JUDGED.warning.mark} Stopped before the end: these results are of the part that was computed.`) : null,
       last?.old ? el("p", { class: "near" }, `${JUDGED.warning.mark} The design has changed: these results are out of date.`) : null,
       last ? (last.words ? el("p", { class: "fails" }, last.words) : el("div", { class: last.old ? "old" : null }, draw(last.data))) : null];
   }
@@ -196,10 +209,11 @@ export class Tabs {
   }
 
   #stress() {
-    return [el("p", { class: "soft" }, "Contact and fatigue stress by the rating, and the largest bulk stress of each part by finite elements on coarse grids, from a MuJoCo run of one crank turn at the load. This takes 15 s of CPU time or more."),
+    return [el("p", { class: "soft" }, "Stress of each part under the load: contact pressure by the rating, next to the largest bulk stress by finite elements on coarse grids, from a MuJoCo run of one crank turn. This takes 15 s of CPU time or more."),
       ...this.#study("stress", "Compute stresses", () => ({}), found => [
-        el("h3", {}, "Contact and fatigue (rating)"), judgedBars(found.rated, true),
-        el("h3", {}, "Bulk stress and yield strength (finite elements)"), judgedBars(found.rows, false)])];
+        el("p", { class: "scale" }, el("span", {}, "0"), el("span", { class: "colours", role: "img", "aria-label": "Colours from 0 to the limit of each part" }), el("span", {}, "limit")),
+        el("table", { class: "stresses" }, el("thead", {}, el("tr", {}, ["Part", "Contact or fatigue (rating)", "Bulk (finite elements)"].map(head => el("th", { scope: "col" }, head)))),
+          el("tbody", {}, found.parts.map(part => el("tr", {}, el("th", { scope: "row" }, part.name), ["rated", "bulk"].map(kind => el("td", {}, part[kind].length ? bars(part[kind].map(row => ({ ...row, colour: row.colour, text: `${JUDGED[row.judgement].mark} ${row.text}`, look: JUDGED[row.judgement].look }))) : "–"))))))])];
   }
 
   #solid() {
@@ -239,26 +253,51 @@ export class Tabs {
       el("div", { class: "go" }, keep, el("button", { onclick: async () => { const a = this.other; this.other = mine; await this.swap(a); } }, "Swap A and B"))];
   }
 
+  // Start a job that makes files; its progress is shown at the end of the tab.
+  async #begin(kind, words) {
+    this.wrong = "";
+    const mine = this.jobs.make = { words };
+    this.#draw();
+    try {
+      const done = await work({ kind, design: this.state().design, options: this.options() }, data => this.#progress(mine, data));
+      if (done.files.length) download(done);
+      if (done.page) this.report = done.job;
+      announce(done.state === "done" ? `${words}: finished` : `${words}: stopped`);
+    } catch (error) { toast(error.message); this.wrong = error.message; }
+    delete this.jobs.make;
+    if (this.open === "make") this.#draw();
+  }
+
   #make() {
-    const running = this.jobs.make;
-    const begin = async (kind, words) => {
-      const mine = this.jobs.make = { words };
-      this.#draw();
-      try {
-        const done = await work({ kind, design: this.state().design }, data => this.#progress(mine, data));
-        if (done.files.length) download(done);
-        if (done.page) this.report = done.job;
-      } catch (error) { toast(error.message); this.wrong = error.message; }
-      delete this.jobs.make;
-      if (this.open === "make") this.#draw();
-    };
-    const blocked = Boolean(this.errors || running);
+    const { motors = {}, beds = [], files = {} } = this.offers || {}, running = this.jobs.make, blocked = Boolean(this.errors || running);
+    const button = (kind, words, look = "") => el("button", { class: look, disabled: blocked && kind !== "toml", onclick: () => this.#begin(kind, words) }, words);
+    const choice = (words, options, value, change) => el("label", { class: "choose" }, el("span", {}, words), el("select", { onchange: event => change(event.target.value) }, options.map(([key, word]) => el("option", { value: key, selected: key === value }, word))));
+    const printer = change => { Object.assign(this.printer, change); };
     return [
-      el("h3", {}, "Simulation"), el("div", { class: "go" }, el("button", { class: "strong", disabled: blocked, onclick: () => { this.wrong = ""; begin("run", "Run in MuJoCo"); } }, "Run in MuJoCo"),
-        this.report ? el("a", { href: `/report/${this.report}`, target: "_blank" }, "Report of the run") : el("span", { class: "soft" }, "One crank turn at full speed under the load. The report opens in a new window.")),
-      el("h3", {}, "Files"), el("div", { class: "make" }, Object.entries(this.offers?.files || {}).map(([kind, words]) => el("button", { disabled: blocked && kind !== "toml", onclick: () => { this.wrong = ""; begin(kind, words); } }, words))),
+      el("h3", {}, "Drive"),
+      el("div", { class: "go" }, choice("Motor", Object.entries(motors), this.options().motor, motor => { delete this.last.make; delete this.last.solid; this.choseMotor(motor); this.#want(); this.#draw(); }),
+        choice("Printer bed", beds.map(bed => [bed, bed ? `${bed.split("x").join(" × ")} mm` : "one plate"]), this.printer.bed ?? "", bed => printer({ bed })),
+        el("label", { class: "choose" }, el("span", {}, "Printer offset [µm]"), el("input", { type: "number", min: "0", max: "500", step: "10", value: String(this.printer.offset_um ?? 0), onchange: event => printer({ offset_um: event.target.valueAsNumber || 0 }) }))),
+      el("div", { class: "go" }, button("drive", "All files to build it (ZIP)", "strong"), el("span", { class: "soft" }, "Plates with covers, test coupon, bill of materials, drawings, order of assembly, STEP")),
       running ? this.#progress(running) : null,
       this.wrong ? el("p", { class: "fails" }, this.wrong) : null,
-      this.errors ? el("p", { class: "fails" }, "This design cannot be built. Resolve its errors first: the buttons above the tabs do so.") : null];
+      this.errors ? el("p", { class: "fails" }, "This design cannot be built. Resolve its errors first: the buttons above the tabs do so.") : null,
+      el("h3", {}, "Single files"), el("div", { class: "make" }, Object.entries(files).map(([kind, words]) => button(kind, words))),
+      el("h3", {}, "Simulation"), el("div", { class: "go" }, button("run", "Run in MuJoCo"),
+        this.report ? el("a", { href: `/report/${this.report}`, target: "_blank" }, "Report of the run") : el("span", { class: "soft" }, "One crank turn at full speed under the load. The report opens in a new window.")),
+      this.errors ? null : this.#of("make", data => this.#drive(data))];
+  }
+
+  // Size, bill and order of assembly of the drive with its covers.
+  #drive(data) {
+    return [
+      data.reason ? el("p", { class: "near" }, `${JUDGED.warning.mark} The covers do not fit, so that the drive cannot be closed: ${data.reason}`)
+        : el("p", {}, "With covers for ", el("b", {}, data.motor), `: ${number(data.diameter_mm)} mm diameter, ${number(data.length_mm)} mm long, `, el("b", {}, `${number(data.mass_kg, 3)} kg`), " without motor and grease."),
+      el("h3", {}, "Bill of materials"),
+      el("div", { class: "values", role: "region", tabindex: "0", "aria-label": "Bill of materials" }, el("table", { class: "bill" }, el("thead", {}, el("tr", {}, ["Part", "Number", "", "Size", "Material or designation", "Mass [g]", "Price class of a piece"].map(head => el("th", { scope: "col" }, head)))),
+        el("tbody", {}, data.bill.map(row => el("tr", {}, el("th", { scope: "row" }, row.item), el("td", {}, String(row.count)), el("td", { class: `source ${row.source}` }, SOURCES[row.source]), el("td", {}, row.size), el("td", {}, [row.material, row.designation].filter(Boolean).join(", ")), el("td", {}, number(row.mass_g, 3)), el("td", {}, row.price)))))),
+      el("p", { class: "soft" }, "Price classes are assumed orders of magnitude, not quotations. Mass is that of all pieces."),
+      data.consumables.length ? el("p", { class: "soft" }, `Also needed: ${data.consumables.join("; ")}.`) : null,
+      data.order.length ? [el("h3", {}, "Order of assembly"), el("ol", { class: "order" }, data.order.map(step => el("li", {}, step.replaceAll("_", " "))))] : null];
   }
 }

@@ -1,0 +1,245 @@
+"""The drive with its covers for a motor: size, bill of materials, order of assembly, and all files to build it."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, cast, get_args
+
+from cycloid_mj.base.errors import CycloidError, DesignError, UsageError
+from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.life.joints import tightening_torques
+from cycloid_mj.parts import mass_properties
+from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
+from cycloid_mj.parts.export import (
+    CHORD_ERROR,
+    BillLine,
+    assembly_order,
+    assembly_step,
+    bill,
+    drive_files,
+    export,
+    widen_clearances,
+)
+from cycloid_mj.parts.export.assembly import assembly_parts, places
+from cycloid_mj.parts.export.bill import consumables
+from cycloid_mj.parts.export.casing import Casing, casing_or_none, is_plastic, is_printed
+from cycloid_mj.parts.export.drive import BEARING_FILL
+from cycloid_mj.parts.export.motors import MOTORS, MotorName
+from cycloid_mj.parts.export.print_files import PrintSettings, print_files, stock_cam_seat
+from cycloid_mj.parts.export.printing import material_part
+from cycloid_mj.reducer import Reducer
+
+MOTOR_WORDS: Mapping[str, str] = {
+    "auto": "smallest NEMA frame that suits",
+    **{name: motor.name for name, motor in MOTORS.items()},
+    "circle": "bolt circle only, coupled shaft",
+}
+"""Motors of the page and their words."""
+
+BEDS = ("", "180x180", "220x220", "256x256", "300x300")
+"""Beds of printers [mm]; empty: one plate, as large as needed."""
+
+MAX_OFFSET_UM = 500.0
+
+
+@dataclass(frozen=True)
+class PriceRule:
+    """Price of a part: a rate for its mass [EUR/kg], and a minimum [EUR]."""
+
+    rate: float
+    minimum: float
+
+
+PRICES: Mapping[str, PriceRule] = {
+    "printed": PriceRule(30.0, 0.1),
+    "made": PriceRule(300.0, 40.0),
+    "bearing": PriceRule(100.0, 3.0),
+    "pin": PriceRule(50.0, 0.3),
+    "screw": PriceRule(20.0, 0.1),
+}
+"""Kind of part -> its price in small numbers, assumed: filament; turned, milled or ground parts of a workshop; rolling
+bearings; needle rollers, dowels and bars; screws and threaded inserts. Good for a class, not for a quotation."""
+
+PRICE_CLASSES = ((1.0, "below 1 EUR"), (10.0, "1 to 10 EUR"), (100.0, "10 to 100 EUR"), (math.inf, "above 100 EUR"))
+"""Upper limits [EUR] of the price of a piece, and their words."""
+
+
+@dataclass(frozen=True)
+class BuildOptions:
+    """Choices of the page that are not in the design file.
+
+    Attributes
+    ----------
+    motor
+        Motor whose flange and shaft the drive fits, a key of `MOTOR_WORDS`.
+    offset
+        Printer offset: increase of all clearances of printed parts [m].
+    bed
+        Length and width of the printer's bed [m]; None: one plate, as large as needed.
+    """
+
+    motor: MotorName = "auto"
+    offset: float = 0.0
+    bed: tuple[float, float] | None = None
+
+
+def build_options(content: Any) -> BuildOptions:
+    """Return the options of a question of the page: ``motor``, ``offset_um`` and ``bed``.
+
+    Raises
+    ------
+    UsageError
+        A value is not among those allowed.
+    """
+    options = content if isinstance(content, Mapping) else {}
+    motor, offset, bed = options.get("motor") or "auto", options.get("offset_um") or 0.0, options.get("bed") or ""
+    if motor not in get_args(MotorName):
+        raise UsageError(f"unknown motor {motor!r}; available: {', '.join(MOTOR_WORDS)}")
+    if type(offset) not in (int, float) or not 0.0 <= offset <= MAX_OFFSET_UM:
+        raise UsageError(f"the printer offset is {offset!r} um; allowed: 0 to {MAX_OFFSET_UM:g} um")
+    if bed not in BEDS:
+        raise UsageError(f"unknown printer bed {bed!r}; available: {', '.join(BEDS[1:])} mm")
+    length, _, width = bed.partition("x")
+    return BuildOptions(
+        cast("MotorName", motor), 1e-6 * offset, (1e-3 * float(length), 1e-3 * float(width)) if bed else None
+    )
+
+
+def drive_of(reducer: Reducer) -> Reducer:
+    """Return the reducer whose parts are built: at 20 °C, and with the ring in one piece.
+
+    Raises
+    ------
+    DesignError
+        The sizes are those of warm parts.
+    """
+    design = reducer.design.at_reference
+    if design.ring.halves > 1:
+        design = design.but(ring={"halves": 1, "preload": 0.0})
+    return reducer if design == reducer.design else Reducer(design)
+
+
+def describe_drive(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
+    """Return size, bill, consumables and order of assembly of the drive with its covers, in JSON values.
+
+    Without covers, ``reason`` says why they do not fit, and the bill is that of the mechanism.
+
+    Raises
+    ------
+    DesignError
+        The chosen motor does not fit, or a part cannot be manufactured.
+    """
+    reducer = drive_of(reducer)
+    sizes, reason = casing_or_none(reducer, options.motor)
+    rows = bill_rows(reducer, sizes)
+    described = {
+        "reason": reason,
+        "bill": rows,
+        "mass_kg": sum(row["mass_g"] for row in rows) / 1000.0,
+        "consumables": list(consumables(reducer, sizes)) if sizes else [],
+        "order": list(assembly_order(reducer, sizes)) if sizes else [],
+        "printed": is_plastic(reducer),
+    }
+    if sizes:
+        low, high = sizes.ends
+        described |= {
+            "motor": sizes.motor.name,
+            "diameter_mm": 2.0 * MILLIMETRES * sizes.outer,
+            "length_mm": MILLIMETRES * (high - low),
+        }
+    return described
+
+
+def bill_rows(reducer: Reducer, sizes: Casing | None) -> list[dict[str, Any]]:
+    """Return the bill of materials with source (printed, bought or made), mass [g] and price class of each line."""
+    masses = part_masses(reducer, sizes)
+    lines = bill(reducer, stock_cam_seat(reducer), sizes, tightening_torques(reducer) if sizes else None)
+    return [_bill_row(reducer, line, 1000.0 * masses.get(line.item, 0.0)) for line in lines]
+
+
+def part_masses(reducer: Reducer, sizes: Casing | None) -> dict[str, float]:
+    """Compute the mass of all copies of each part of the assembly [kg]; bearings are filled by `BEARING_FILL`."""
+    parts, masses = assembly_parts(reducer, sizes), dict[str, float]()
+    each = {name: mass_properties(part.solid(VISUAL_CHORD_ERROR)).mass for name, part in parts.items()}
+    for place in places(reducer, 0.0, sizes):
+        share = BEARING_FILL if place.part.endswith("_bearing") else 1.0
+        masses[place.part] = masses.get(place.part, 0.0) + share * each[place.part]
+    return masses
+
+
+def _bill_row(reducer: Reducer, line: BillLine, mass_g: float) -> dict[str, Any]:
+    """Return a line of the bill as the page shows it."""
+    source = "bought"
+    if line.made_or_bought == "made":
+        source = "printed" if is_printed(reducer, material_part(reducer, line.item)) else "made"
+    price = PRICES[_price_kind(line.item, source)]
+    piece = max(price.minimum, price.rate * mass_g / 1000.0 / max(line.count, 1))
+    return {
+        "item": line.item.replace("_", " "),
+        "count": line.count,
+        "size": line.size,
+        "material": line.material,
+        "source": source,
+        "designation": line.designation,
+        "fit": line.fit,
+        "mass_g": mass_g,
+        "price": next(words for limit, words in PRICE_CLASSES if piece < limit),
+    }
+
+
+def _price_kind(item: str, source: str) -> str:
+    """Return the kind of a part in `PRICES`."""
+    if source != "bought":
+        return source
+    if item.endswith("bearing"):
+        return "bearing"
+    return "screw" if "screw" in item or item == "bolt" else "pin"
+
+
+def build_files(reducer: Reducer, options: BuildOptions, on_step: Callable[[str, float], None]) -> dict[str, bytes]:
+    """Return all files to build a drive: those of ``cycloid-mj export --plate --assembly --drawings``, by name.
+
+    They are plates and test coupon, meshes of the printed parts, bill of materials, drawings, order of assembly with
+    an exploded view, and the assembly in STEP.
+
+    Parameters
+    ----------
+    on_step
+        Called with what is done next, and the share that is done.
+
+    Raises
+    ------
+    DesignError
+        The covers or the chosen motor do not fit, or a part cannot be manufactured.
+    CycloidError
+        An extra that a file needs is not installed.
+    """
+    from cycloid_mj.plots.drawings import drawing_files
+    from cycloid_mj.plots.exploded import ASSEMBLY, instruction_files
+
+    reducer = drive_of(reducer)
+    sizes, reason = casing_or_none(reducer, options.motor)
+    if sizes is None:
+        raise CycloidError(f"the drive cannot be closed, as its covers do not fit: {reason}")
+    settings = PrintSettings(CHORD_ERROR, options.offset, stock_cam_seat(reducer), options.bed)
+    on_step("laying out the plate and the bill", 0.0)
+    printed = print_files(reducer, sizes, settings, tightening_torques(reducer))
+    files, notes = dict(printed.files), [*printed.notes, *printed.warnings]
+    if is_plastic(reducer):
+        on_step("meshing the parts", 0.3)
+        wide = widen_clearances(reducer, options.offset)
+        meshes = export(reducer.design, "stl", CHORD_ERROR, options.offset, options.motor).files
+        meshes |= drive_files(wide, "stl", sizes, CHORD_ERROR, settings.cam_seat)
+        files |= {f"stl/{name}": content for name, content in meshes.items()}
+    on_step("drawing the parts", 0.5)
+    files |= {f"drawings/{name}": content for name, content in drawing_files(reducer, sizes).items()}
+    on_step("drawing the exploded view", 0.75)
+    files |= instruction_files(reducer, sizes)
+    on_step("modelling the assembly in STEP", 0.8)
+    try:
+        files[ASSEMBLY] = assembly_step(reducer, 0.0, sizes)
+    except DesignError:
+        raise
+    except CycloidError as error:  # the extra cad is not installed: the drive can be built without it
+        notes.append(f"{ASSEMBLY} is missing: {error}")
+    return files | {"notes.txt": "".join(f"{note}\n" for note in notes).encode()}

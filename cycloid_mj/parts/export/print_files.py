@@ -1,0 +1,113 @@
+"""Files for printing and buying a drive: plates, test coupon and bill of materials, with notes and warnings."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.parts import mesh
+from cycloid_mj.parts.cam_bearing import cam_bearing
+from cycloid_mj.parts.export.assembly import printed_materials
+from cycloid_mj.parts.export.bill import BillLine, bill, bill_csv, consumables, out_of_stock
+from cycloid_mj.parts.export.casing import Casing, is_plastic
+from cycloid_mj.parts.export.plate import PrintPlate, plates
+from cycloid_mj.parts.export.printable import coupon, coupon_words, print_warnings
+from cycloid_mj.parts.export.printing import widen_clearances
+from cycloid_mj.parts.export.threemf import threemf_bytes
+from cycloid_mj.parts.export.triangles import stl_bytes
+from cycloid_mj.reducer import Reducer
+
+PLATE, BILL = "plate", "bom.csv"
+"""Stem of the files of a plate, and the file of the bill."""
+
+
+@dataclass(frozen=True)
+class PrintFiles:
+    """Plates by the stem of their files, files by name, bill, consumables, notes, and warnings."""
+
+    plates: Mapping[str, PrintPlate]
+    files: Mapping[str, bytes]
+    bill: tuple[BillLine, ...]
+    consumables: tuple[str, ...]
+    notes: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class PrintSettings:
+    """Settings of printed parts in metres.
+
+    Attributes
+    ----------
+    chord_error
+        Largest distance of a chord from its curve.
+    offset
+        Increase of all clearances, to compensate for material that the printer adds.
+    cam_seat
+        Radius of the cams, that of the bore of their bearing; 0: that of its outside.
+    bed
+        Length and width of the printer's bed; None: one plate, as large as needed.
+    """
+
+    chord_error: float
+    offset: float = 0.0
+    cam_seat: float = 0.0
+    bed: tuple[float, float] | None = None
+
+
+def stock_cam_seat(reducer: Reducer) -> float:
+    """Return half the bore of the stock bearing on the cams [m]; 0 without one."""
+    in_stock = cam_bearing(reducer)
+    return round(0.5 * in_stock[0].bore, 9) if in_stock else 0.0
+
+
+def print_files(
+    reducer: Reducer, sizes: Casing | None, settings: PrintSettings, torques: Mapping[str, float] | None = None
+) -> PrintFiles:
+    """Lay out the plates of a drive, and list its parts.
+
+    Parameters
+    ----------
+    sizes
+        Sizes of the casing; None: the mechanism only.
+    torques
+        Tightening torques [N m] by item of the bill.
+
+    Raises
+    ------
+    DesignError
+        A part cannot be manufactured, or is larger than the bed.
+    """
+    error, seat = settings.chord_error, settings.cam_seat
+    laid = plates(widen_clearances(reducer, settings.offset), error, seat, sizes, settings.bed)
+    stems = [PLATE] if len(laid) == 1 else [f"{PLATE}_{number}" for number in range(1, len(laid) + 1)]
+    by_stem = dict(zip(stems, laid, strict=True))
+    items = bill(reducer, seat, sizes, torques)
+    materials = printed_materials(reducer, sizes, {part for one in laid for part in one.counts})
+    files, warnings = {BILL: bill_csv(items)}, [*out_of_stock(items)]
+    for stem, one in by_stem.items():
+        files |= {f"{stem}.stl": stl_bytes(one.mesh, MILLIMETRES), f"{stem}.3mf": threemf_bytes(one, materials)}
+    needed = consumables(reducer, sizes) if sizes else ()
+    if is_plastic(reducer):
+        files |= {f"{name}.stl": stl_bytes(mesh(one), MILLIMETRES) for name, one in coupon(error).items()}
+        hanging = {name: faces for one in laid for name, faces in one.hanging.items()}
+        warnings += print_warnings(reducer, hanging, error, sizes)
+    notes = _notes(by_stem, needed, coupon_words() if is_plastic(reducer) else "")
+    return PrintFiles(by_stem, files, items, needed, notes, tuple(warnings))
+
+
+def _notes(by_stem: Mapping[str, PrintPlate], needed: tuple[str, ...], coupon_note: str) -> tuple[str, ...]:
+    """Describe the plates with their size, what else is needed, the coupon, and the parts with supports."""
+    notes = [
+        f"{stem} of {' x '.join(f'{MILLIMETRES * length:.1f}' for length in one.size)} mm"
+        for stem, one in by_stem.items()
+    ]
+    notes += [f"also needed: {text}" for text in needed]
+    notes += [coupon_note] if coupon_note else []
+    held = [
+        place.part for one in by_stem.values() for place, props in zip(one.places, one.supports, strict=True) if props
+    ]
+    if held:
+        notes.append(
+            f"supports that break away, a layer below the faces that they hold: {', '.join(dict.fromkeys(held))}"
+        )
+    return tuple(notes)
