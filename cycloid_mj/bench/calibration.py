@@ -113,7 +113,7 @@ class Calibration(Presented):
         The calibrated design.
     estimates
         Fitted values by key.
-    alike
+    indistinguishable
         Pairs of keys that the loop cannot distinguish, with their correlation.
     measured, modelled
         Figures of the measured loops, and of the fitted model's at the same torques, by the same definitions.
@@ -131,7 +131,7 @@ class Calibration(Presented):
     fitted: Fitted
     design: Design
     estimates: dict[str, Estimate]
-    alike: tuple[tuple[str, str, float], ...]
+    indistinguishable: tuple[tuple[str, str, float], ...]
     measured: LoopFigures
     modelled: LoopFigures
     variants: tuple[model_selection.ModelFit, ...] = ()
@@ -184,12 +184,12 @@ class Calibration(Presented):
         best, sentences = self.preferred, list(self._worst_stretches())
         if best is None or best.key == model_selection.WRITTEN:
             return tuple(sentences)
-        own = next(item for item in self.candidates if item.key == model_selection.WRITTEN)
-        extra = ", ".join(f"{key} {value:.3g}" for key, value in best.values.items() if key not in own.values)
+        of_design = next(item for item in self.candidates if item.key == model_selection.WRITTEN)
+        extra = ", ".join(f"{key} {value:.3g}" for key, value in best.values.items() if key not in of_design.values)
         better = (
             f"{best.meaning}{f' ({extra})' if extra else ''} explains the loops better than the design's "
-            f"{own.meaning}: Bayesian criterion lower by {own.bayesian - best.bayesian:.3g}, residual "
-            f"{_percent(best.shares)} instead of {_percent(own.shares)} of the heights"
+            f"{of_design.meaning}: Bayesian criterion lower by {of_design.bayesian - best.bayesian:.3g}, residual "
+            f"{_percent(best.shares)} instead of {_percent(of_design.shares)} of the heights"
         )
         remedy = (
             "; a design and a MuJoCo joint have only friction of constant size at a locked crank. To see the fit, use "
@@ -211,7 +211,7 @@ class Calibration(Presented):
     @property
     def measure_next(self) -> tuple[str, ...]:
         """Loops that would determine most of the undetermined values, a sentence each."""
-        return _next_loops(self.fitted, self.unidentified, self.alike)
+        return _next_loops(self.fitted, self.unidentified, self.indistinguishable)
 
     def tables(self) -> tuple[Table, ...]:
         """Return tables of parameters, figures, loops, deviations, and compared models."""
@@ -285,7 +285,9 @@ class Calibration(Presented):
             "intervals": INTERVALS,
             "complete": self.complete,
             "unidentified": list(self.unidentified),
-            "indistinguishable": [{"keys": [item, other], "correlation": size} for item, other, size in self.alike],
+            "indistinguishable": [
+                {"keys": [item, other], "correlation": size} for item, other, size in self.indistinguishable
+            ],
             "correlations": {
                 estimate: dict(zip(self.estimates, row, strict=True))
                 for estimate, row in zip(self.estimates, correlations(self.fitted).tolist(), strict=True)
@@ -480,14 +482,14 @@ def _calibration(fitted: Fitted) -> Calibration:
     related = correlations(fitted)
     keys = list(estimates)
     pairs = [(i, j) for i in range(count) for j in range(i) if abs(related[i, j]) > MAX_CORRELATION]
-    alike = tuple((keys[i], keys[j], float(related[i, j])) for i, j in pairs)
+    indistinguishable = tuple((keys[i], keys[j], float(related[i, j])) for i, j in pairs)
     calibrated = fitted.calibrated_model.reducer.design
     modelled = [replace(loop, deflection=turn) for loop, turn in zip(fitted.loops, fitted.turns, strict=True)]
     return Calibration(
         fitted=fitted,
         design=calibrated.but(name=calibrated_name(Reducer(calibrated))),
         estimates=estimates,
-        alike=alike,
+        indistinguishable=indistinguishable,
         measured=loop_figures(fitted.loops),
         modelled=loop_figures(modelled),
         notes=_notes(fitted),
@@ -548,9 +550,11 @@ def _format_number(value: float) -> str:
     return f"{value:.4g}" if np.isfinite(value) else "-"
 
 
-def _next_loops(fitted: Fitted, unknown: Sequence[str], alike: Sequence[tuple[str, str, float]]) -> tuple[str, ...]:
+def _next_loops(
+    fitted: Fitted, unknown: Sequence[str], indistinguishable: Sequence[tuple[str, str, float]]
+) -> tuple[str, ...]:
     """List loops that would determine the undetermined values, a sentence each."""
-    open_keys = {*unknown, *(key for pair in alike for key in pair[:2])}
+    open_keys = {*unknown, *(key for pair in indistinguishable for key in pair[:2])}
     max_torque, bench = max(loop.most for loop in fitted.loops), fitted.bench
     lowest = min(fitted.loops, key=attrgetter("height"))
     coulomb, advice = coulomb_of(lowest).value, []

@@ -335,25 +335,25 @@ def widen_intervals(search: FitProblem, fitted: Fitted, valleys: Sequence[tuple[
     Array or None
         Scaled values with a lower cost than the solution, if a search reached some.
     """
-    inverse, least = fitted.uncertainty.inverse, valleys[0][0]
-    apart = [np.any(np.abs(item - fitted.likeliest) > fitted.uncertainty.errors) for _, item in valleys[1:]]
-    valleys = [valleys[0], *(valley for valley, other in zip(valleys[1:], apart, strict=True) if other)]
+    inverse, lowest_cost = fitted.uncertainty.inverse, valleys[0][0]
+    is_distinct = [np.any(np.abs(item - fitted.likeliest) > fitted.uncertainty.errors) for _, item in valleys[1:]]
+    valleys = [valleys[0], *(valley for valley, other in zip(valleys[1:], is_distinct, strict=True) if other)]
     unknown = np.all(fitted.ends == np.stack(search.bounds, axis=1), axis=1)
     open_values = np.flatnonzero(~(fitted.at_bound | unknown)[: len(search.parameters)])
-    before, done, usual = search.trials.done, 0, search.expected_trials(ends=1)
+    trials_before, done, usual = search.trials.done, 0, search.expected_trials(ends=1)
     for index in open_values:
         for side, end in enumerate(fitted.ends[index].tolist()):
-            each = (search.trials.done - before + usual) / (done + 1)
+            each = (search.trials.done - trials_before + usual) / (done + 1)
             search.trials.expect((2 * len(open_values) - done) * each + search.expected_trials(nearest=1))
             done += 1
             linear = end - fitted.likeliest[index]
             # rise of the sum of squares there, if it is a paraboloid
             allowed, reached = 0.5 * linear**2 / inverse[index, index], []
             for cost, middle in valleys:
-                if (left := allowed - (cost - least)) <= 0.0:
+                if (remaining := allowed - (cost - lowest_cost)) <= 0.0:
                     continue
-                distance, better = _profile_distance(search, fitted, (cost, middle), int(index), side, left)
-                if better is not None and better[0] < (1.0 - PROFILE.improvement_rtol) * least:
+                distance, better = _profile_distance(search, fitted, (cost, middle), int(index), side, remaining)
+                if better is not None and better[0] < (1.0 - PROFILE.improvement_rtol) * lowest_cost:
                     return better[1]
                 reached.append(float(middle[index]) + distance)
             fitted.ends[index, side] = max(reached) if side else min(reached)
@@ -368,26 +368,26 @@ def _profile_distance(
     Also return cost and scaled values of a point that is lower than the valley, if one was reached.
     """
     (cost, middle), inverse = valley, fitted.uncertainty.inverse
-    along = inverse[:, index] / inverse[index, index]
+    direction = inverse[:, index] / inverse[index, index]
     limit = float(search.bounds[side][index] - middle[index])
     distance = (2.0 * allowed * float(inverse[index, index])) ** 0.5
     distance = min(distance, limit) if side else max(-distance, limit)
-    before = reached = rise = 0.0
+    rise_before = reached = rise = 0.0
     better = None
     for _ in range(PROFILE.max_doublings):
-        start = np.clip(middle + distance * along, *search.bounds)
-        now, trial = search.minimise(start, PROFILE.max_steps, "dogbox", fixed=index)
-        if now < cost:
-            better = now, trial
-        rise = max(now - cost, 0.0)
+        start = np.clip(middle + distance * direction, *search.bounds)
+        new_cost, trial = search.minimise(start, PROFILE.max_steps, "dogbox", fixed=index)
+        if new_cost < cost:
+            better = new_cost, trial
+        rise = max(new_cost - cost, 0.0)
         if rise >= allowed or distance == limit:
             break
-        reached, before = distance, rise
+        reached, rise_before = distance, rise
         distance = min(2.0 * distance, limit) if side else max(2.0 * distance, limit)
     else:
         # nothing that was tried ends the interval
         distance = limit
     if rise > allowed:
-        ratio = (allowed**0.5 - before**0.5) / (rise**0.5 - before**0.5)
+        ratio = (allowed**0.5 - rise_before**0.5) / (rise**0.5 - rise_before**0.5)
         distance = reached + ratio * (distance - reached)
     return distance, better

@@ -116,10 +116,10 @@ class MeasuredLoop(Presented):
         return (rising == (direction > 0)) & (np.arange(len(self.torque)) >= self.points_left_out)
 
 
-def _interpolate(along: Array, values: Array, level: float | Array) -> Array:
-    """Interpolate values linearly at a level of `along`."""
-    order = np.argsort(along)
-    return np.asarray(np.interp(level, along[order], values[order]))
+def _interpolate(abscissa: Array, values: Array, level: float | Array) -> Array:
+    """Interpolate values linearly at a level of `abscissa`."""
+    order = np.argsort(abscissa)
+    return np.asarray(np.interp(level, abscissa[order], values[order]))
 
 
 def read_loop(path: Path | str) -> MeasuredLoop:
@@ -182,18 +182,18 @@ def read_columns(path: Path, names: tuple[str, ...], content: str) -> dict[str, 
     return {name: np.array(column) for name, column in values.items()}
 
 
-def _number(word: str, where: str) -> float:
+def _number(word: str, origin: str) -> float:
     """Parse a finite number; raise UsageError otherwise."""
     try:
         value = float(word)
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise UsageError(f"{where} is {word.strip()!r}, not a number. Correct or remove the line")
+        raise UsageError(f"{origin} is {word.strip()!r}, not a number. Correct or remove the line")
     return value
 
 
-def measured_loop(name: str, torque: Array, deflection_deg: Array, where: str = "") -> MeasuredLoop:
+def measured_loop(name: str, torque: Array, deflection_deg: Array, origin: str = "") -> MeasuredLoop:
     """Create a loop from torque and deflection in the order of time.
 
     Parameters
@@ -202,7 +202,7 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, where: str = 
         Name of the loop.
     torque, deflection_deg
         Torque at the output [N m] and its rotation [deg], shape (n,).
-    where
+    origin
         Origin of the points for messages; by default the name.
 
     Raises
@@ -211,31 +211,31 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, where: str = 
         The points are no loop: too few points, an outlier, a single branch, rows out of order, exchanged columns, or a
         deflection that cannot be in degrees.
     """
-    where, count = where or name, len(torque)
+    origin, count = origin or name, len(torque)
     if count < SETTINGS.min_points:
-        raise UsageError(f"{where}: {count} points are too few for a loop; at least {SETTINGS.min_points} are needed")
+        raise UsageError(f"{origin}: {count} points are too few for a loop; at least {SETTINGS.min_points} are needed")
     height = float(np.ptp(deflection_deg))
     if not np.ptp(torque) > 0.0 or not height > 0.0:
         constant = TORQUE if not np.ptp(torque) > 0.0 else DEFLECTION
-        raise UsageError(f"{where}: {constant} is the same in all rows, so this is not a loop: record a full loop")
+        raise UsageError(f"{origin}: {constant} is the same in all rows, so this is not a loop: record a full loop")
     turns, branch = _turns(torque)
     if count < SETTINGS.min_branch_points * (branches := len(np.unique(branch))):
         raise UsageError(
-            f"{where}: the torque reverses {branches - 1} times in {count} points. Are the rows in the order of time?"
+            f"{origin}: the torque reverses {branches - 1} times in {count} points. Are the rows in the order of time?"
         )
-    _require_no_outlier(torque, TORQUE, where)
-    _require_no_outlier(deflection_deg, DEFLECTION, where)
+    _require_no_outlier(torque, TORQUE, origin)
+    _require_no_outlier(deflection_deg, DEFLECTION, origin)
     if not SETTINGS.min_height_deg <= height <= SETTINGS.max_height_deg:
         likely_unit = (
             "in arcminutes or arcseconds" if height > SETTINGS.max_height_deg else "in turns, or of another drive"
         )
         raise UsageError(
-            f"{where}: the deflection has a range of {height:.3g} deg, which is not that of a locked drive. Is it "
+            f"{origin}: the deflection has a range of {height:.3g} deg, which is not that of a locked drive. Is it "
             f"{likely_unit}? {DEFLECTION} must be in degrees"
         )
     if len(turns) < 2 or len(np.unique(branch)) < 2 or min(turns) >= 0.0 or max(turns) <= 0.0:
         raise UsageError(
-            f"{where}: a single branch from {torque[0]:.4g} to {torque[-1]:.4g} N m. Record a loop from one torque to "
+            f"{origin}: a single branch from {torque[0]:.4g} to {torque[-1]:.4g} N m. Record a loop from one torque to "
             "one of the opposite sign and back: a single branch does not separate friction from stiffness"
         )
     flipped = float(np.polyfit(torque, deflection_deg, 1)[0]) < 0.0
@@ -244,7 +244,7 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, where: str = 
     loop = MeasuredLoop(name, torque, deflection, turns, branch, flipped, points_left_out)
     if _opening(loop) < -SETTINGS.max_negative_opening * loop.height:
         raise UsageError(
-            f"{where}: the loop releases energy: at the same torque, the output is turned less far while the torque "
+            f"{origin}: the loop releases energy: at the same torque, the output is turned less far while the torque "
             "falls than while it rises. Are the two columns exchanged, or the rows in the reverse order of time?"
         )
     return loop
@@ -267,14 +267,14 @@ def require_torque(loop: MeasuredLoop, rated: float) -> None:
         )
 
 
-def _require_no_outlier(values: Array, column: str, where: str) -> None:
+def _require_no_outlier(values: Array, column: str, origin: str) -> None:
     """Raise UsageError for a value that differs from its neighbours by more than the range of the loop."""
     smooth = _median_filter(values)
     away = np.abs(values - smooth)
     worst = int(np.argmax(away))
     if away[worst] > np.ptp(smooth):
         raise UsageError(
-            f"{where}: {column} is {values[worst]:.4g} in row {worst + 1} below the header, but about "
+            f"{origin}: {column} is {values[worst]:.4g} in row {worst + 1} below the header, but about "
             f"{smooth[worst]:.4g} in the rows next to it. Remove that row"
         )
 
@@ -299,19 +299,23 @@ def _count_lead_points(torque: Array, deflection: Array, branch: Integers) -> in
 
     A bench that starts from rest starts in the middle of the loop, and a closed loop on its own branch.
     """
-    same, other = (branch > 0) & (branch % 2 == 0), branch == 1
-    if not same.any() or abs(torque[0]) > SETTINGS.end_torque * np.abs(torque).max():
+    same_direction, first_branch = (branch > 0) & (branch % 2 == 0), branch == 1
+    if not same_direction.any() or abs(torque[0]) > SETTINGS.end_torque * np.abs(torque).max():
         return 0
-    begun = float(np.median(deflection[: SETTINGS.median_window]))
-    at = float(np.median(torque[: SETTINGS.median_window]))
-    again, across = (float(_interpolate(torque[item], deflection[item], at)) for item in (same, other))
-    return int(np.sum(branch == 0)) if abs(begun - again) > SETTINGS.lead_distance * abs(across - again) else 0
+    start = float(np.median(deflection[: SETTINGS.median_window]))
+    start_torque = float(np.median(torque[: SETTINGS.median_window]))
+    on_later, on_opposite = (
+        float(_interpolate(torque[item], deflection[item], start_torque)) for item in (same_direction, first_branch)
+    )
+    return (
+        int(np.sum(branch == 0)) if abs(start - on_later) > SETTINGS.lead_distance * abs(on_opposite - on_later) else 0
+    )
 
 
 def _end(torque: Array, smooth: Array, index: int) -> float:
     """Compute the torque of a reversal near an index: the outermost there, unless it is an outlier."""
-    near = torque[max(index - SETTINGS.median_window, 0) : index + SETTINGS.median_window + 1]
-    outermost = float(near.max() if smooth[index] >= np.median(near) else near.min())
+    neighbours = torque[max(index - SETTINGS.median_window, 0) : index + SETTINGS.median_window + 1]
+    outermost = float(neighbours.max() if smooth[index] >= np.median(neighbours) else neighbours.min())
     usual = 3.0 * float(np.median(np.abs(torque - smooth))) + 2.0 * float(np.median(np.abs(np.diff(torque))))
     return float(np.clip(outermost, smooth[index] - usual, smooth[index] + usual))
 
@@ -323,7 +327,7 @@ def _turns(torque: Array) -> tuple[tuple[float, ...], Integers]:
     to go to the next one.
     """
     smooth = _median_filter(torque)
-    least = SETTINGS.reversal * float(np.ptp(smooth))
+    min_reversal = SETTINGS.reversal * float(np.ptp(smooth))
     reversals: list[int] = []
     best = low = high = 0
     direction = 0
@@ -331,11 +335,11 @@ def _turns(torque: Array) -> tuple[tuple[float, ...], Integers]:
         if direction == 0:
             low = index if value < smooth[low] else low
             high = index if value > smooth[high] else high
-            if smooth[high] - smooth[low] > least:
+            if smooth[high] - smooth[low] > min_reversal:
                 direction, best = (1, index) if high > low else (-1, index)
         elif direction * (value - smooth[best]) > 0.0:
             best = index
-        elif direction * (smooth[best] - value) > least:
+        elif direction * (smooth[best] - value) > min_reversal:
             reversals.append(best)
             direction, best = -direction, index
     if not reversals:

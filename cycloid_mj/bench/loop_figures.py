@@ -55,7 +55,7 @@ DEFINITIONS = {
 """Definition of each figure of a loop, by its key in JSON."""
 
 
-_Across = tuple[float, float, float]
+_Crossing = tuple[float, float, float]
 """Value of a branch at a level, its variance and its degrees of freedom."""
 
 
@@ -149,7 +149,7 @@ def lost_motion_of(loop: MeasuredLoop, rated: float) -> LoopFigure:
     """Compute the rotation between the middles of the branches at +3 % and -3 % of a rated torque [rad]."""
     level = LOST_MOTION_SHARE * rated
     sides = [
-        _across(loop, loop.torque, loop.deflection, direction * level, READING.lost_motion_window * level)
+        _crossings(loop, loop.torque, loop.deflection, direction * level, READING.lost_motion_window * level)
         for direction in (1, -1)
     ]
     branches = [branch for side in sides if side for branch in side]
@@ -171,8 +171,8 @@ def hysteresis_of(loop: MeasuredLoop, rated: float) -> LoopFigure:
         torque, inside = direction * loop.torque, loop.moving(-direction)
         if not inside.any() or not torque[inside].min() < 0.0 < torque[inside].max():
             return NO_FIGURE
-        near = (torque >= READING.min_unloaded * rated) & (torque <= LOST_MOTION_SHARE * rated)
-        line = _line(loop.torque, loop.deflection, inside & near)
+        is_near_zero = (torque >= READING.min_unloaded * rated) & (torque <= LOST_MOTION_SHARE * rated)
+        line = _line(loop.torque, loop.deflection, inside & is_near_zero)
         sides.append(
             (*line.at(0.0), line.freedom) if line else _between(loop.torque[inside], loop.deflection[inside], 0.0)
         )
@@ -182,13 +182,13 @@ def hysteresis_of(loop: MeasuredLoop, rated: float) -> LoopFigure:
 
 def width_of(loop: MeasuredLoop) -> LoopFigure:
     """Compute the rotation between the branches of a loop at zero torque [rad]."""
-    return _apart(loop, loop.torque, loop.deflection, 0.0)
+    return _branch_distance(loop, loop.torque, loop.deflection, 0.0)
 
 
 def coulomb_of(loop: MeasuredLoop) -> LoopFigure:
     """Compute half the torque between the branches of a loop halfway up its deflection [N m]."""
     inner = loop.deflection[loop.points_left_out :]
-    value, low, high = _apart(loop, loop.deflection, loop.torque, 0.5 * float(inner.max() + inner.min()))
+    value, low, high = _branch_distance(loop, loop.deflection, loop.torque, 0.5 * float(inner.max() + inner.min()))
     return LoopFigure(-0.5 * value, -0.5 * high, -0.5 * low)
 
 
@@ -225,26 +225,26 @@ def _play(rising: _Line | None, falling: _Line | None, coulomb: LoopFigure) -> L
     return LoopFigure.about(upper - lower, away)
 
 
-def _apart(loop: MeasuredLoop, along: Array, values: Array, level: float) -> LoopFigure:
-    """Compute the distance of the falling branches above the rising ones in `values`, at a level of `along`."""
-    sides = _across(loop, along, values, level, READING.level_window * float(np.ptp(along)))
+def _branch_distance(loop: MeasuredLoop, abscissa: Array, values: Array, level: float) -> LoopFigure:
+    """Compute the distance of the falling branches above the rising ones in `values`, at a level of `abscissa`."""
+    sides = _crossings(loop, abscissa, values, level, READING.level_window * float(np.ptp(abscissa)))
     if sides is None:
         return NO_FIGURE
     (above, of_above, item), (below, of_below, other) = sides
     return LoopFigure.about(above - below, _quantile(min(item, other)) * (of_above + of_below) ** 0.5)
 
 
-def _across(
-    loop: MeasuredLoop, along: Array, values: Array, level: float, window: float
-) -> tuple[_Across, _Across] | None:
+def _crossings(
+    loop: MeasuredLoop, abscissa: Array, values: Array, level: float, window: float
+) -> tuple[_Crossing, _Crossing] | None:
     """Compute where the falling and the rising branches cross a level, from the points within a window about it."""
     sides = []
     for direction in (-1, 1):
         inside = loop.moving(direction)
-        if not inside.any() or not along[inside].min() < level < along[inside].max():
+        if not inside.any() or not abscissa[inside].min() < level < abscissa[inside].max():
             return None
-        line = _line(along, values, inside & (np.abs(along - level) <= window))
-        sides.append((*line.at(level), line.freedom) if line else _between(along[inside], values[inside], level))
+        line = _line(abscissa, values, inside & (np.abs(abscissa - level) <= window))
+        sides.append((*line.at(level), line.freedom) if line else _between(abscissa[inside], values[inside], level))
     falling, rising = sides
     return falling, rising
 
@@ -252,8 +252,8 @@ def _across(
 def _between(x: Array, y: Array, level: float) -> tuple[float, float, float]:
     """Interpolate y where a branch leaps past a level; its variance is that of a uniform distribution in between."""
     order = np.argsort(x)
-    after = int(np.searchsorted(x[order], level))
-    item, other = y[order[after - 1]], y[order[after]]
+    upper = int(np.searchsorted(x[order], level))
+    item, other = y[order[upper - 1]], y[order[upper]]
     return float(np.interp(level, x[order], y[order])), float(other - item) ** 2 / 12.0, math.inf
 
 
@@ -265,11 +265,11 @@ def _line(x: Array, y: Array, chosen: Mask) -> _Line | None:
     if count < READING.min_points or squares <= 0.0:
         return None
     slope = float(away @ y) / squares
-    left = y - np.mean(y) - slope * away
+    residuals = y - np.mean(y) - slope * away
     # correlated residuals count as one
-    repeats = min(autocorrelation_time(left), count / 3.0)
+    repeats = min(autocorrelation_time(residuals), count / 3.0)
     freedom = max(count / repeats - 2.0, 1.0)
-    noise = float(left @ left) / count * (count / repeats) / freedom
+    noise = float(residuals @ residuals) / count * (count / repeats) / freedom
     variances = noise * repeats / count, noise * repeats / squares
     return _Line(float(np.mean(x)), float(np.mean(y)), slope, *variances, freedom)
 

@@ -33,7 +33,7 @@ class LoopCondition:
 
     held: Held
     crank: float
-    most: float
+    max_torque: float
 
 
 def apply_values(model: Model, parameters: Sequence[Parameter], values: Array) -> Model:
@@ -51,7 +51,7 @@ def model_branches(model: Model, bench: LoopCondition, loop: MeasuredLoop, shift
     ends = [end - shift for end in loop.turns]
     if model.contact_friction:
         return _branches_with_contact_friction(model, bench, ends, MAX_TURN * loop.height)
-    curve = locked_curve(model.reducer, bench.most, bench.crank)
+    curve = locked_curve(model.reducer, bench.max_torque, bench.crank)
     # two branches lead to the loop: from rest to its second end, and back to its first
     load = load_friction(model.losses.load, model.reducer.design.springs.friction_travel)
     return locked_branches(curve, slip_elements(model.reducer), [0.0, ends[1], *ends], load)[2:]

@@ -152,8 +152,8 @@ def fit_parameters(reducer: Reducer, keys: Sequence[str], loops: Sequence[Measur
         raise UsageError(f"--fit needs at least one value, such as {','.join(DEFAULT)}")
     if repeated := next((key for index, key in enumerate(keys) if key in keys[:index]), None):
         raise UsageError(f"--fit: {repeated} is listed twice; list each value once")
-    known = _named_parameters(reducer, loops)
-    return tuple(known[key] if key in known else _of_file(reducer, key) for key in keys)
+    parameters = _named_parameters(reducer, loops)
+    return tuple(parameters[key] if key in parameters else _of_file(reducer, key) for key in keys)
 
 
 def _named_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mapping[str, Parameter]:
@@ -228,9 +228,9 @@ def _stiffnesses(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tuple[Param
 
 def _frictions(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
     """Return the parameters of constant friction, and of friction that grows with the load."""
-    most, lowest = max(loop.most for loop in loops), min(loops, key=attrgetter("height"))
+    max_torque, lowest = max(loop.most for loop in loops), min(loops, key=attrgetter("height"))
     turn, coulomb = lowest.height / DEGREE, coulomb_of(lowest).value
-    drag = coulomb if 0.0 < coulomb < BOUNDS.max_drag * most else 0.02 * most
+    drag = coulomb if 0.0 < coulomb < BOUNDS.max_drag * max_torque else 0.02 * max_torque
     friction = reducer.design.friction_of(reducer.design.tooth_pair) or 0.05
     return (
         Parameter(
@@ -258,9 +258,9 @@ def _frictions(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tuple[Paramet
             "N m",
             "constant friction, at the output",
             drag,
-            0.02 * most,
+            0.02 * max_torque,
             0.0,
-            BOUNDS.max_drag * most,
+            BOUNDS.max_drag * max_torque,
             _set_drag,
         ),
         Parameter(
@@ -343,8 +343,8 @@ def _set_structure_stiffness(model: Model, value: float) -> Model:
     """Set the stiffness of the housing so that housing, carrier and shaft in series have a stiffness [N m/rad]."""
     reducer = Reducer(model.reducer.design.model_copy(update={"structure": "springs"}))
     stiffness, compliance = twisting_stiffness(reducer), twisting_compliance(reducer)
-    rest = 1.0 / value - compliance["carrier"] - compliance["shaft"]
-    housing = stiffness["housing"] * compliance["housing"] / rest
+    housing_compliance = 1.0 / value - compliance["carrier"] - compliance["shaft"]
+    housing = stiffness["housing"] * compliance["housing"] / housing_compliance
     return _with_spring(replace(model, reducer=reducer), "housing", housing)
 
 

@@ -286,11 +286,13 @@ def _of_loops(loops: Sequence[MeasuredLoop], rated: float) -> dict[str, LoopFigu
 
 def _merge(figures: Sequence[LoopFigure]) -> LoopFigure:
     """Compute the mean of a figure over the positions that have it, and the outermost ends of their intervals."""
-    seen = [item for item in figures if not math.isnan(item.value)]
-    if not seen:
+    known_figures = [item for item in figures if not math.isnan(item.value)]
+    if not known_figures:
         return NO_FIGURE
     return LoopFigure(
-        float(np.mean([item.value for item in seen])), min(item.low for item in seen), max(item.high for item in seen)
+        float(np.mean([item.value for item in known_figures])),
+        min(item.low for item in known_figures),
+        max(item.high for item in known_figures),
     )
 
 

@@ -82,11 +82,11 @@ class BenchComparison:
     @property
     def explained_shares(self) -> Array:
         """Share of each order's power that the model explains, shape (k,); negative where it is worse than no model."""
-        left = np.abs(self.bench_amplitude - self.model_amplitude) ** 2
-        return 1.0 - left / np.maximum(np.abs(self.bench_amplitude) ** 2, 1e-300)
+        residual = np.abs(self.bench_amplitude - self.model_amplitude) ** 2
+        return 1.0 - residual / np.maximum(np.abs(self.bench_amplitude) ** 2, 1e-300)
 
     @property
-    def whole(self) -> float:
+    def explained_share(self) -> float:
         """Share of the measured curve's variance that the model explains."""
         measured = self.measured.error - self.measured.error.mean()
         return 1.0 - float(np.mean((measured - self.model) ** 2) / np.mean(measured**2))
@@ -127,7 +127,7 @@ class BenchComparison:
             "load_nm": self.load,
             "crank_zero_deg": self.zero / DEGREE,
             "turns": self.measured.turns,
-            "explained": self.whole,
+            "explained": self.explained_share,
             "measured_rms_arcsec": rms_about_mean(self.measured.error) / ARCSECOND,
             "model_rms_arcsec": rms_about_mean(self.model) / ARCSECOND,
             "residual_rms_arcsec": rms(self.measured.error - self.measured.error.mean() - self.model) / ARCSECOND,
@@ -207,8 +207,8 @@ def compare_bench(design: Design, measured: MeasuredError, load: float | None = 
     basis = np.concatenate([np.ones((len(waves), 1)), waves.real, waves.imag], axis=1)
     solved = np.linalg.lstsq(basis, np.stack([measured.error, model], axis=1), rcond=None)[0]
     amplitude = solved[1 : len(order) + 1] - 1j * solved[len(order) + 1 :]
-    known = causes(reducer)
-    names = tuple(", ".join(item.name for item in known if item.has(float(each))) or "none" for each in order)
+    possible_causes = causes(reducer)
+    names = tuple(", ".join(item.name for item in possible_causes if item.has(float(each))) or "none" for each in order)
     name, model = reducer.design.name, model - model.mean()
     return BenchComparison(name, torque, zero, measured, model, order, amplitude[:, 0], amplitude[:, 1], names)
 
@@ -226,11 +226,11 @@ def _orders(reducer: Reducer, measured: MeasuredError) -> Array:
     """Return the orders that a measurement resolves: integer orders, and those of the disc far enough from them."""
     teeth, lobes = reducer.design.ring.teeth, reducer.design.lobes
     sampled = 0.4 * len(measured.crank) / measured.turns
-    most = min(TE.max_harmonic * teeth, int(sampled))
-    integer = np.arange(1, most + 1, dtype=np.float64)
-    gear = np.arange(1, most + 1) * teeth / lobes
-    apart = np.abs(gear - np.rint(gear)) * measured.turns > 0.9
-    return np.sort(np.concatenate([integer, gear[apart & (gear < most)]]))
+    max_order = min(TE.max_harmonic * teeth, int(sampled))
+    integer = np.arange(1, max_order + 1, dtype=np.float64)
+    gear = np.arange(1, max_order + 1) * teeth / lobes
+    is_distinct = np.abs(gear - np.rint(gear)) * measured.turns > 0.9
+    return np.sort(np.concatenate([integer, gear[is_distinct & (gear < max_order)]]))
 
 
 def _fit_zero(ideal: Array, measured: MeasuredError, lobes: int) -> float:
@@ -250,11 +250,11 @@ def _fit_zero(ideal: Array, measured: MeasuredError, lobes: int) -> float:
     spectrum = np.fft.rfft(ideal)
     cross = np.fft.irfft(np.conj(np.fft.rfft(total)) * spectrum, count)
     power = np.fft.irfft(np.conj(np.fft.rfft(hits)) * np.fft.rfft(ideal**2), count)
-    left = power - 2.0 * cross
-    best = int(np.argmax(left <= left.min() + TE.zero_rtol * np.ptp(left)))
-    near = [left[(best + shift) % count] for shift in (-1, 0, 1)]
-    bend = near[0] - 2.0 * near[1] + near[2]
-    return float((best + (0.5 * (near[0] - near[2]) / bend if bend > 0.0 else 0.0)) * width)
+    residual = power - 2.0 * cross
+    best = int(np.argmax(residual <= residual.min() + TE.zero_rtol * np.ptp(residual)))
+    neighbours = [residual[(best + shift) % count] for shift in (-1, 0, 1)]
+    bend = neighbours[0] - 2.0 * neighbours[1] + neighbours[2]
+    return float((best + (0.5 * (neighbours[0] - neighbours[2]) / bend if bend > 0.0 else 0.0)) * width)
 
 
 def _interpolate(ideal: Array, crank: Array, lobes: int) -> Array:

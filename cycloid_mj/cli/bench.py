@@ -288,7 +288,7 @@ def _calibration_outcome(
             *(
                 f"the loop does not distinguish {one} and {other} (correlation {size:.3f}): fit one of them, or "
                 "measure another loop"
-                for one, other, size in calibration.alike
+                for one, other, size in calibration.indistinguishable
             ),
             *(
                 [f"not determined by the loop: {', '.join(calibration.unidentified)}"]
@@ -362,8 +362,8 @@ def compare_bench(
     comparison = compared(design, measured, load_nm)
     outcome = Outcome(
         title=f"transmission error of {design.name}, compared with {te}",
-        headline={"share of the measured variance that the model explains": f"{comparison.whole:.1%}"},
-        summary=[f"the model explains {comparison.whole:.1%} of the measured curve's variance"],
+        headline={"share of the measured variance that the model explains": f"{comparison.explained_share:.1%}"},
+        summary=[f"the model explains {comparison.explained_share:.1%} of the measured curve's variance"],
         tables=[comparison.table()],
         pictures={stem: partial(encode_figure, comparison_figure(comparison))},
         formats=("png",),

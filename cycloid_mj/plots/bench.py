@@ -90,5 +90,8 @@ def comparison_figure(result: BenchComparison) -> Figure:
     below.bar(result.order + width / 2, np.abs(result.model_amplitude) / ARCSECOND, width, color=ORANGE)
     below.set(xlabel="order [per crank turn]", ylabel="amplitude [arcsec]")
     legend_above(below, ("measured", {"color": GREY, "linewidth": 4}), ("model", {"color": ORANGE, "linewidth": 4}))
-    state(figure, f"{result.measured.name} and {result.design}, {result.load:.4g} N m, {result.whole:.1%} explained")
+    state(
+        figure,
+        f"{result.measured.name} and {result.design}, {result.load:.4g} N m, {result.explained_share:.1%} explained",
+    )
     return figure

@@ -1043,11 +1043,11 @@ def test_a_measured_error_is_matched_and_its_zero_found(tmp_path: Path) -> None:
     path = written_te(tmp_path / "te.csv", *measured_te(design, design.rated_torque, 77.0, 0.0))
     found = compare_bench(design, read_te(path), design.rated_torque)
     assert math.degrees(found.zero) == pytest.approx(77.0, abs=0.5)
-    assert found.whole > 0.99
+    assert found.explained_share > 0.99
     strong = found.strongest_first[:3]
     assert np.all(found.explained_shares[strong] > 0.98)
     other = compare_bench(unlike("few"), read_te(path), design.rated_torque)
-    assert other.whole < 0.9 * found.whole
+    assert other.explained_share < 0.9 * found.explained_share
 
 
 def test_compare_bench_writes_and_tells(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
