@@ -26,7 +26,10 @@ def headline(quantities: Iterable[Quantity]) -> dict[str, str]:
 def _written(quantity: Quantity) -> str:
     if math.isnan(quantity.value):
         return "-"
-    return f"{quantity.value:.6g}" if quantity.unit == "1" else f"{quantity.value:.6g} {quantity.unit}"
+    unit = "" if quantity.unit == "1" else f" {quantity.unit}"
+    if quantity.low is not None:
+        return f"{quantity.value:.4g} ({quantity.low:.4g} to {quantity.high:.4g}){unit}"
+    return f"{quantity.value:.6g}{unit}"
 
 
 @dataclass(frozen=True, kw_only=True)

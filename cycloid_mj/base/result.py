@@ -48,6 +48,10 @@ class Quantity:
         Where the reference comes from.
     note
         What decides a difference, or what the value stands on.
+    low, high
+        Interval of the value from the spread of its inputs, 5 and 95 %, in the same unit; None where it has none.
+    causes
+        Inputs that vary, each with its share of the variance, the largest first.
     """
 
     key: str
@@ -58,6 +62,9 @@ class Quantity:
     reference: float | None = None
     source: str = ""
     note: str = ""
+    low: float | None = None
+    high: float | None = None
+    causes: tuple[tuple[str, float], ...] = ()
 
     def as_json(self) -> dict[str, Any]:
         """Convert the quantity to JSON values."""
@@ -69,6 +76,17 @@ class Quantity:
             "reference": self.reference,
             "source": self.source,
             "note": self.note,
+            **self.interval_json(),
+        }
+
+    def interval_json(self) -> dict[str, Any]:
+        """Convert the interval and its two main causes to JSON values; empty where there is none."""
+        if self.low is None:
+            return {}
+        return {
+            "low": self.low,
+            "high": self.high,
+            "causes": [{"input": name, "share_of_variance": share} for name, share in self.causes[:2]],
         }
 
 

@@ -78,6 +78,8 @@ def _outcome(static: "Sheet", figures: Mapping[str, Quantity]) -> Outcome:
     for quantity in static.quantities.values():
         known = known_difference(quantity)
         value = "-" if quantity.value != quantity.value else f"{quantity.value:.6g}"
+        if quantity.low is not None and quantity.high is not None:
+            value = f"{quantity.value:.4g} ({quantity.low:.4g} to {quantity.high:.4g})"
         rows.append(
             (quantity.name, value, quantity.unit, "" if known is None else f"{100.0 * known:g} %", static.parts)
         )
@@ -89,9 +91,10 @@ def _outcome(static: "Sheet", figures: Mapping[str, Quantity]) -> Outcome:
             Table(f"statics: {static.design}, {static.condition}", HEADER, tuple(rows)),
             Table("figures by their keys: see `cycloid-mj figures`", ("key", "value", "unit"), _by_key(figures)),
         ],
+        summary=[f"{item.name}: {item.note}" for item in static.quantities.values() if item.low is not None],
         notes=[
             f"load: {SOURCES[static.load_source]}",
-            *(f"{item.name}: {item.note}" for item in static.quantities.values() if item.note),
+            *(f"{item.name}: {item.note}" for item in static.quantities.values() if item.note and item.low is None),
             f"known difference: the largest, relative, from {COMPARED}",
             *(f"assumed: {sentence}" for sentence in static.assumptions),
         ],

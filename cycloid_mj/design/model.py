@@ -454,16 +454,35 @@ class Modification(Section):
 
 
 class Friction(Section):
-    """Coulomb friction coefficient of each mating pair, at the surface where its two parts meet.
+    """Friction of the mating pairs: a Coulomb coefficient of each, or mixed friction of a lubricant.
 
-    Catalogues state the torque of a rolling bearing as 0.5 mu P d with its bore d, and mu = 0.0020 for caged needle
-    rollers (SKF, Rolling bearings, "Constant coefficient of friction"; JTEKT, Bearing knowledge, table 8-1: 0.0020 to
-    0.0030; cylindrical rollers 0.0008 to 0.0012). Here the coefficient acts at the radius of the cam and at the rim
-    of the rollers of output pins, as if these were the bore, which is an upper bound. If ``output.core_radius`` is
-    set, the coefficient of the rollers acts there, and at their rim in proportion. A plain roller
+    The coefficient acts at the surface where the two parts of the pair meet. Catalogues state the torque of a rolling
+    bearing as 0.5 mu P d with its bore d, and mu = 0.0020 for caged needle rollers (SKF, Rolling bearings, "Constant
+    coefficient of friction"; JTEKT, Bearing knowledge, table 8-1: 0.0020 to 0.0030; cylindrical rollers 0.0008 to
+    0.0012). Here it acts at the radius of the cam and at the rim of the rollers of output pins, as if these were the
+    bore, which is an upper bound. If ``output.core_radius`` is set, the coefficient of the rollers acts there, and at
+    their rim in proportion. A plain roller
     (``output.roller_bearing``) slides on its core, with the coefficient of a sliding pin there.
     """
 
+    law: Literal["coulomb", "film"] = choice(
+        "coulomb",
+        "coulomb: the coefficients below; film: mixed friction of a lubricant, from film thickness and roughness",
+    )
+    lubricant: str = choice(
+        "lithium grease 100",
+        "film: lubricant, such as PAO 150 (base oil and ISO VG) or the name of a grease; see docs/lubrication.md",
+        max_length=64,
+    )
+    roughness: float = quantity(
+        0.4, "film: composite rms roughness Rq of both surfaces, ground", u.MICROMETRE, gt=0.0, le=100.0
+    )
+    boundary: float = quantity(
+        0.11, "film: friction coefficient of boundary lubrication (0.08 to 0.14 for greased steel)", ge=0.0, le=2.0
+    )
+    film_formula: Literal["pan-hamrock", "dowson-higginson", "hamrock-dowson"] = choice(
+        "pan-hamrock", "film: formula of the film thickness; they agree to about 20 %"
+    )
     pin_gear: float = quantity(0.05, "pin on disc (lubricated steel)", ge=0.0, le=2.0)
     pin_socket: float = quantity(0.05, "pin in its socket", ge=0.0, le=2.0)
     pin_sleeve: float = quantity(0.05, "sleeve on its pin (lubricated steel, sliding)", ge=0.0, le=2.0)
@@ -489,6 +508,23 @@ class Friction(Section):
         ge=0.0,
         le=2.0,
     )
+
+    @field_validator("lubricant")
+    @classmethod
+    def _refuse_unknown_lubricant(cls, name: str) -> str:
+        """Refuse a name that is not in the table of lubricants."""
+        from cycloid_mj.design.lubricants import lubricant
+
+        try:
+            return lubricant(name).name
+        except DesignError as error:
+            raise ValueError(str(error)) from None
+
+
+NO_FRICTION: Mapping[str, float] = dict.fromkeys(
+    ("pin_gear", "pin_socket", "pin_sleeve", "tooth", "cam", "cam_rolling", "output", "output_rolling"), 0.0
+)
+"""Coulomb coefficients of a drive without friction."""
 
 
 class Drag(Section):
@@ -1104,10 +1140,16 @@ class Design(Section, Presented):
         return self.clearance.pin_socket if self.ring.has_sockets else 0.0
 
     def friction_of(self, pair: str) -> float:
-        """Compute the friction coefficient of a kind of mating pair [1], reduced for rollers."""
+        """Compute the friction coefficient of a kind of mating pair [1], reduced for rollers.
+
+        With the law ``film`` it is the upper limit, that of boundary lubrication, where parts slide.
+        """
         output = self.output
         rolling = {"cam": self.gear.bearing == "rolling", "output": output.has_needles}
-        coefficient = float(getattr(self.friction, f"{pair}_rolling" if rolling.get(pair) else pair))
+        if self.has_film and not rolling.get(pair):
+            coefficient = self.friction.boundary
+        else:
+            coefficient = float(getattr(self.friction, f"{pair}_rolling" if rolling.get(pair) else pair))
         if pair == "output" and output.rollers and (output.core_radius or not output.has_needles):
             return coefficient * output.root_radius / output.pin_radius
         return coefficient
@@ -1122,10 +1164,15 @@ class Design(Section, Presented):
         """
         on_gear, ring = self.friction_of(self.tooth_pair), self.ring
         if ring.has_sockets:
-            return min(on_gear, self.friction.pin_socket)
+            return min(on_gear, self.friction_of("pin_socket"))
         if ring.has_sleeves:
-            return min(on_gear, self.friction.pin_sleeve * ring.sleeve_bore_radius / ring.pin_radius)
+            return min(on_gear, self.friction_of("pin_sleeve") * ring.sleeve_bore_radius / ring.pin_radius)
         return on_gear
+
+    @property
+    def has_film(self) -> bool:
+        """True if friction follows the film of a lubricant."""
+        return self.friction.law == "film"
 
     @model_validator(mode="after")
     def _impact_stands_alone(self) -> Self:

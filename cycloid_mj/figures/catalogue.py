@@ -5,6 +5,7 @@ import warnings
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from difflib import get_close_matches
+from typing import Any
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import CycloidError, CycloidWarning, UsageError
@@ -129,9 +130,12 @@ def _quantity(reducer: Reducer, row: Figure) -> Quantity:
         return Quantity(row.key, row.name, math.nan, row.unit, note=str(error))
 
 
-def values_json(figures: Mapping[str, Quantity]) -> dict[str, dict[str, str | float]]:
-    """Convert computed figures to JSON values: name, value and unit by key."""
-    return {key: {"name": figure.name, "value": figure.value, "unit": figure.unit} for key, figure in figures.items()}
+def values_json(figures: Mapping[str, Quantity]) -> dict[str, dict[str, Any]]:
+    """Convert computed figures to JSON values: name, value and unit by key, and the interval where there is one."""
+    return {
+        key: {"name": figure.name, "value": figure.value, "unit": figure.unit, **figure.interval_json()}
+        for key, figure in figures.items()
+    }
 
 
 def compute_sampled(

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from importlib import import_module
 from typing import TYPE_CHECKING
@@ -56,6 +56,8 @@ class Figure:
         Former keys, which are accepted with a warning.
     exists
         Returns whether a reducer has the figure.
+    interval
+        Computes the value together with its interval, where the figure may have one.
     """
 
     key: str
@@ -68,6 +70,7 @@ class Figure:
     aliases: tuple[str, ...] = ()
     deprecated: tuple[str, ...] = ()
     exists: Callable[[Reducer], bool] = lambda _: True
+    interval: Callable[[Reducer], Quantity] | None = None
 
     def value(self, reducer: Reducer) -> float:
         """Compute the figure of a sound reducer [`unit`], NaN if it has none; errors are those of the function."""
@@ -75,7 +78,11 @@ class Figure:
 
     def quantity(self, reducer: Reducer) -> Quantity:
         """Compute the figure with its name and unit."""
-        return Quantity(self.key, self.name, self.value(reducer), self.unit, note=self.definition)
+        plain = Quantity(self.key, self.name, self.value(reducer), self.unit, note=self.definition)
+        if self.interval is None or not self.exists(reducer):
+            return plain
+        spread = self.interval(reducer)
+        return replace(plain, low=spread.low, high=spread.high, causes=spread.causes)
 
     @property
     def _compute(self) -> Compute:

@@ -37,6 +37,7 @@ def _figure(row: SheetFigure) -> Figure:
         sampled=BACKLASH if row.key == "backlash" else None,
         aliases=tuple(alias for alias in aliases if alias != key),
         exists=row.exists,
+        interval=lambda reducer: quantities(reducer, row.part)[row.key],
     )
 
 

@@ -4,14 +4,14 @@ Bearings: Palmgren's load-independent friction torque M0, as in Harris, Rolling 
 shaft seals, ISO/TR 14179-2. Viscosity: Walther, lg lg (nu + 0.7) = A - B lg T.
 """
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from cycloid_mj.base.units import MILLIMETRES, RPM
+from cycloid_mj.design.lubricants import walther
 from cycloid_mj.design.stock import ball_bearings, thin_ball_bearings
 from cycloid_mj.life.bearings import Bearing, bearings_of
 from cycloid_mj.life.loading import relative_speed
+from cycloid_mj.lubrication.bearings import idle_torque, seal_torque
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.export.bearings import shaft_bearing
 from cycloid_mj.parts.export.casing import bearing_width_of, casing, seat_radius
@@ -31,22 +31,13 @@ class Grease:
 
     def viscosity(self, temperature: float) -> float:
         """Compute the viscosity of the base oil [mm2/s] at a temperature [°C] (Walther)."""
-        low, high = (math.log10(math.log10(value + 0.7)) for value in (self.viscosity_40, self.viscosity_100))
-        kelvin = [math.log10(273.15 + each) for each in (40.0, 100.0, temperature)]
-        slope = (low - high) / (kelvin[1] - kelvin[0])
-        return float(10.0 ** (10.0 ** (low - slope * (kelvin[2] - kelvin[0])))) - 0.7
+        return walther(self.viscosity_40, self.viscosity_100, temperature)
 
 
 GREASE = Grease()
 
 BEARING_FACTORS = {"needle": (5.0, 12.0), "ball": (1.0, 2.0)}
 """Palmgren's factor f0 of bearings with little grease or oil, lower and upper value by kind (Harris; SKF)."""
-
-SEAL_POWER = 7.69e-6
-"""Power of a radial shaft seal over d^2 n [W/(mm2/min)] (ISO/TR 14179-2)."""
-
-MIN_VISCOUS = 2000.0
-"""Viscosity times speed [mm2/s/min] below which M0 is constant."""
 
 
 @dataclass(frozen=True)
@@ -62,18 +53,6 @@ class NoLoadTorque:
     def total(self) -> float:
         """Torque of bearings and seals together [N m]."""
         return self.bearings + self.seals
-
-
-def idle_torque(factor: float, diameter: float, speed: float, viscosity: float) -> float:
-    """Compute Palmgren's M0 of a bearing [N m]: mean diameter [m], speed [rad/s], viscosity [mm2/s]."""
-    viscous = max(viscosity * abs(speed) / RPM, MIN_VISCOUS)
-    per_volume = 160e-7 if viscous == MIN_VISCOUS else 1e-7 * viscous ** (2.0 / 3.0)
-    return 1e-3 * per_volume * factor * (MILLIMETRES * diameter) ** 3
-
-
-def seal_torque(diameter: float) -> float:
-    """Compute the friction torque [N m] of a radial seal on a shaft diameter [m]; it does not depend on speed."""
-    return SEAL_POWER * (MILLIMETRES * diameter) ** 2 / RPM
 
 
 def no_load_torque(reducer: Reducer, speed: float, temperature: float) -> NoLoadTorque:

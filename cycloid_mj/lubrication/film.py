@@ -91,6 +91,11 @@ def hamrock_dowson(contact: Groups) -> Array:
     return _power_law(contact, 3.63, 0.68, 0.49, -0.073, point_load)
 
 
+def isoviscous_elastic(contact: Groups) -> Array:
+    """Compute the minimum film thickness [m] of soft line contacts such as plastics (Herrebrugh 1968)."""
+    return _power_law(contact, 3.10, 0.60, 0.0, -0.20)
+
+
 FORMULAS: Mapping[str, Callable[[Groups], Array]] = {
     "pan-hamrock": pan_hamrock,
     "dowson-higginson": dowson_higginson,

@@ -41,7 +41,7 @@ A test solves the equation again. Behind the film, shear is 0.3 of that of a ful
 
 
 @dataclass(frozen=True)
-class Journal:
+class JournalState:
     """State of journal bearings; arrays of one shape.
 
     Attributes
@@ -68,7 +68,7 @@ def journal(
     clearance: npt.ArrayLike,
     length: float,
     viscosity: float,
-) -> Journal:
+) -> JournalState:
     """Compute film and friction of journal bearings with half sockets.
 
     Beyond the table the bearing is concentric (Petroff), or its film thickness is proportional to S.
@@ -99,4 +99,4 @@ def journal(
     shear = np.where(full, math.pi**2 * number, shear)
     pressure = np.interp(log, table, PRESSURE)
     friction = (clearance / radius) * (shear * sheared / number + pressure)
-    return Journal(number, 1.0 - gap, clearance * gap, np.asarray(friction))
+    return JournalState(number, 1.0 - gap, clearance * gap, np.asarray(friction))

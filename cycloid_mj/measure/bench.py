@@ -17,6 +17,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import ContactError, RunError
 from cycloid_mj.base.record import Run
 from cycloid_mj.design import Drive, Friction, Load, Settings
+from cycloid_mj.design.model import NO_FRICTION
 from cycloid_mj.dynamics.drive_cycle import Signal, locked_crank
 from cycloid_mj.dynamics.law import FRICTION
 from cycloid_mj.dynamics.mjcf import ReducerModel, build
@@ -79,7 +80,7 @@ def crank_angles(reducer: Reducer, count: int) -> Array:
 
 def without_friction(reducer: Reducer) -> Reducer:
     """Return the design without friction and weight, the state of the closed forms."""
-    friction = Friction(**dict.fromkeys(Friction.model_fields, 0.0))
+    friction = Friction().model_copy(update=NO_FRICTION)
     level = reducer.design.environment.model_copy(update={"gravity_x": 0.0, "gravity_y": 0.0})
     return Reducer(reducer.design.model_copy(update={"friction": friction, "environment": level}))
 

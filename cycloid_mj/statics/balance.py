@@ -1,5 +1,6 @@
 """Static equilibrium of a reducer under load, and the power balance of a slowly rotating crank."""
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,6 +11,7 @@ from cycloid_mj.base.compiling import announce_compilation
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.powers import Powers
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.film import FilmFriction, drag_torques
 from cycloid_mj.statics.jam import JAM, friction_limit
 from cycloid_mj.statics.kernel import RESIDUAL_RTOL, KernelSprings, Residual, balance
 from cycloid_mj.statics.springs import Springs, springs_of
@@ -34,6 +36,18 @@ RING_TORQUE = RingTorqueSettings()
 
 
 @dataclass(frozen=True)
+class FilmSettings:
+    """Settings of the fixed point of contact forces and film friction (`loads`)."""
+
+    max_rounds: int = 8
+    rtol: float = 1e-4
+    """Change of the friction power in the last round, relative to it."""
+
+
+FILM = FilmSettings()
+
+
+@dataclass(frozen=True)
 class Loads:
     """Contact forces and displacements at m crank angles under a load, in the frame of the ring, disc by disc.
 
@@ -53,6 +67,8 @@ class Loads:
         Share of each disc in the output torque, shape (m, D) [1].
     work
         Mean number of assemblies per crank angle: about 50; hundreds if parts snap across their clearances.
+    friction
+        Friction of the contacts with the law ``film``; None with the law ``coulomb`` or without friction.
     """
 
     teeth: Array
@@ -63,6 +79,7 @@ class Loads:
     output_turn: Array
     share: Array
     work: float
+    friction: FilmFriction | None = None
 
     @property
     def discs(self) -> int:
@@ -93,6 +110,25 @@ def loads(reducer: Reducer, springs: Springs, torque: float | Array, follow: boo
     RunError
         There is no equilibrium.
     """
+    balanced = _solve(reducer, springs, torque, follow)
+    if springs.film is None:
+        return balanced
+    lost = math.inf
+    for _ in range(FILM.max_rounds):
+        cam = np.linalg.norm(balanced.cam, axis=-1)
+        springs = springs.with_friction(springs.film.friction(balanced.teeth, balanced.output, cam))
+        balanced = _solve(reducer, springs, torque, follow)
+        before, lost = (
+            lost,
+            sum(float(np.mean(power)) for power in friction_losses(reducer, springs, balanced).values()),
+        )
+        if abs(lost - before) <= FILM.rtol * lost:
+            break
+    return balanced
+
+
+def _solve(reducer: Reducer, springs: Springs, torque: float | Array, follow: bool) -> Loads:
+    """Solve for equilibrium with the friction of the springs."""
     if reducer.design.output.turns_ring:
         return _solve_ring_output(reducer, springs, torque, follow)
     balanced = _solve_carrier_output(reducer, springs, torque, follow)
@@ -118,7 +154,7 @@ def _solve_ring_output(reducer: Reducer, springs: Springs, torque: float | Array
             taken = 0.5 * (mean + taken)
     before = None
     for _ in range(settings.max_iterations if rubs else 0):
-        lost = sum(float(np.mean(power)) for power in _friction_losses(reducer, springs, balanced).values()) / speed
+        lost = sum(float(np.mean(power)) for power in friction_losses(reducer, springs, balanced).values()) / speed
         missing = lost - taken
         if before is not None and missing != before[1]:
             step = -missing * (taken - before[0]) / (missing - before[1])
@@ -159,6 +195,7 @@ def _solve_carrier_output(reducer: Reducer, springs: Springs, torque: float | Ar
         output_turn=z[:, -1] / lever,
         share=moments / moments.sum(axis=1, keepdims=True),
         work=search.work / len(z),
+        friction=springs.friction,
     )
 
 
@@ -231,20 +268,29 @@ def powers(reducer: Reducer, torque: float, crank: npt.ArrayLike | None = None) 
     """
     design = reducer.design
     springs, way, speed = springs_of(reducer, crank), np.sign(design.drive.speed), abs(design.drive.speed)
-    contact_loads = loads(reducer, springs, float(way) * (torque + design.drag.output), follow=True)
-    losses = _friction_losses(reducer, springs, contact_loads)
-    seals = np.array(design.drag.crank * speed + design.drag.output * speed / design.reduction)
+    on_crank, on_output = drag_torques(reducer)
+    contact_loads = loads(reducer, springs, float(way) * (torque + on_output), follow=True)
+    losses = friction_losses(reducer, springs, contact_loads)
+    seals = np.array(on_crank * speed + on_output * speed / design.reduction)
     mean = {part: float(np.mean(lost)) for part, lost in {**losses, "seals": seals}.items()}
     supplied = torque * speed / design.reduction
     return Powers(supplied + sum(mean.values()), -supplied, mean)
 
 
-def _friction_losses(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Array]:
+def friction_losses(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Array]:
     """Compute the friction losses at each crank angle [W], shape (m,)."""
     design = reducer.design
     slip, count = np.abs(springs.slip), springs.teeth
     turning = abs(float(design.drive.speed - reducer.member.gear_angle(design.drive.speed)))
     pressed = np.linalg.norm(contact_loads.cam, axis=-1).sum(axis=1)
+    film = contact_loads.friction
+    if film is not None:
+        rubbed = film.contacts * slip
+        return {
+            "teeth": np.sum(rubbed[:, :count] * contact_loads.teeth, axis=1),
+            "cam": film.cam * design.gear.bore_radius * turning * pressed,
+            "output": np.sum(rubbed[:, count:] * contact_loads.output, axis=1),
+        }
     return {
         "teeth": design.mesh_friction * np.sum(contact_loads.teeth * slip[:, :count], axis=1),
         "cam": design.friction_of("cam") * design.gear.bore_radius * turning * pressed,

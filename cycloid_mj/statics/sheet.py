@@ -21,6 +21,8 @@ from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics.balance import Loads, loads, powers
 from cycloid_mj.statics.bearings import Planes, Reactions, reactions
+from cycloid_mj.statics.film import film_assumption, film_text
+from cycloid_mj.statics.film_spread import efficiency_spread
 from cycloid_mj.statics.ideal import ideal_peak
 from cycloid_mj.statics.kernel import CARRYING_SHARE
 from cycloid_mj.statics.load_tracking import inertia_share, tracking_warnings
@@ -33,6 +35,7 @@ from cycloid_mj.statics.sheet_figures import (
     SHAFTS,
     SheetPart,
     sheet_quantity,
+    spread_quantity,
 )
 from cycloid_mj.statics.springs import POSES, Springs, at_rest, springs_of, turn_evenly
 from cycloid_mj.statics.structure import structure_text, twisting_compliance
@@ -190,6 +193,7 @@ def _sheet(reducer: Reducer, load: float | None, parts: Iterable[Part]) -> Sheet
             [
                 f"{load:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, quasi-static with disc centrifugal force",
                 *([design.thermal.words] if design.thermal.words else []),
+                *([film_text(reducer)] if design.has_film else []),
             ]
         ),
         load_source=source,
@@ -400,7 +404,10 @@ def _efficiency(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield efficiency and losses of the reducer when the crank drives."""
     design = reducer.design
     mean_powers = powers(reducer, load)
-    yield sheet_quantity("efficiency", 100.0 * mean_powers.efficiency)
+    if design.has_film:
+        yield spread_quantity("efficiency", efficiency_spread(reducer, load))
+    else:
+        yield sheet_quantity("efficiency", 100.0 * mean_powers.efficiency)
     for kind, part in {design.tooth_pair: "teeth", "cam": "cam", "output": "output"}.items():
         note = f"including {design.seat_pair}" if part == "teeth" and design.seat_pair else ""
         yield sheet_quantity(f"{kind}_friction_power", mean_powers.friction[part], note=note)
@@ -450,7 +457,9 @@ def _assumptions(reducer: Reducer) -> tuple[str, ...]:
     return (
         f"statics: {_bodies(reducer)}, contacts are unilateral springs with all clearances, manufacturing errors and "
         "modifications; the only inertia force is the disc's centrifugal force",
-        f"Coulomb friction of a rotating crank at any sliding speed; none in backlash, lost motion and stiffness: "
+        film_assumption(reducer)
+        if design.has_film
+        else f"Coulomb friction of a rotating crank at any sliding speed; none in backlash, lost motion and stiffness: "
         f"{', '.join(f'{kind} {design.friction_of(kind):g}' for kind in design.pair_kinds)}",
         f"contacts have the secant stiffness at the load: {reducer.contacts.working_forces_text(design.pair_kinds)}",
         "a flank of an internal gear and the arc next to it form a single contact patch",

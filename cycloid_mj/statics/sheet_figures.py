@@ -7,6 +7,7 @@ from typing import Literal
 
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.film_spread import Spread
 
 SheetPart = Literal["motions", "errors", "loads", "losses"]
 
@@ -233,3 +234,10 @@ def sheet_quantity(
     """Return the quantity of a figure of the sheet with its value in the figure's unit."""
     row = SHEET_FIGURES[key]
     return Quantity(key, row.name, value, row.unit, reference=reference, source=source, note=note)
+
+
+def spread_quantity(key: str, spread: Spread) -> Quantity:
+    """Return the quantity of a figure of the sheet with its interval and the causes of it."""
+    note = f"{spread.low:.4g} to {spread.high:.4g} (5 to 95 %), mostly from {spread.text}"
+    quantity = sheet_quantity(key, spread.value, note=note)
+    return replace(quantity, low=spread.low, high=spread.high, causes=spread.causes)

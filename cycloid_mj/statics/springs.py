@@ -1,7 +1,7 @@
 """Contact springs of a reducer: gaps, gradients, stiffness and friction of every contact at many crank angles."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -11,6 +11,7 @@ from cycloid_mj.geometry import kinematics
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import Gaps, arc_gaps, cam_places, ideal_motion
 from cycloid_mj.statics import kernel
+from cycloid_mj.statics.film import FilmContacts, FilmFriction, film_contacts
 from cycloid_mj.statics.friction import rubbing
 
 POSES = 61
@@ -42,6 +43,8 @@ class Springs:
         Weight and centrifugal force of each disc [N], shape (m, D, 2).
     slip
         Sliding speed of the disc at each contact line and output pin [m/s], shape (m, n).
+    film, friction
+        Contacts of the film law, and their friction in `contacts`; None with the law ``coulomb`` or without friction.
     """
 
     crank: Array
@@ -50,6 +53,18 @@ class Springs:
     curvature: Array
     body_force: Array
     slip: Array
+    film: FilmContacts | None = None
+    friction: FilmFriction | None = None
+
+    def with_friction(self, friction: FilmFriction) -> "Springs":
+        """Return the springs with another friction of the film law."""
+        assert self.film is not None
+        design = self.film.surfaces.reducer.design
+        arm = math.copysign(design.gear.bore_radius / self.contacts.radius, design.drive.speed)
+        contacts = self.contacts._replace(
+            rubbing=friction.contacts[..., np.newaxis] * self.film.unit_rubbing, cam_rubbing=friction.cam * arm
+        )
+        return replace(self, contacts=contacts, friction=friction)
 
     @property
     def directions(self) -> Array:
@@ -93,7 +108,8 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
     crank
         Crank angles [rad], shape (m,); by default all round.
     friction
-        Whether contacts have friction; without it, the speed of the crank may be 0.
+        Whether contacts have friction; without it, the speed of the crank may be 0. With the law ``film`` it is that
+        under the working forces, which `balance.loads` replaces by that under the actual ones.
 
     Raises
     ------
@@ -109,18 +125,21 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
     mesh_gaps, motion = arc_gaps(reducer, crank), ideal_motion(reducer, crank) * speed
     teeth = int(np.sum(mesh_gaps.kind == reducer.design.tooth_pair))
     contacts = _kernel_springs(reducer, mesh_gaps, teeth, cam_places(reducer, crank))
-    if friction:
+    film = film_contacts(reducer, crank, mesh_gaps, teeth, motion) if friction and reducer.design.has_film else None
+    if friction and film is None:
         arm = reducer.design.gear.bore_radius / contacts.radius
         cam_rubbing = math.copysign(reducer.design.friction_of("cam"), speed) * arm
         contacts = contacts._replace(rubbing=rubbing(reducer, mesh_gaps, motion), cam_rubbing=cam_rubbing)
-    return Springs(
+    springs = Springs(
         crank=crank,
         teeth=teeth,
         contacts=contacts,
         curvature=mesh_gaps.relative_curvature[:, :teeth],
         body_force=own_force,
         slip=np.einsum("mnu,mu->mn", mesh_gaps.slip_slope, motion),
+        film=film,
     )
+    return springs if film is None else springs.with_friction(film.at_working_forces())
 
 
 def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, teeth: int, cams: Array) -> kernel.KernelSprings:

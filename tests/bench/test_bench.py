@@ -41,6 +41,7 @@ from cycloid_mj.bench.uncertainty import INTERVAL, FitUncertainty, autocorrelati
 from cycloid_mj.checks import require_sound
 from cycloid_mj.cli.app import main
 from cycloid_mj.design import Design, load, resolve
+from cycloid_mj.design.model import NO_FRICTION
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.limits import stops
 from cycloid_mj.robot import ReducedJoint, reduce
@@ -56,7 +57,6 @@ NEAR = (70.0, 0.01, 0.23, 3.1, 0.14)
 """About the values of `FIVE` that the printed drive's loops ask for."""
 FIVE = ("play", "tooth_stiffness", "friction", "drag", "drag_travel")
 APART = ("mesh_play", "output_play", "cam_play", "tooth_stiffness", "friction", "drag", "drag_travel")
-FRICTIONLESS = dict.fromkeys(type(Design().friction).model_fields, 0.0)
 
 
 def course(*ends: float, count: int = 40) -> Array:
@@ -77,7 +77,7 @@ def turn_along(reducer: Reducer, torque: Array, crank: float, losses: Losses, he
 def test_without_friction_it_is_the_balance(name: str) -> None:
     """Every design, up and down again: an independent iteration from nothing finds the same turn."""
     design = unlike(name) if name in UNLIKE else resolve(name)
-    design = design.but(friction=FRICTIONLESS, drive={"speed": 0.0})
+    design = design.but(friction=NO_FRICTION, drive={"speed": 0.0})
     ends = [0.0, design.rated_torque, -design.rated_torque, 0.2 * design.rated_torque]
     torque = course(*ends, count=12)
     found = turn_along(Reducer(design), torque, 0.3, Losses())
@@ -90,7 +90,7 @@ def test_without_friction_it_is_the_balance(name: str) -> None:
 def test_constant_friction_builds_up_over_its_travel() -> None:
     """From rest a seal's friction grows as 1 - exp(-turn/travel), but for the few elements that share it."""
     drag, travel = 3.0, 2e-3
-    design = resolve("printed").but(clearance={"pin_gear": 500e-6, "output": 500e-6}, friction=FRICTIONLESS)
+    design = resolve("printed").but(clearance={"pin_gear": 500e-6, "output": 500e-6}, friction=NO_FRICTION)
     design = design.but(environment={"gravity_y": 0.0})
     torque = np.linspace(0.0, 0.9 * drag, 20)
     turn = turn_along(Reducer(design), torque, 0.0, Losses(drag, travel))
@@ -136,7 +136,7 @@ def test_a_loop_takes_the_work_of_its_constant_friction() -> None:
     """Friction that acts at once takes twice its torque times the turn from one end to the other."""
     drag = 2.0
     torque = course(0, 20, -20, 20, count=400)
-    turn = turn_along(Reducer(soft().but(friction=FRICTIONLESS)), torque, 0.0, Losses(drag))
+    turn = turn_along(Reducer(soft().but(friction=NO_FRICTION)), torque, 0.0, Losses(drag))
     work = abs(float(np.trapezoid(turn[400:], torque[400:])))
     assert work == pytest.approx(2.0 * drag * float(np.ptp(turn[400:])), rel=0.02)
 

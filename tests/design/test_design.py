@@ -43,7 +43,7 @@ ASSUMED_HERE = {
         *("profile_cos_um", "profile_sin_um"),
     },
     "modification": {"equidistant_um", "pin_circle_um", "rotation_arcsec"},
-    "friction": set(PAIRS),
+    "friction": {*PAIRS, "law", "lubricant", "roughness_um", "boundary", "film_formula"},
     "drag": {"crank_nm", "output_nm"},
     "stiffness": {f"{pair}_n_m" for pair in PAIRS},
     "springs": {

@@ -9,6 +9,7 @@ from designs import unlike
 from cycloid_mj.analysis import window
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.design import PRESETS, Design
+from cycloid_mj.design.model import NO_FRICTION
 from cycloid_mj.dynamics.drive_cycle import locked_crank, rising
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.run import simulate
@@ -44,7 +45,7 @@ def test_a_soft_and_heavy_drive_swings_as_its_estimate_says() -> None:
         drive={"ramp": 0.0, "hold": 0.05},
         load={"torque": 0.0},
         contact={"damping_ratio": 0.02},
-        friction=dict.fromkeys(type(SOFT.friction).model_fields, 0.0),
+        friction=NO_FRICTION,
     )
     level = level.but(contact={"working_load": 10.0})
     compiled = build(level)

@@ -15,6 +15,7 @@ from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.cli import main
 from cycloid_mj.cli.terminal import finite
 from cycloid_mj.design import PRESETS, Design, load, override
+from cycloid_mj.design.model import NO_FRICTION
 from cycloid_mj.explore import budget, sampling, tolerance, tolerances
 from cycloid_mj.explore.constraints import parse_limit, require_consistent
 from cycloid_mj.explore.verify import DynamicsCheck, verify_design
@@ -435,7 +436,7 @@ def test_dynamics_of_a_sample_stand_beside_its_statics() -> None:
         unlike("light"),
         {"drive.speed_rpm": 900, "errors.hole_x_um": {"1": 2.0}, "errors.profile_sin_um": {"2": 0.5}},
     )
-    smooth = design.but(friction=dict.fromkeys(type(design.friction).model_fields, 0.0))
+    smooth = design.but(friction=NO_FRICTION)
     found = verify_design(Reducer(smooth))
     assert set(found.dynamics) == {"te_loaded_arcsec", "tooth_force_n", "output_pin_force_n", "cam_force_n"}
     for key, difference in found.differences.items():

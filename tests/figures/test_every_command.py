@@ -8,6 +8,7 @@ import pytest
 
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS
+from cycloid_mj.design.model import NO_FRICTION
 from cycloid_mj.figures import figure
 from cycloid_mj.figures.geometry import mass
 from cycloid_mj.life.datasheet import datasheet
@@ -31,8 +32,7 @@ def test_specific_torque_is_torque_over_mass() -> None:
 
 def test_no_load_torque_is_that_of_the_drag_where_nothing_rubs() -> None:
     """Of a light drive in oil with smooth contacts, the crank feels the seals alone."""
-    smooth = dict.fromkeys(type(PIN.design.friction).model_fields, 0.0)
-    oiled = PIN.but(friction=smooth, drag={"crank": 1e-4, "output": 0.07})
+    oiled = PIN.but(friction=NO_FRICTION, drag={"crank": 1e-4, "output": 0.07})
     drag = oiled.design.drag
     expected = drag.crank + drag.output / oiled.design.reduction
     assert figure(NO_LOAD).value(oiled) == pytest.approx(expected, rel=1e-9)

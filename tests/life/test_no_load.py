@@ -3,7 +3,8 @@
 import pytest
 
 from cycloid_mj.design import resolve
-from cycloid_mj.life.no_load import GREASE, idle_torque, no_load_torque, seal_torque
+from cycloid_mj.life.no_load import GREASE, no_load_torque
+from cycloid_mj.lubrication.bearings import idle_torque, seal_torque
 from cycloid_mj.reducer import Reducer
 
 RPM = 0.10471975511965977

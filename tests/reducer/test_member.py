@@ -12,7 +12,8 @@ from cycloid_mj.base.names import FORCE_X, FORCE_Y
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.units import ARCSECONDS
 from cycloid_mj.checks import check
-from cycloid_mj.design import PRESETS, Design, Friction
+from cycloid_mj.design import PRESETS, Design
+from cycloid_mj.design.model import NO_FRICTION
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.geometry.kinematics import point_path
@@ -37,7 +38,7 @@ from cycloid_mj.stress.loads import part_loads
 PIN, PRINTED = PRESETS["pin"], PRESETS["printed"]
 RING = {"member": "ring"}
 FREE_OF_LOSSES = {
-    "friction": dict.fromkeys(Friction.model_fields, 0.0),
+    "friction": NO_FRICTION,
     "environment": {"gravity_x": 0.0, "gravity_y": 0.0},
 }
 

@@ -6,6 +6,7 @@ from designs import cases, unlike
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.design import PRESETS
+from cycloid_mj.design.model import NO_FRICTION
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.friction_path import Losses, course_along
 
@@ -33,6 +34,6 @@ def turns(reducer: Reducer, crank: float) -> Array:
 def test_parts_that_leap_across_their_play_come_to_a_balance(name: str, crank: float) -> None:
     """Without weight nothing but friction holds the gear in its play: the loop is narrower by what that takes."""
     reducer = Reducer(PRESETS[name] if name in PRESETS else unlike(name)).but(environment=WEIGHTLESS)
-    smooth = reducer.but(friction=dict.fromkeys(type(reducer.design.friction).model_fields, 0.0))
+    smooth = reducer.but(friction=NO_FRICTION)
     held, free = np.ptp(turns(reducer, crank)), np.ptp(turns(smooth, crank))
     assert 0.95 * free < held <= 1.001 * free

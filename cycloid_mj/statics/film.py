@@ -1,0 +1,340 @@
+"""Friction of all contacts of a reducer with the law ``film``: mixed friction by load and surface speeds.
+
+Teeth and output pins without rollers are line contacts; free pins, sleeves, plain rollers and a plain cam turn in
+journal bearings. A free pin rolls on the disc while its seat has less friction than the flank would have, otherwise it
+stops. Rolling bearings have Palmgren's friction torques M0 and M1.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cycloid_mj.base.array import Array, Mask
+from cycloid_mj.design.lubricants import lubricant
+from cycloid_mj.geometry import profile
+from cycloid_mj.geometry.surface_speeds import SurfaceSpeeds, hole_speeds, seat_speeds, tooth_speeds
+from cycloid_mj.lubrication.bearings import idle_torque, seal_torque
+from cycloid_mj.lubrication.mixed import FilmLaw, MixedFriction, journal_friction, line_friction
+from cycloid_mj.parts.export.casing import casing
+from cycloid_mj.parts.export.drive import has_casing
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.gaps import Gaps
+
+MIN_CURVATURE = 1.0
+"""Smallest relative curvature of a line contact [1/m]: where a flank fits its pin closer, they are conformal."""
+
+ROLLER_PLAY = 1e-3
+"""Radial clearance of a plain roller on its core over the radius, of a running fit (assumed)."""
+
+PART_OF_PAIR = {"cam": ("crank", "disc"), "output": ("disc", "output")}
+"""Parts whose mean temperature is that of the lubricant in a pair; others are between disc and ring."""
+
+
+@dataclass(frozen=True)
+class FilmInputs:
+    """Inputs of the film law that a design leaves open, relative to its own values; 1 is the design itself.
+
+    Attributes
+    ----------
+    boundary, roughness, viscosity, play
+        Coefficient of boundary friction, roughness, viscosity, and clearance of sockets and sleeves.
+    film, share, shear
+        Film thickness over that of its formula, load share of the film, and its limiting shear and Eyring stress.
+    load_friction, idle_friction, seals
+        Palmgren's factors f1 and f0 of the cam's rollers, and torque of the seals.
+    """
+
+    boundary: float = 1.0
+    roughness: float = 1.0
+    viscosity: float = 1.0
+    play: float = 1.0
+    film: float = 1.0
+    share: float = 1.0
+    shear: float = 1.0
+    load_friction: float = 1.0
+    idle_friction: float = 1.0
+    seals: float = 1.0
+
+
+DESIGN_INPUTS = FilmInputs()
+
+ROLLER_LOAD_FACTOR, ROLLER_IDLE_FACTOR = 0.0005, 3.0
+"""Palmgren's f1 of needle rollers, and f0 of rollers of unknown make (cylindrical 1 to 3, needle 5 to 12; Harris)."""
+
+
+@dataclass(frozen=True, eq=False)
+class FilmFriction:
+    """Friction of all contacts under known forces.
+
+    Attributes
+    ----------
+    contacts
+        Coefficient of each contact line with the ring and of each output pin [1], shape (m, n).
+    cam
+        Mean coefficient of the cams at their radius [1].
+    teeth, output
+        State of the contact that slides: of free pins the flank or the seat, whichever has less friction; None of
+        output pins on needles.
+    rolls
+        Whether a free pin rolls on the disc, shape (m, teeth); false of fixed pins.
+    """
+
+    contacts: Array
+    cam: float
+    teeth: MixedFriction
+    output: MixedFriction | None
+    rolls: Mask
+
+
+@dataclass(frozen=True, eq=False)
+class FilmSurfaces:
+    """Surfaces of all kinds of mating pairs of a reducer at its speed and temperatures, for the film law.
+
+    Attributes
+    ----------
+    reducer
+        The reducer.
+    flank, seat
+        Surface speeds of the disc on pins that do not turn, and in the seats of pins that roll (None without seats), at
+        phases of any shape.
+    radius
+        Reduced radius of the contact lines with the ring at these phases [m].
+    inputs
+        Inputs other than those of the design.
+    """
+
+    reducer: Reducer
+    flank: SurfaceSpeeds
+    seat: SurfaceSpeeds | None
+    radius: Array
+    inputs: FilmInputs = DESIGN_INPUTS
+
+    @property
+    def seat_scale(self) -> float:
+        """Radius of the seat over that of the pin or sleeve [1]."""
+        return _seat_radius(self.reducer) / self.reducer.design.ring.pin_radius
+
+    def flank_friction(self, force: Array) -> MixedFriction:
+        """Compute the friction of the disc on pins that do not turn; forces [N] broadcast with the phases."""
+        design = self.reducer.design
+        law, length = law_of(self.reducer, design.tooth_pair, self.inputs), design.line_length(design.tooth_pair)
+        modulus = self.reducer.contacts.teeth.modulus
+        return line_friction(law, force, self.flank.entrainment, self.flank.sliding, self.radius, length, modulus)
+
+    def seat_friction(self, force: Array) -> MixedFriction | None:
+        """Compute the friction of the seats of rolling pins, as a coefficient at the flank; None without seats."""
+        design, seat = self.reducer.design, self.seat
+        if seat is None:
+            return None
+        law, length = law_of(self.reducer, design.tooth_pair, self.inputs), design.line_length(design.tooth_pair)
+        play = self.inputs.play * design.pin_play
+        in_seat = journal_friction(law, force, seat.entrainment, seat.sliding, _seat_radius(self.reducer), play, length)
+        return in_seat.scaled(self.seat_scale)
+
+    def easier_friction(self, force: Array) -> tuple[MixedFriction, Mask]:
+        """Compute the smaller friction of flank and seat, and whether it is that of the seat, so that pins roll."""
+        flank, seat = self.flank_friction(force), self.seat_friction(force)
+        if seat is None:
+            return flank, np.zeros(flank.coefficient.shape, dtype=bool)
+        rolls = seat.coefficient < flank.coefficient
+        return MixedFriction(
+            *(np.where(rolls, getattr(seat, name), value) for name, value in vars(flank).items())
+        ), rolls
+
+    def output_friction(self, force: Array) -> MixedFriction | None:
+        """Compute the friction of holes on output pins, of plain rollers at their rim; None on needles."""
+        design = self.reducer.design
+        output, gear = design.output, self.reducer.tooth_profile
+        if output.has_needles:
+            return None
+        law, length = law_of(self.reducer, "output", self.inputs), design.line_length("output")
+        speeds = hole_speeds(gear, output.pin_radius, output.hole_radius, mesh_speed(self.reducer))
+        if not output.rollers:
+            contact = self.reducer.contacts["output"]
+            radius = 1.0 / contact.relative_curvature
+            return line_friction(law, force, speeds.entrainment, speeds.sliding, radius, length, contact.modulus)
+        scale = output.root_radius / output.pin_radius
+        core = SurfaceSpeeds(scale * speeds.moving, scale * speeds.fixed)
+        play = ROLLER_PLAY * output.root_radius
+        on_core = journal_friction(law, force, core.entrainment, core.sliding, output.root_radius, play, length)
+        return on_core.scaled(scale)
+
+    def cam_friction(self, force: Array) -> Array:
+        """Compute the coefficients of cams at their radius, in the shape of the forces [N]."""
+        design, force = self.reducer.design, np.asarray(force, float)
+        radius = design.gear.bore_radius
+        if design.gear.bearing == "rolling":
+            coefficient = self.inputs.load_friction * ROLLER_LOAD_FACTOR * cam_mean_diameter(self.reducer) / radius
+            return np.full(force.shape, coefficient)
+        # the load turns with the cam, so only the disc's bore passes the contact
+        speed = mesh_speed(self.reducer) * design.ring.teeth / design.lobes * radius
+        law, play = law_of(self.reducer, "cam", self.inputs), design.clearance.cam
+        return journal_friction(law, force, 0.5 * speed, speed, radius, play, design.line_length("cam")).coefficient
+
+
+@dataclass(frozen=True, eq=False)
+class FilmContacts:
+    """Contacts with the ring and of output pins at m crank angles, for the film law.
+
+    Attributes
+    ----------
+    surfaces
+        Surfaces at the phases of the contact lines, shape (m, teeth).
+    studs
+        Number of contacts of output pins.
+    unit_rubbing
+        Generalised friction of each contact at a coefficient of 1, shape (m, n, u).
+    """
+
+    surfaces: FilmSurfaces
+    studs: int
+    unit_rubbing: Array
+
+    def with_inputs(self, inputs: FilmInputs) -> "FilmContacts":
+        """Return the contacts with other inputs of the law."""
+        return replace(self, surfaces=replace(self.surfaces, inputs=inputs))
+
+    def friction(self, teeth: Array, output: Array, cam: Array) -> FilmFriction:
+        """Compute the friction of all contacts.
+
+        Parameters
+        ----------
+        teeth, output
+            Normal forces [N], shape (m, teeth) and (m, studs).
+        cam
+            Magnitude of the force of each cam [N], shape (m, D).
+        """
+        on_teeth, rolls = self.surfaces.easier_friction(teeth)
+        on_output = self.surfaces.output_friction(output)
+        rolling = self.surfaces.reducer.design.friction_of("output")
+        coefficient = rolling if on_output is None else on_output.coefficient
+        contacts = np.concatenate([on_teeth.coefficient, np.broadcast_to(coefficient, output.shape)], axis=1)
+        total = max(float(np.sum(cam)), np.finfo(float).tiny)
+        mean = float(np.sum(self.surfaces.cam_friction(cam) * cam) / total)
+        return FilmFriction(contacts, mean, on_teeth, on_output, rolls)
+
+    def at_working_forces(self) -> FilmFriction:
+        """Compute the friction of all contacts under the working force of each kind of pair."""
+        reducer, shape = self.surfaces.reducer, self.surfaces.radius.shape
+        teeth, output, cam = (reducer.contacts[kind].force for kind in (reducer.design.tooth_pair, "output", "cam"))
+        return self.friction(
+            np.full(shape, teeth / reducer.design.ring.halves),
+            np.full((shape[0], self.studs), output),
+            np.full((shape[0], reducer.design.gear.discs), cam),
+        )
+
+
+def film_surfaces(reducer: Reducer, B: Array, curvature: Array) -> FilmSurfaces:
+    """Build the surfaces at phases [rad] of any shape, with the relative curvature of the teeth there [1/m]."""
+    gear, speed = reducer.tooth_profile, mesh_speed(reducer)
+    seated = bool(reducer.design.seat_pair)
+    return FilmSurfaces(
+        reducer=reducer,
+        flank=tooth_speeds(gear, B, speed),
+        seat=seat_speeds(gear, B, speed, _seat_radius(reducer)) if seated else None,
+        radius=1.0 / np.maximum(curvature, MIN_CURVATURE),
+    )
+
+
+def film_contacts(reducer: Reducer, crank: Array, mesh_gaps: Gaps, teeth: int, motion: Array) -> FilmContacts:
+    """Build the contacts of the film law; crank angles in the frame of the ring [rad], shape (m,).
+
+    `teeth` is the number of contact lines with the ring in `mesh_gaps`, `motion` the rate of the unknowns.
+    """
+    gear = reducer.tooth_profile
+    owner, disc = mesh_gaps.owner[:teeth] % gear.ring_teeth, mesh_gaps.disc[:teeth]
+    B = profile.pin_angles(gear)[owner] + np.array(reducer.phases)[disc] + crank[:, np.newaxis]
+    sliding = np.einsum("...nu,...u->...n", mesh_gaps.slip_slope, motion)
+    return FilmContacts(
+        surfaces=film_surfaces(reducer, B, mesh_gaps.relative_curvature[:, :teeth]),
+        studs=mesh_gaps.kind.size - teeth,
+        unit_rubbing=-np.sign(sliding)[..., np.newaxis] * mesh_gaps.slip_slope,
+    )
+
+
+def mesh_speed(reducer: Reducer) -> float:
+    """Return the speed of the crank against the ring [rad/s]."""
+    return float(reducer.member.against_ring(reducer.design.drive.speed))
+
+
+def lubricant_temperature(reducer: Reducer, pair: str) -> float:
+    """Return the temperature of the lubricant in a kind of mating pair [°C]: the mean of its two parts."""
+    thermal = reducer.design.thermal
+    first, second = PART_OF_PAIR.get(pair, ("disc", "ring"))
+    return 0.5 * float(getattr(thermal, first) + getattr(thermal, second))
+
+
+def law_of(reducer: Reducer, pair: str, inputs: FilmInputs = DESIGN_INPUTS) -> FilmLaw:
+    """Return the film law of a kind of mating pair at the temperature of its parts."""
+    friction, temperature = reducer.design.friction, lubricant_temperature(reducer, pair)
+    oil = lubricant(friction.lubricant)
+    nominal = FilmLaw(
+        viscosity=inputs.viscosity * oil.viscosity(temperature),
+        pressure_coefficient=oil.pressure_coefficient(temperature),
+        roughness=inputs.roughness * friction.roughness,
+        boundary=inputs.boundary * friction.boundary,
+        formula=friction.film_formula,
+        film_factor=inputs.film,
+    )
+    return FilmLaw(
+        **{
+            **vars(nominal),
+            "film_share": inputs.share * nominal.film_share,
+            "eyring_stress": inputs.shear * nominal.eyring_stress,
+            "limiting_shear": inputs.shear * nominal.limiting_shear,
+        }
+    )
+
+
+def film_text(reducer: Reducer) -> str:
+    """Name the law and the lubricant with its temperature, as a condition of results."""
+    design = reducer.design
+    return f"film friction, {design.friction.lubricant} at {lubricant_temperature(reducer, design.tooth_pair):g} °C"
+
+
+def film_assumption(reducer: Reducer) -> str:
+    """Describe the friction of a rotating crank, in a sentence."""
+    friction = reducer.design.friction
+    return (
+        f"mixed friction of a rotating crank with {friction.lubricant}: film thickness by {friction.film_formula}, "
+        f"roughness Rq {1e6 * friction.roughness:g} um, boundary friction {friction.boundary:g}; cams and seals with "
+        "drag by Palmgren and ISO/TR 14179-2; none in backlash, lost motion and stiffness"
+    )
+
+
+def cam_mean_diameter(reducer: Reducer) -> float:
+    """Return the mean diameter of the rollers of a cam [m]."""
+    return 2.0 * (reducer.design.gear.bore_radius - reducer.contacts.roller_radius)
+
+
+def drag_torques(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[float, float]:
+    """Return the drag on crank and output that does not depend on the load [N m].
+
+    With the law ``film`` these are the seals by ISO/TR 14179-2, unless the design states `drag`, and Palmgren's M0 of
+    the rolling cams, as a torque on the crank; else those of the design.
+    """
+    design = reducer.design
+    crank, output = design.drag.crank, design.drag.output
+    if not design.has_film:
+        return crank, output
+    speed = abs(mesh_speed(reducer))
+    if not (crank or output):
+        per_speed = speed / abs(design.drive.speed) if design.drive.speed else 1.0
+        crank = per_speed * seal_torque(2.0 * design.shaft.radius)
+        output = seal_torque(casing(reducer).hub.bore) if has_casing(reducer) else 0.0
+    crank, output = inputs.seals * crank, inputs.seals * output
+    if design.gear.bearing == "rolling":
+        turning = speed * design.ring.teeth / design.lobes
+        viscosity = inputs.viscosity * lubricant(design.friction.lubricant).kinematic_viscosity(
+            lubricant_temperature(reducer, "cam")
+        )
+        factor = inputs.idle_friction * ROLLER_IDLE_FACTOR * design.gear.discs
+        per_crank = turning / abs(design.drive.speed) if design.drive.speed else 1.0
+        crank += per_crank * idle_torque(factor, cam_mean_diameter(reducer), turning, viscosity)
+    return crank, output
+
+
+def _seat_radius(reducer: Reducer) -> float:
+    """Return the radius at which a moving pin or sleeve turns in its seat [m]."""
+    design = reducer.design
+    return design.ring.sleeve_bore_radius if design.ring.has_sleeves else design.ring.pin_radius

@@ -1,0 +1,145 @@
+"""Interval of the efficiency with the law ``film``: the spread of what a design leaves open, and its main causes.
+
+The inputs vary independently over `RANGES`; a scrambled Sobol sequence with a fixed seed samples them, and the interval
+holds 90 % of the outcomes. Causes are ranked by their share of the variance in a linear regression.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.statics.balance import Loads, friction_losses, loads
+from cycloid_mj.statics.film import FilmInputs, drag_torques
+from cycloid_mj.statics.springs import Springs, springs_of
+
+SAMPLES, SEED = 128, 58
+"""Number of samples, a power of 2 for the Sobol sequence, and their seed."""
+
+PERCENTILES = (5.0, 95.0)
+
+
+@dataclass(frozen=True)
+class InputRange:
+    """Range of an input relative to the design's value, even in its logarithm or in itself, with its reason."""
+
+    name: str
+    low: float
+    high: float
+    reason: str
+    logarithmic: bool = True
+
+
+RANGES: Mapping[str, InputRange] = {
+    "boundary": InputRange("boundary friction", 0.73, 1.27, "0.08 to 0.14 for 0.11: greased steel", logarithmic=False),
+    "roughness": InputRange("roughness", 0.5, 2.0, "Rq 0.2 to 0.8 um for 0.4: ground, before and after running in"),
+    "viscosity": InputRange("viscosity", 0.7, 1.4, "grade +-10 %, +-10 % at 100 °C, ageing, temperature of the film"),
+    "play": InputRange("play of the pins' seats", 1.0, 3.0, "pins h3 or 0/-2 um, sockets and sleeves widen by wear"),
+    "film": InputRange("film thickness", 0.5, 1.2, "formulas +-20 %; grease starves contacts to half the film"),
+    "share": InputRange("load share of the film", 0.75, 1.2, "laws of the asperities' share"),
+    "shear": InputRange("shear of the film", 0.67, 1.5, "limiting shear 0.04 to 0.09, Eyring stress 3 to 8 MPa"),
+    "load_friction": InputRange("load friction of the cam's rollers", 0.6, 1.6, "f1 0.0003 to 0.0008"),
+    "idle_friction": InputRange("idle friction of the cam's rollers", 0.33, 2.67, "f0 1 to 8"),
+    "seals": InputRange("seals", 0.0, 1.5, "from contactless to heavily preloaded seals", logarithmic=False),
+}
+"""Range of each input of `FilmInputs`: assumed, from the scatter of handbooks and measurements."""
+
+
+@dataclass(frozen=True)
+class Spread:
+    """A value with its interval.
+
+    Attributes
+    ----------
+    value, low, high
+        Value of the design's own inputs, and 5 and 95 % of the samples.
+    causes
+        Name of each input and its share of the variance [1], the largest first.
+    """
+
+    value: float
+    low: float
+    high: float
+    causes: tuple[tuple[str, float], ...]
+
+    @property
+    def text(self) -> str:
+        """Return the two inputs that cause most of the spread, in words."""
+        return " and ".join(f"{name} ({share:.0%})" for name, share in self.causes[:2])
+
+
+@cache
+def sample_inputs(count: int = SAMPLES) -> tuple[tuple[FilmInputs, ...], Array]:
+    """Return samples of the inputs, and their places in the ranges from 0 to 1, shape (count, inputs)."""
+    from scipy.stats import qmc
+
+    places = qmc.Sobol(len(RANGES), seed=SEED).random(count)
+    columns = [
+        np.exp(np.log(item.low) + place * np.log(item.high / item.low))
+        if item.logarithmic
+        else item.low + place * (item.high - item.low)
+        for item, place in zip(RANGES.values(), places.T, strict=True)
+    ]
+    rows = np.stack(columns, axis=1).tolist()
+    return tuple(FilmInputs(**dict(zip(RANGES, row, strict=True))) for row in rows), places
+
+
+def spread_of(value: float, outcomes: Sequence[float] | Array, places: Array) -> Spread:
+    """Return the spread of outcomes, shape (n,), at places of the inputs, shape (n, inputs)."""
+    outcomes = np.asarray(outcomes, float)
+    low, high = np.percentile(outcomes, PERCENTILES)
+    scaled = (places - places.mean(axis=0)) / places.std(axis=0)
+    slopes, *_ = np.linalg.lstsq(scaled, outcomes - outcomes.mean(), rcond=None)
+    shares = slopes**2 / max(float(outcomes.var()), np.finfo(float).tiny)
+    order = np.argsort(-shares)
+    names = [item.name for item in RANGES.values()]
+    return Spread(value, float(low), float(high), tuple((names[k], float(shares[k])) for k in order))
+
+
+@once
+def lost_powers(reducer: Reducer, torque: float, samples: int = SAMPLES) -> tuple[float, Array]:
+    """Compute the power lost under an output torque [N m] with the law ``film``: its mean, and that of each sample [W].
+
+    Samples keep the contact forces of the design's own inputs; that forces grow with friction is included by a second
+    equilibrium, at `PROBE`. Errors as `balance.powers`.
+    """
+    design, speed = reducer.design, abs(reducer.design.drive.speed)
+    springs, sign = springs_of(reducer), np.sign(design.drive.speed)
+    assert springs.film is not None
+    carried = float(sign) * (torque + drag_torques(reducer)[1])
+    balanced = loads(reducer, springs, carried, follow=True)
+    lost = _contact_losses(reducer, springs, balanced)
+    probe = replace(springs, film=springs.film.with_inputs(PROBE))
+    fixed = _contact_losses(reducer, probe, balanced)
+    raised = _contact_losses(reducer, probe, loads(reducer, probe, carried, follow=True))
+    growth = (raised / fixed - 1.0) / (fixed / lost - 1.0) if fixed != lost else 0.0
+    outcomes = []
+    for inputs in sample_inputs(samples)[0]:
+        alone = _contact_losses(reducer, replace(springs, film=springs.film.with_inputs(inputs)), balanced)
+        crank, output = drag_torques(reducer, inputs)
+        outcomes.append(alone * (1.0 + growth * (alone / lost - 1.0)) + speed * (crank + output / design.reduction))
+    crank, output = drag_torques(reducer)
+    return lost + speed * (crank + output / design.reduction), np.array(outcomes)
+
+
+PROBE = FilmInputs(boundary=1.25, viscosity=0.8, load_friction=1.25)
+"""Inputs with more friction, for the growth of the forces with it."""
+
+
+def _contact_losses(reducer: Reducer, springs: Springs, balanced: Loads) -> float:
+    """Compute the friction power of all contacts [W] with the film of some springs, at known forces."""
+    assert springs.film is not None
+    friction = springs.film.friction(balanced.teeth, balanced.output, np.linalg.norm(balanced.cam, axis=-1))
+    lost = friction_losses(reducer, springs, replace(balanced, friction=friction))
+    return sum(float(np.mean(power)) for power in lost.values())
+
+
+def efficiency_spread(reducer: Reducer, torque: float, samples: int = SAMPLES) -> Spread:
+    """Compute the efficiency under an output torque [N m] that brakes, with its interval [%]; errors as `powers`."""
+    delivered = torque * abs(reducer.design.drive.speed) / reducer.design.reduction
+    lost, outcomes = lost_powers(reducer, torque, samples)
+    share = 100.0 * delivered / (delivered + outcomes)
+    return spread_of(100.0 * delivered / (delivered + lost), share, sample_inputs(samples)[1])
