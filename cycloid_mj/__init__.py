@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from cycloid_mj.dynamics.run import simulate
     from cycloid_mj.explore import optimize, sweep, tolerance
     from cycloid_mj.life import rate
+    from cycloid_mj.life.accuracy_life import wear
     from cycloid_mj.life.checks import check_design as check
     from cycloid_mj.life.datasheet import datasheet_of as datasheet
     from cycloid_mj.life.thermal import thermal
@@ -77,6 +78,7 @@ __all__ = [
     "tapered_orders",
     "thermal",
     "tolerance",
+    "wear",
     "write_log",
 ]
 
@@ -122,6 +124,7 @@ _ORIGINS = {
     "tapered_orders": "analysis.spectrum",
     "thermal": "life.thermal",
     "tolerance": "explore",
+    "wear": "life.accuracy_life",
     "write_log": "log:write",
 }
 """Where each public name lives: a module, and the name there if it is another; a room itself has no origin."""

@@ -60,6 +60,7 @@ GROUPS: Mapping[str, Mapping[str, Listed]] = {
         "figures": Listed("List all figures that commands print, limit and vary, by key.", "figures:figures"),
         "rate": Listed("Rate life, fatigue, wear and heat, the weakest item first.", "rate:rate"),
         "thermal": Listed("Compute temperatures, warm-up and thermal limits of a drive.", "thermal:thermal"),
+        "wear": Listed("Wear a drive over its hours, and compute its accuracy life.", "wear:wear"),
         "datasheet": Listed("Write a data sheet in the style of makers: PDF and HTML.", "datasheet:datasheet"),
     },
     "Analyse": {

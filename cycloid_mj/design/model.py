@@ -782,7 +782,18 @@ class Service(Section):
         0.0, "fatigue notch factor at the root of an output pin; 0: from its fillet", ge=0.0, le=10.0
     )
     wear_coefficient: float = quantity(
-        1e-9, "volume worn per force and sliding distance (mixed lubrication)", u.WEAR, ge=0.0, le=1.0
+        1e-9,
+        "volume that each surface loses per force and sliding distance; 1e-9: metals so, plastics by their table",
+        u.WEAR,
+        ge=0.0,
+        le=1.0,
+    )
+    run_in_depth: float = quantity(
+        0.0,
+        "depth that run-in removes from each sliding surface, for `cycloid-mj wear`; 0: by its material",
+        u.MICROMETRE,
+        ge=0.0,
+        le=1000.0,
     )
     ambient_temperature: float = quantity(20.0, "temperature around the housing", u.CELSIUS, ge=-100.0, le=200.0)
     film_coefficient: float = quantity(

@@ -23,6 +23,7 @@ from cycloid_mj.design import Design
 from cycloid_mj.explore.optimum import Optimum
 from cycloid_mj.explore.sweeps import Sweep
 from cycloid_mj.explore.tolerances import Tolerances
+from cycloid_mj.life.accuracy_life import WearLife
 from cycloid_mj.life.datasheet import Datasheet
 from cycloid_mj.life.item import Rating
 from cycloid_mj.life.thermal import ThermalState
@@ -39,6 +40,7 @@ from cycloid_mj.plots.stress import stress_figures
 from cycloid_mj.plots.style import BLUE, GREY, VERMILION, state, with_style
 from cycloid_mj.plots.style import sheet as empty_figure
 from cycloid_mj.plots.tolerance import tolerance_figures
+from cycloid_mj.plots.wear import wear_figure
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.robot.reducer import ReducedJoint
 from cycloid_mj.sizing.answer import Answer
@@ -184,6 +186,11 @@ def _of_rating(rating: Rating) -> Figures:
 @figures_of.register
 def _of_thermal_state(state: ThermalState) -> Figures:
     return {"warm_up": curves_figure(state.curves)}
+
+
+@figures_of.register
+def _of_wear_life(result: WearLife) -> Figures:
+    return {"wear": wear_figure(result)}
 
 
 @figures_of.register

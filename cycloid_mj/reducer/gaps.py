@@ -3,7 +3,7 @@
 The unknowns z [m], shape (3 D + 1,), are departures from the ideal pose: x, y and R phi of each of the D discs, and
 R psi of the output; R is the radius of the circle of output pins, phi and psi are counter-clockwise. A gap is the
 normal distance of two surfaces, positive if they are separate. At the ideal pose it follows from clearances,
-manufacturing errors and profile modification; its gradient is the direction of the contact force on the parts.
+manufacturing errors, profile modification and wear; its gradient is the direction of the contact force on the parts.
 
 A contact also moves along the surface: a static balance (`kernel.gap`) represents each curve by its circle of curvature
 and the rate of change of the curvature, and rotations to second order. Neglected terms are of fourth order in
@@ -161,13 +161,14 @@ def _tooth_gaps(reducer: "Reducer", disc: int, lines: envelope.RingContacts, mid
     lever = rubbed - gear.pin_radius
     behind, bend, ahead = (profile.curvature(gear, lines.t + increment, 0.0) for increment in (-_STEP, 0.0, _STEP))
     twist = (ahead - behind) / (2.0 * _STEP * profile.arc_rate(gear, lines.t, 0.0))
+    worn = reducer.worn.of_teeth(lines.B) if reducer.worn else 0.0
     return Gaps(
         kind=np.full(lines.lobe.size, design.tooth_pair),
         owner=lines.lobe + half * design.ring.teeth,
         disc=np.full(lines.lobe.size, disc),
         room=np.broadcast_to(room, arm.shape),
         play=np.broadcast_to(play, arm.shape),
-        distance=turned * arm - np.sum(shift * push, axis=-1) + profile_error(errors.waves, lines.t),
+        distance=turned * arm - np.sum(shift * push, axis=-1) + profile_error(errors.waves, lines.t) + worn,
         slope=_by_unknown(reducer, disc, push, arm, np.zeros(arm.shape)),
         shift=np.sum(shift * side, axis=-1) - turned * lever,
         shift_slope=_by_unknown(reducer, disc, -side, -lever, np.zeros(arm.shape)),
@@ -194,13 +195,14 @@ def _output_gaps(reducer: "Reducer", crank: Array, disc: int) -> Gaps:
     side, hole = _quarter_turned(push), _rotate(errors.hole_place[disc], -turned)
     arm, lever = np.sum(arm_vector * -_quarter_turned(push), axis=-1), np.sum(arm_vector * push, axis=-1)
     room = reducer.design.clearance.output + output.hole_radius - output.pin_radius - gear.eccentricity
+    worn = reducer.worn.of_output(np.arctan2(arm, lever)) if reducer.worn else 0.0
     return Gaps(
         kind=np.full(output.pins, "output"),
         owner=np.arange(output.pins),
         disc=np.full(output.pins, disc),
         room=np.full(arm.shape, room),
         play=np.zeros(arm.shape),
-        distance=np.sum(hole * push, axis=-1),
+        distance=np.sum(hole * push, axis=-1) + worn,
         slope=_by_unknown(reducer, disc, push, arm, -arm),
         shift=-np.sum(hole * side, axis=-1),
         shift_slope=_by_unknown(reducer, disc, -side, -lever, lever),

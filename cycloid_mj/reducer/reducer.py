@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from cycloid_mj.reducer.bodies import Mechanism
     from cycloid_mj.reducer.contact import Contacts
     from cycloid_mj.reducer.member import Member
+    from cycloid_mj.reducer.worn import WornGaps
 
 Given = ParamSpec("Given")
 Value = TypeVar("Value")
@@ -43,26 +44,27 @@ def _cache_of(design: Design) -> dict[Hashable, Any]:
 
 
 class Reducer:
-    """The reducer of a `design`.
+    """The reducer of a `design`, with new parts or `worn` ones; only statics takes wear into account.
 
-    Reducers of equal designs are equal, and share their cached values.
+    Reducers of equal designs with new parts are equal, and share their cached values.
     """
 
-    def __init__(self, design: Design) -> None:
+    def __init__(self, design: Design, worn: "WornGaps | None" = None) -> None:
         if not design.thermal.is_reference:
             from cycloid_mj.geometry.expansion import expand
 
             design = expand(design)
         self.design = design
-        self._kept = _cache_of(design)
+        self.worn = worn
+        self._kept = _cache_of(design) if worn is None else {}
 
     def but(self, **changes: Any) -> "Reducer":
         """Return the reducer of the design with changed values, in SI units, as ``Design.but``; errors as there."""
-        return Reducer(self.design.but(**changes))
+        return Reducer(self.design.but(**changes), self.worn)
 
     def steady(self, settled: float, turns: float, samples: float = 0.0, **changes: Mapping[str, Any]) -> "Reducer":
         """Return the reducer for a run at full speed from its start, as ``Design.steady``; errors as there."""
-        return Reducer(self.design.steady(settled, turns, samples, **changes))
+        return Reducer(self.design.steady(settled, turns, samples, **changes), self.worn)
 
     def working_at(self, torque: float) -> "Reducer":
         """Return the reducer with contact stiffnesses for a torque on the output [N m], whatever its load.
@@ -101,13 +103,15 @@ class Reducer:
         return value
 
     def __eq__(self, other: object) -> bool:
-        return self.design == other.design if isinstance(other, Reducer) else NotImplemented
+        if not isinstance(other, Reducer):
+            return NotImplemented
+        return self.design == other.design and self.worn is other.worn
 
     def __hash__(self) -> int:
         return hash(self.design)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Reducer, (self.design,)
+        return Reducer, (self.design, self.worn)
 
     def __repr__(self) -> str:
         return f"Reducer({self.design!r})"

@@ -156,7 +156,7 @@ def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, teeth: int, cams: Array) 
         trochoid=(design.ring.pin_circle_radius, design.gear.eccentricity, float(design.ring.teeth)),
         stiffness=np.concatenate([stiffness, output], axis=1),
         cam_place=cams,
-        cam_clearance=design.clearance.cam,
+        cam_clearance=design.clearance.cam + (reducer.worn.cam if reducer.worn else 0.0),
         cam_stiffness=reducer.contacts["cam"].stiffness,
         rubbing=np.zeros((0, *mesh_gaps.slope.shape[1:])),
         cam_rubbing=0.0,

@@ -58,6 +58,7 @@ WRITING = {
     "compare-bench": ("compare-bench --design pin --te te.csv --out d", "d/pin-te.json"),
     "protocol": ("protocol --design pin --angles 1 --out d", "d/pin-protocol.json"),
     "thermal": ("thermal --design pin --out d", "d/pin-thermal.json"),
+    "wear": ("wear --design pin --hours 1 --out d", "d/pin-wear.json"),
     "build": ("build --design pin --out d", "d/scene.xml"),
     "export": ("export --design pin --format dxf --out d", "d/gear.dxf"),
     "design profile": ("design profile --design pin --csv gear.csv", "gear.csv"),

@@ -19,6 +19,7 @@ STATIC = (
     ("tolerance", "--design", "{name}", "--set", 'tolerance.cam="normal 0.5"', "--samples", "4"),
     ("rate", "--design", "{name}", "--html", "rate.html"),
     ("thermal", "--design", "{name}", "--out", "heat"),
+    ("wear", "--design", "{name}", "--hours", "1", "--out", "wear"),
     ("design", "kinematics", "--design", "{name}", "--until-s", "0.01", "--csv", "k.csv"),
     ("design", "profile", "--design", "{name}", "--csv", "p.csv"),
     ("design", "profile", "--design", "{name}", "--part", "curvature", "--points", "4", "--csv", "p.csv"),

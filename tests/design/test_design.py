@@ -79,7 +79,7 @@ ASSUMED_HERE = {
         "ambient_temperature_c",
         "duty_share",
     }
-    | {"film_coefficient_w_m2_k", "grease_temperature_c", "seal_temperature_c"},
+    | {"film_coefficient_w_m2_k", "grease_temperature_c", "seal_temperature_c", "run_in_depth_um"},
     "thermal": {"face_gap_mm", "joint_conductance_w_m2_k", "emissivity"},
     "drive": {"ramp_s", "hold_s", "rotor_inertia_kg_m2"},
     "load": {"torque_nm", "rise_s"},

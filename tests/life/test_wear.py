@@ -88,11 +88,11 @@ def test_sleeves_slip_at_their_bore() -> None:
     assert rub.density == pytest.approx(rub.power / (2.0 * math.pi * ring.sleeve_bore_radius * ring.teeth))
 
 
-def test_plastics_wear_by_their_own_coefficient() -> None:
-    """1e-6 mm3/(N m) of plastics and 1e-9 of metals; what the design file states counts for both."""
+def test_each_material_wears_by_its_own_coefficient() -> None:
+    """2.65e-6 mm3/(N m) of Onyx, a PA 6, and 1e-9 of metals; what the design file states counts for both."""
     printed, metal = (rate(PRESETS[name], stops=False).items for name in ("printed", "pin"))
     worn = next(item for key, item in printed.items() if key.endswith("_wear"))
-    assert worn.note.startswith("k = 1e-06 mm3/(N m), plastics (assumed); 1e-07 to 1e-05")
-    assert metal["pin_gear_wear"].note.startswith("k = 1e-09 mm3/(N m), metals in mixed lubrication (assumed)")
+    assert worn.note.startswith("k = 2.65e-06 mm3/(N m), 5 to 95 %: 2.2e-07 to 1.2e-05; PA 66 on POM")
+    assert metal["pin_gear_wear"].note.startswith("k = 1e-09 mm3/(N m), 5 to 95 %: 1e-10 to 1e-08; metals in mixed")
     stated = rate(override(PRESETS["printed"], {"service.wear_coefficient_mm3_nm": 2e-7}), stops=False).items
-    assert "k = 2e-07 mm3/(N m), service.wear_coefficient of the design file" in stated[worn.key].note
+    assert "2e-08 to 2e-06; service.wear_coefficient_mm3_nm of the design file" in stated[worn.key].note

@@ -1,0 +1,105 @@
+"""``cycloid-mj wear``: wear of a drive over its hours, and its accuracy life."""
+
+from functools import partial
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.outcome import Outcome
+from cycloid_mj.cli.delivery import Destination, claim_destination, deliver
+from cycloid_mj.cli.duty import DutyFlag, LoadFlag, SpeedFlag, duty_cycle
+from cycloid_mj.cli.flags import DELIVERY, FLAT, PRESET, Delivery, PresetOptions
+from cycloid_mj.cli.progress import count_progress
+from cycloid_mj.cli.terminal import tell
+
+if TYPE_CHECKING:
+    from cycloid_mj.life.accuracy_life import WearLife
+
+HoursFlag = Annotated[float, Parameter(metavar="H", help="Hours of running. Default: 1000.")]
+GrowthFlag = Annotated[
+    float,
+    Parameter(
+        metavar="X",
+        help="Growth of the lost motion at which the accuracy life ends [%]. Default: 100, doubled, as `rate` limits "
+        "the wear of a clearance.",
+    ),
+]
+EXAMPLES = """Examples:
+  cycloid-mj wear pin --hours 1000
+  cycloid-mj wear my.toml --hours 6000 --growth-percent 30 --json
+  cycloid-mj wear my.toml --hours 1000 --duty duty.csv --out worn --html"""
+
+PERCENT = 100
+"""Steps of the progress of a case."""
+
+
+def wear(
+    chosen: Annotated[PresetOptions, FLAT] = PRESET,
+    *,
+    hours: HoursFlag = 1000.0,
+    growth_percent: GrowthFlag = 100.0,
+    load_nm: LoadFlag = None,
+    speed_rpm: SpeedFlag = None,
+    duty: DutyFlag = None,
+    delivery: Annotated[Delivery, FLAT] = DELIVERY,
+) -> int:
+    """Wear a drive over its hours, and compute its accuracy life.
+
+    Every point of flanks, pins, holes and plain bearings is worn by Archard's law: coefficient times pressure times
+    sliding distance over a turn. After each step, statics is solved again with the worn parts. New surfaces run in: the
+    coefficient falls from 30 times its value while the roughness is worn off. The drive turns half of the time each
+    way. Coefficients follow from the materials, or service.wear_coefficient_mm3_nm and service.run_in_depth_um; they
+    are known within a factor of ten, so three courses are computed: typical, and all coefficients at 5 and 95 %. A
+    course ends when the lost motion has grown by --growth-percent. --json: accuracy_life_h, null if the life is longer
+    than the hours; accuracy_life_interval_h; records over time; surfaces with their depths. Ctrl-C keeps the finished
+    steps.
+    """
+    from cycloid_mj.life.accuracy_life import wear as compute
+    from cycloid_mj.life.wear_course import CASES
+
+    for flag, value in (("--hours", hours), ("--growth-percent", growth_percent)):
+        if not 0.0 < value < float("inf"):
+            raise UsageError(f"{flag} {value:g} is out of range: it must be more than 0")
+    design = chosen.resolve_checked()
+    cycle = duty_cycle(design, load_nm, speed_rpm, duty)
+    place = claim_destination(delivery, f"{design.name}-wear")
+    count = count_progress("wear, percent", delivery.quiet)
+
+    def report(case: str, share: float) -> None:
+        count(round(PERCENT * (CASES.index(case) + share)), PERCENT * len(CASES))
+
+    result = compute(design, hours, growth_percent / 100.0, cycle, on_progress=report)
+    if result.interrupted:
+        tell("stopped: the result contains the steps that were finished")
+    return deliver(_outcome(result, place), place, delivery)
+
+
+def _outcome(result: "WearLife", place: Destination) -> Outcome:
+    """Build the outcome of a wear computation."""
+    from cycloid_mj.base.units import ARCMINUTE
+    from cycloid_mj.plots.save import encode_figure
+    from cycloid_mj.plots.wear import wear_figure
+
+    typical, name = result.courses["typical"], f"{result.design}-wear"
+    first, last = typical.lost_motion[0] / ARCMINUTE, typical.lost_motion[-1] / ARCMINUTE
+    return Outcome(
+        title=f"wear: {result.design}",
+        condition=result.condition,
+        headline={
+            f"accuracy life (lost motion {result.growth:+.0%})": result.life_text(),
+            "its 5 to 95 % interval": result.interval_text,
+            "lost motion, new": f"{first:.4g} arcmin",
+            f"lost motion after {typical.hours[-1]:.4g} h": f"{last:.4g} arcmin",
+            "worn volume by run-in": f"{result.run_in_share:.0%}",
+        },
+        warnings=["stopped before all courses were finished"] if result.interrupted else [],
+        summary=[f"{case}: {course.end}" for case, course in result.courses.items()],
+        tables=result.tables(),
+        notes=[f"assumed: {sentence}" for sentence in result.assumptions],
+        pictures={name: partial(encode_figure, wear_figure(result))} if place.folder or place.page else {},
+        captions={name: "Lost motion over the hours with its interval, and depths of wear."},
+        frame=result.frame,
+        result=result.as_json(),
+        code=130 if result.interrupted else 0,
+    )

@@ -1,0 +1,381 @@
+"""Accuracy life of a drive: hours until its lost motion has grown by a share, with the interval of the coefficients."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.base.errors import DesignError, RunError, UsageError
+from cycloid_mj.base.frame import Frame
+from cycloid_mj.base.notebook_display import Presented
+from cycloid_mj.base.result import Table, plain
+from cycloid_mj.base.units import ARCMINUTE
+from cycloid_mj.design import Named, resolve
+from cycloid_mj.life.duty import Duty, constant_duty
+from cycloid_mj.life.wear_course import (
+    CASES,
+    SETTINGS,
+    Case,
+    WearingDrive,
+    WearLaw,
+    WearSettings,
+    WearState,
+    wear_steps,
+)
+from cycloid_mj.life.wear_data import MM3, RUN_IN_FACTOR, RUN_IN_SHARE, Interval
+from cycloid_mj.life.wearing_surfaces import WearingSurface
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.sheet import quick_sheet
+
+GROWTH = 1.0
+"""Growth of the lost motion at which the accuracy life ends: doubled, as a clearance is worn in `rate`."""
+
+SHEET_COLUMNS = {
+    "backlash": ("backlash_arcmin", "backlash [arcmin]"),
+    "stiffness_ideal": ("stiffness_nm_arcmin", "stiffness [N m/arcmin]"),
+    "output_peak_to_peak_loaded_forward_speed": ("te_arcsec", "TE p-p [arcsec]"),
+    "efficiency": ("efficiency_percent", "efficiency [%]"),
+}
+"""Key of a figure of `statics` -> key and heading of its column; those of the largest forces follow."""
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """Lost motion [rad] over hours in one case, shape (n,) each, and why it ended."""
+
+    hours: Array
+    lost_motion: Array
+    end: str
+
+    def life(self, limit: float) -> float:
+        """Return the hours until the lost motion reaches a limit [rad]; inf if it does not."""
+        reached = np.flatnonzero(self.lost_motion >= limit)
+        if not reached.size:
+            return math.inf
+        after = max(int(reached[0]), 1)
+        return float(np.interp(limit, self.lost_motion[after - 1 : after + 1], self.hours[after - 1 : after + 1]))
+
+
+@dataclass(frozen=True, eq=False)
+class WornSurface:
+    """A surface, its law of wear, and at the end of the typical course its depths [m] and the run-in's part of them."""
+
+    surface: WearingSurface
+    law: WearLaw
+    depth: Array
+    run_in: Array
+
+    def volume(self, depth: Array) -> float:
+        """Return the volume of a depth on all sections of the surface [m3]."""
+        surface = self.surface
+        return surface.count * surface.section * surface.length * float(depth.mean())
+
+    def as_json(self) -> dict[str, Any]:
+        """Convert the surface to JSON values."""
+        return {
+            "key": self.surface.key,
+            "name": self.surface.name,
+            "material": self.law.material,
+            "coefficient_mm3_nm": _interval_json(self.law.coefficient.times(MM3)),
+            "run_in_um": _interval_json(self.law.run_in.times(1e6)),
+            "largest_depth_um": 1e6 * float(self.depth.max()),
+            "mean_depth_um": 1e6 * float(self.depth.mean()),
+            "place_mm": (1e3 * self.surface.coordinates).tolist(),
+            "depth_um": (1e6 * self.depth).tolist(),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class WearLife(Presented):
+    """Wear of a drive over its hours.
+
+    Attributes
+    ----------
+    design, condition
+        Name of the design; torque and speed.
+    hours
+        Hours that were requested.
+    growth
+        Growth of the lost motion at which the accuracy life ends [1].
+    courses
+        Lost motion over hours by case; without the cases that were not begun before an interruption.
+    columns, records
+        Keys and headings of figures, and their values in the typical course, a row for each recorded time.
+    surfaces
+        The surfaces that wear.
+    interrupted
+        Whether the computation was stopped before all cases were finished.
+    """
+
+    design: str
+    condition: str
+    hours: float
+    growth: float
+    courses: Mapping[Case, Course]
+    columns: tuple[tuple[str, str], ...]
+    records: tuple[tuple[float, ...], ...]
+    surfaces: tuple[WornSurface, ...]
+    interrupted: bool
+
+    @property
+    def limit(self) -> float:
+        """Lost motion at which the accuracy life ends [rad]."""
+        return (1.0 + self.growth) * float(self.courses["typical"].lost_motion[0])
+
+    def life(self, case: Case = "typical") -> float:
+        """Return the accuracy life in a case [h]; inf if the limit is not reached, NaN if the case is missing."""
+        course = self.courses.get(case)
+        return course.life(self.limit) if course else math.nan
+
+    def life_text(self, case: Case = "typical") -> str:
+        """Return the accuracy life in a case, in words."""
+        life = self.life(case)
+        if math.isnan(life):
+            return "not computed"
+        return f"{life:.4g} h" if math.isfinite(life) else f"> {self.courses[case].hours[-1]:.4g} h"
+
+    @property
+    def interval_text(self) -> str:
+        """The 5 to 95 % interval of the accuracy life, in words."""
+        return f"{self.life_text('high')} to {self.life_text('low')}"
+
+    @property
+    def run_in_share(self) -> float:
+        """Share of run-in in the volume that is worn at the end of the typical course [1]."""
+        total = sum(item.volume(item.depth) for item in self.surfaces)
+        return sum(item.volume(item.run_in) for item in self.surfaces) / total if total else 0.0
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """The assumptions, a sentence each."""
+        return (
+            "Archard: the depth of each point is k times its pressure times sliding distance; the drive turns half of "
+            "the time each way, and parts of a kind wear alike",
+            "statics is solved again after each step with the worn flanks, pins, holes and cams; curvatures, "
+            "stiffnesses and friction remain those of new parts; rolling bearings do not wear",
+            f"run-in: k begins at {RUN_IN_FACTOR:g} times its steady value and falls while the run-in depth is worn "
+            f"off; it makes {self.run_in_share:.0%} of the worn volume here, and made {RUN_IN_SHARE:.0%} of the growth "
+            "of an RV reducer's lost motion in 1550 h (Lubricants 13 (2025) 362)",
+            "interval: coefficient and run-in of all surfaces at their 5 or 95 % percentile together",
+            *dict.fromkeys(f"k of {item.law.material}: {item.law.coefficient.source}" for item in self.surfaces),
+            *dict.fromkeys(f"run-in of {item.law.material}: {item.law.run_in.source}" for item in self.surfaces),
+        )
+
+    @property
+    def frame(self) -> Frame:
+        """The records, a row each."""
+        from cycloid_mj.base.frame import make_frame
+
+        names = [key for key, _ in self.columns]
+        return make_frame([dict(zip(names, row, strict=True)) for row in self.records], names, {})
+
+    @property
+    def line(self) -> str:
+        """Design, condition and accuracy life."""
+        return f"{self.design}, {self.condition}; accuracy life {self.life_text()} ({self.interval_text})"
+
+    def tables(self) -> tuple[Table, ...]:
+        """Return the records and the surfaces as tables."""
+        surfaces = tuple(
+            (
+                item.surface.name,
+                item.law.material,
+                _interval_text(item.law.coefficient.times(MM3)),
+                _interval_text(item.law.run_in.times(1e6)),
+                f"{1e6 * item.depth.max():.3g}",
+                f"{1e6 * item.depth.mean():.3g}",
+            )
+            for item in self.surfaces
+        )
+        headings = ("surface", "material", "k [mm3/(N m)]", "run-in [um]", "largest depth [um]", "mean [um]")
+        return (
+            Table("Typical course", tuple(heading for _, heading in self.columns), self.records),
+            Table("Surfaces (5, 50, 95 %; depths at the end of the typical course)", headings, surfaces),
+        )
+
+    def as_json(self) -> dict[str, Any]:
+        """Convert the result to JSON values; a life that is longer than its course is None."""
+        names = [key for key, _ in self.columns]
+        return dict(
+            plain(
+                {
+                    "design": self.design,
+                    "condition": self.condition,
+                    "hours": self.hours,
+                    "growth_percent": 100.0 * self.growth,
+                    "accuracy_life_h": self.life(),
+                    "accuracy_life_interval_h": [self.life("high"), self.life("low")],
+                    "accuracy_life": {case: self.life_text(case) for case in CASES},
+                    "limit_arcmin": self.limit / ARCMINUTE,
+                    "run_in_share": self.run_in_share,
+                    "interrupted": self.interrupted,
+                    "records": [dict(zip(names, row, strict=True)) for row in self.records],
+                    "courses": {
+                        case: {
+                            "hours": course.hours.tolist(),
+                            "lost_motion_arcmin": (course.lost_motion / ARCMINUTE).tolist(),
+                            "end": course.end,
+                        }
+                        for case, course in self.courses.items()
+                    },
+                    "surfaces": list(self.surfaces),
+                    "assumptions": list(self.assumptions),
+                }
+            )
+        )
+
+
+def _interval_json(interval: Interval) -> dict[str, Any]:
+    return {"low": interval.low, "typical": interval.typical, "high": interval.high, "source": interval.source}
+
+
+def _interval_text(interval: Interval) -> str:
+    return f"{interval.low:.3g}, {interval.typical:.3g}, {interval.high:.3g}"
+
+
+def wear(
+    design: Named,
+    hours: float,
+    growth: float = GROWTH,
+    duty: Duty | None = None,
+    settings: WearSettings = SETTINGS,
+    on_progress: Callable[[Case, float], None] | None = None,
+) -> WearLife:
+    """Wear a drive for some hours, and compute its accuracy life with its interval.
+
+    A course ends at the hours, or when the lost motion has grown by `growth`. Ctrl-C keeps what is finished.
+
+    Parameters
+    ----------
+    design
+        A design, or the name of a preset or a file.
+    hours
+        Hours of running [h].
+    growth
+        Growth of the lost motion at which the accuracy life ends [1].
+    duty
+        Torques and speeds with their shares of the time; by default the nominal torque at the design's speed.
+    settings
+        Of the steps.
+    on_progress
+        Called after each step with the case and the part of it that is over [1].
+
+    Raises
+    ------
+    UsageError
+        Hours or growth are not positive.
+    DesignError
+        The crank does not turn, or no surface of the drive slides.
+    RunError
+        The new drive has no static equilibrium.
+    """
+    reducer = Reducer(resolve(design))
+    for name, value in (("hours", hours), ("growth", growth)):
+        if not 0.0 < value < math.inf:
+            raise UsageError(f"{name} = {value:g} is out of range: it must be more than 0")
+    duty = duty or constant_duty(reducer.design.rated_torque, reducer.design.drive.speed)
+    points = [point for point in duty.points if point.speed]
+    if not points:
+        raise DesignError("drive.speed_rpm is 0, but wear needs a crank that turns: set another speed, such as 1640")
+    drive = WearingDrive(reducer, points, settings)
+    log = _Log(drive, hours, growth)
+    for case in CASES:
+        if not log.follow(case, on_progress):
+            break
+    return log.result(duty)
+
+
+class _Log:
+    """Courses, records and the last typical state of a drive, as far as they are computed."""
+
+    def __init__(self, drive: WearingDrive, hours: float, growth: float) -> None:
+        self._drive, self._hours, self._growth = drive, hours, growth
+        self._courses: dict[Case, Course] = {}
+        self._records: list[tuple[float, ...]] = []
+        self._columns: tuple[tuple[str, str], ...] = ()
+        self._last: WearState | None = None
+        self._interrupted = False
+
+    def follow(self, case: Case, on_progress: Callable[[Case, float], None] | None) -> bool:
+        """Follow a case to its end, and return whether it was not interrupted.
+
+        Raises
+        ------
+        RunError
+            The new drive has no static equilibrium.
+        KeyboardInterrupt
+            It was interrupted before the first step.
+        """
+        records = self._drive.settings.records
+        times = (self._hours * (np.arange(1, records + 1) / records) ** 2).tolist()
+        hours: list[float] = []
+        motion: list[float] = []
+        end = f"{self._hours:g} h are over"
+        try:
+            for state in wear_steps(self._drive, case, times):
+                hours.append(state.hours)
+                motion.append(state.lost_motion)
+                grown = state.lost_motion / motion[0] - 1.0
+                over = grown >= self._growth
+                if case == "typical":
+                    self._record(state, state.hours in times or over)
+                if on_progress:
+                    on_progress(case, min(1.0, max(state.hours / self._hours, grown / self._growth)))
+                if over:
+                    end = f"the lost motion has grown by {self._growth:.0%}"
+                    break
+        except RunError as error:
+            if not motion:
+                raise
+            end = f"no static equilibrium: {error}"
+        except KeyboardInterrupt:
+            if not motion:
+                raise
+            self._interrupted, end = True, "interrupted"
+        self._courses[case] = Course(np.array(hours), np.array(motion), end)
+        return not self._interrupted
+
+    def _record(self, state: WearState, due: bool) -> None:
+        """Keep a state of the typical course; record its figures if they are due, or have changed by an eighth."""
+        self._last = state
+        step = self._growth / self._drive.settings.records
+        last = self._records[-1][1] * ARCMINUTE if self._records else 0.0
+        if not (due or not self._records or state.lost_motion > last + step * self._records[0][1] * ARCMINUTE):
+            return
+        torque = max(abs(point.torque) for point in self._drive.points)
+        figures = quick_sheet(state.reducer, torque).quantities
+        forces = {
+            key: (f"{key}_n", f"{key.removesuffix('_peak_force').replace('_', ' ')} [N]")
+            for key in figures
+            if key.endswith("_peak_force")
+        }
+        depths = [1e6 * float(depth.max()) for depth in state.depths.values()]
+        named = ((f"{item.key}_depth_um", f"{item.key.replace('_', ' ')} [um]") for item in self._drive.surfaces)
+        columns = {**SHEET_COLUMNS, **forces}
+        first = (("hours", "time [h]"), ("lost_motion_arcmin", "lost motion [arcmin]"))
+        self._columns = (*first, *columns.values(), *named)
+        values = (figures[key].value for key in columns)
+        self._records.append((state.hours, state.lost_motion / ARCMINUTE, *values, *depths))
+
+    def result(self, duty: Duty) -> WearLife:
+        """Return the result."""
+        assert self._last is not None
+        last, laws = self._last, self._drive.laws
+        surfaces = []
+        for surface in self._drive.surfaces:
+            law, depth = laws[surface.key], last.depths[surface.key]
+            surfaces.append(WornSurface(surface, law, depth, depth - law.coefficient.typical * last.doses[surface.key]))
+        return WearLife(
+            design=self._drive.reducer.design.name,
+            condition=f"{duty.words}, half of the time each way",
+            hours=self._hours,
+            growth=self._growth,
+            courses=self._courses,
+            columns=self._columns,
+            records=tuple(self._records),
+            surfaces=tuple(surfaces),
+            interrupted=self._interrupted,
+        )

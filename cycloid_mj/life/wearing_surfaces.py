@@ -1,0 +1,265 @@
+"""Surfaces that wear, and the dose of pressure times sliding distance that each of their points gets over a turn.
+
+Parts of a kind wear alike: doses are means over all lobes, pins or holes. A dose is spread over the width of the
+Hertzian strip, which matters where a contact dwells: at the tips of the lobes, and where it turns back on a pin.
+"""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.geometry import profile
+from cycloid_mj.life.loading import relative_speed
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.contact import CONTACT
+from cycloid_mj.reducer.worn import WornGaps, table_angles
+from cycloid_mj.statics import Loads, Springs
+
+Gap = Literal["teeth", "output", "cam"]
+"""A gap that a worn surface opens."""
+
+TABLE = 2048
+"""Angles of the tables of openings: 0.2 deg, or at most 50 um of the flank of `pin`, less than its Hertzian strips."""
+
+CELLS = 1024
+"""Cells of a section: 7 to 14 um on the flanks and pins of `pin`."""
+
+
+@dataclass(frozen=True, eq=False)
+class WearingSurface:
+    """A surface that slides, as `count` equal sections.
+
+    Attributes
+    ----------
+    key, name
+        For programs, and in words.
+    part
+        Part of `design.PARTS`, which determines the material.
+    gap
+        The gap that it opens.
+    count
+        Number of equal sections on all parts.
+    section
+        Length of each section along the sliding [m]; it is closed, or repeats.
+    length
+        Length of a contact line across it [m].
+    place
+        Coordinate of the contact along the section [m], from -section/2, at the angles of `table_angles` and at pi,
+        shape (`TABLE` + 1,); None for a surface that turns and so wears evenly.
+    lever
+        Sliding speed of this surface over that of the contact.
+    opening
+        Opening of the gap per depth of wear.
+    """
+
+    key: str
+    name: str
+    part: str
+    gap: Gap
+    count: int
+    section: float
+    length: float
+    place: Array | None = None
+    lever: float = 1.0
+    opening: float = 1.0
+
+    @property
+    def cells(self) -> int:
+        """Number of cells of a section."""
+        return 1 if self.place is None else CELLS
+
+    @property
+    def coordinates(self) -> Array:
+        """Middle of each cell along the section [m], shape (cells,)."""
+        return ((np.arange(self.cells) + 0.5) / self.cells - 0.5) * self.section
+
+    def at_angles(self, depth: Array) -> Array:
+        """Return the depth [m] at the angles of `table_angles`, shape (`TABLE`,), from that of the cells."""
+        if self.place is None:
+            return np.full(TABLE, depth[0])
+        return np.interp(self.place[:-1], self.coordinates, depth, period=self.section)
+
+
+@dataclass(frozen=True, eq=False)
+class Sliding:
+    """Contacts of a gap over a turn: angle in the table [rad], force [N], speed [m/s], half width [m], shape (m, n)."""
+
+    angle: Array
+    force: Array
+    speed: Array
+    half_width: Array
+
+
+def wearing_surfaces(reducer: Reducer) -> tuple[WearingSurface, ...]:
+    """Return the surfaces of a reducer that slide; rolling bearings and rollers are not among them."""
+    return (*_tooth_surfaces(reducer), *_output_surfaces(reducer), *_cam_surfaces(reducer))
+
+
+def _tooth_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
+    """Yield flanks and pins, lobes or seats: of a moving pin, its seat slides if the friction there is lower."""
+    design, ring, gear = reducer.design, reducer.design.ring, reducer.tooth_profile
+    length, count = design.line_length(design.tooth_pair), ring.mates * design.gear.discs
+    phase = np.append(table_angles(TABLE), math.pi)
+    on_pin = profile.conjugate_alpha(gear, phase)
+    seat, bore = design.seat_pair, ring.sleeve_bore_radius
+    around = 2.0 * math.pi * ring.pin_radius
+    if not (seat and design.mesh_friction < design.friction_of(design.tooth_pair)):
+        flank = profile.length(reducer.gear_profile, reducer.profile_offset) / design.lobes
+        along = -profile.arc_length(reducer.gear_profile, -phase / design.lobes, reducer.profile_offset)
+        flanks = design.lobes * design.gear.discs * ring.halves
+        yield WearingSurface("flank", "flanks of the discs", "gear", "teeth", flanks, flank, length, along)
+        if seat:
+            # a smaller pin also widens the clearance of its socket
+            opening = 2.0 if ring.has_sockets else 1.0
+            yield WearingSurface("pin", "pins", "pin", "teeth", count, around, length, opening=opening)
+        elif ring.kind == "pin":
+            yield WearingSurface("pin", "pins", "pin", "teeth", count, around, length, ring.pin_radius * on_pin)
+        else:
+            place = ring.pin_radius * on_pin
+            yield WearingSurface("lobe", "lobes of the ring", "housing", "teeth", count, around, length, place)
+    elif seat == "pin_socket":
+        place = ring.pin_radius * on_pin
+        yield WearingSurface("pin", "pins", "pin", "teeth", count, around, length, opening=2.0)
+        yield WearingSurface("socket", "sockets of the pins", "housing", "teeth", count, around, length, place)
+    else:
+        inside, lever = 2.0 * math.pi * bore, bore / ring.pin_radius
+        yield WearingSurface("sleeve", "bores of the sleeves", "pin", "teeth", count, inside, length, lever=lever)
+        yield WearingSurface("core", "pins in sleeves", "pin", "teeth", count, inside, length, bore * on_pin, lever)
+
+
+def _output_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
+    """Yield holes and output pins, or plain rollers and their cores."""
+    design, output = reducer.design, reducer.design.output
+    length, count = design.line_length("output"), output.pins * design.gear.discs
+    angle = np.append(table_angles(TABLE), math.pi)
+    if not output.rollers:
+        for key, name, part, radius in (
+            ("hole", "holes of the discs", "gear", output.hole_radius),
+            ("output_pin", "output pins", "output", output.pin_radius),
+        ):
+            around = 2.0 * math.pi * radius
+            yield WearingSurface(key, name, part, "output", count, around, length, radius * angle)
+    elif not output.has_needles:
+        radius, lever = output.root_radius, output.root_radius / output.pin_radius
+        around = 2.0 * math.pi * radius
+        yield WearingSurface("roller", "bores of the rollers", "output", "output", count, around, length, lever=lever)
+        yield WearingSurface(
+            "roller_core", "cores of the rollers", "output", "output", count, around, length, radius * angle, lever
+        )
+
+
+def _cam_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
+    """Yield the bores of the discs and plain cams; the cam wears where the load presses, the bore evenly."""
+    gear = reducer.design.gear
+    if gear.bearing != "plain":
+        return
+    around, angle = 2.0 * math.pi * gear.bore_radius, np.append(table_angles(TABLE), math.pi)
+    yield WearingSurface("bore", "bores of the discs", "gear", "cam", gear.discs, around, gear.face_width)
+    place = gear.bore_radius * angle
+    yield WearingSurface("cam", "cams", "shaft", "cam", gear.discs, around, gear.face_width, place)
+
+
+def slidings(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[Gap, Sliding]:
+    """Return the contacts of each gap under the loads of a turn, with their sliding speeds."""
+    design, teeth = reducer.design, springs.teeth
+    slip = np.abs(springs.slip)
+    contacts = springs.contacts
+    towards = contacts.slope[:, teeth:, 2:-1:3].sum(axis=-1), -contacts.shift_slope[:, teeth:, 2:-1:3].sum(axis=-1)
+    cam = contact_loads.cam
+    # direction of the force from the middle of the crank to that of the disc
+    ahead = springs.crank[:, np.newaxis] + np.array(reducer.phases) + 0.5 * math.pi
+    cam_force = np.linalg.norm(cam, axis=-1)
+    cam_speed = design.gear.bore_radius * relative_speed(reducer, design.drive.speed)
+    tooth = design.tooth_pair
+    return {
+        "teeth": Sliding(
+            _wrap(-contacts.phase[:, :teeth]),
+            contact_loads.teeth,
+            slip[:, :teeth],
+            _half_width(reducer, tooth, contact_loads.teeth, springs.curvature, design.ring.pin_radius),
+        ),
+        "output": Sliding(
+            np.arctan2(*towards),
+            contact_loads.output,
+            slip[:, teeth:],
+            _half_width(reducer, "output", contact_loads.output, None, design.output.pin_radius),
+        ),
+        "cam": Sliding(
+            _wrap(np.arctan2(cam[..., 1], cam[..., 0]) - ahead),
+            cam_force,
+            np.full_like(cam_force, cam_speed),
+            _half_width(reducer, "cam", cam_force, None, design.gear.bore_radius),
+        ),
+    }
+
+
+def _wrap(angle: Array) -> Array:
+    """Return angles [rad] in the turn from -pi."""
+    return np.mod(angle + math.pi, 2.0 * math.pi) - math.pi
+
+
+def _half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | None, radius: float) -> Array:
+    """Compute the half width of line contacts [m] by Hertz, b = 2 F/(pi L p0), at most `hertz_reach` of a radius."""
+    contact = reducer.contacts[kind]
+    pressure = contact.pressure(force, contact.relative_curvature if curvature is None else curvature)
+    width = np.zeros_like(force)
+    loaded = pressure > 0.0
+    width[loaded] = 2.0 * force[loaded] / (math.pi * reducer.design.line_length(kind) * pressure[loaded])
+    return np.minimum(width, CONTACT.hertz_reach * radius)
+
+
+def dose_rate(surface: WearingSurface, sliding: Sliding) -> Array:
+    """Compute the mean rate of pressure times sliding distance of each cell of a surface [Pa m/s], shape (cells,).
+
+    The drive turns half of the time each way, under a load that always brakes.
+    """
+    power = sliding.force * sliding.speed * surface.lever
+    area = surface.count * surface.length * surface.section / surface.cells
+    if surface.place is None:
+        return np.array([power.sum() / len(power) / area])
+    loaded = power > 0.0
+    angles = np.append(table_angles(TABLE), math.pi)
+    places = np.interp(sliding.angle[loaded], angles, surface.place)
+    in_cells = spread(places, sliding.half_width[loaded], power[loaded], surface.section, surface.cells)
+    one_way = in_cells / len(power) / area
+    return 0.5 * (one_way + one_way[::-1])
+
+
+def spread(places: Array, half_widths: Array, weights: Array, period: float, cells: int) -> Array:
+    """Return the sum of weights in each of the cells of a periodic section, shape (cells,).
+
+    Each weight is spread evenly from place - half width to place + half width. The integral of such a density is the
+    sum of ramps that begin at one end and stop at the other: two cumulative sums of sorted ends are exact.
+    """
+    least = 1e-6 * period / cells  # a contact without width counts as a very narrow one
+    half = np.maximum(half_widths, least)
+    shifts = np.array([-period, 0.0, period])[:, np.newaxis]
+    ends = np.concatenate([(places - half + shifts).ravel(), (places + half + shifts).ravel()])
+    slopes = np.tile(weights / (2.0 * half), 3)
+    slopes = np.concatenate([slopes, -slopes])
+    order = np.argsort(ends)
+    ends, slopes = ends[order], slopes[order]
+    edges = (np.arange(cells + 1) / cells - 0.5) * period
+    before = np.searchsorted(ends, edges)
+    level, moment = (np.concatenate([[0.0], np.cumsum(values)])[before] for values in (slopes, slopes * ends))
+    return np.asarray(np.diff(edges * level - moment))
+
+
+def worn_gaps(surfaces: Sequence[WearingSurface], depths: Mapping[str, Array], rates: Mapping[str, Array]) -> WornGaps:
+    """Compute the openings of the gaps by the depths of wear of the surfaces [m] by key, shape (cells,) each.
+
+    Those of a plain cam are weighted by the rate of its dose, as its loaded side alone determines the clearance.
+    """
+    tables = {"teeth": np.zeros(TABLE), "output": np.zeros(TABLE)}
+    cam = 0.0
+    for surface in surfaces:
+        depth = depths[surface.key]
+        if surface.gap == "cam":
+            cam += float(np.average(depth, weights=rates[surface.key]))
+        else:
+            tables[surface.gap] += surface.opening * surface.at_angles(depth)
+    return WornGaps(tables["teeth"], tables["output"], cam)
