@@ -8,14 +8,12 @@ import argparse
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).parent.parent
-LINTS = (
-    ("ruff", "format", "--check", "."),
-    ("ruff", "check", "."),
-    ("mypy",),
-    ("lint-imports",),
-)
+LINTS = (("ruff", "format", "--check", "."), ("ruff", "check", "."))
+BESIDE_TESTS = (("mypy",), ("lint-imports",))
+"""Checks of one process each, which run next to the first tests; their output follows that of the tests."""
 
 
 def tests(room: str | None) -> tuple[str, ...]:
@@ -29,16 +27,32 @@ def tests(room: str | None) -> tuple[str, ...]:
 
 
 def main() -> int:
-    """Run every command, stopping at the first that fails; return its exit code."""
+    """Run every command; stop at the first format or lint error; return the first exit code that is not 0."""
     parser = argparse.ArgumentParser(description=str(__doc__).split("\n\n")[0])
     parser.add_argument("--fast", metavar="ROOM", help="run the tests of one room alone")
-    tools = Path(sys.executable).parent
-    for name, *arguments in (*LINTS, tests(parser.parse_args().fast)):
-        print("$", name, *arguments, flush=True)
-        code = subprocess.run([tools / name, *arguments], cwd=ROOT, check=False).returncode
-        if code:
+    test_command = tests(parser.parse_args().fast)
+    for lint in LINTS:
+        if code := _finish(lint, _start(lint)):
             return code
-    return 0
+    checks = [_start(check, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) for check in BESIDE_TESTS]
+    codes = [_finish(test_command, _start(test_command))]
+    codes += [_finish(check, process) for check, process in zip(BESIDE_TESTS, checks, strict=True)]
+    return next((code for code in codes if code), 0)
+
+
+def _start(command: tuple[str, ...], **options: Any) -> subprocess.Popen[str]:
+    """Start a tool of this environment in the root of the repository."""
+    print("$", *command, flush=True)
+    name, *arguments = command
+    return subprocess.Popen([Path(sys.executable).parent / name, *arguments], cwd=ROOT, **options)
+
+
+def _finish(command: tuple[str, ...], process: subprocess.Popen[str]) -> int:
+    """Wait for a command, print its output if it was captured, and return its exit code."""
+    output, _ = process.communicate()
+    if output:
+        print(f"{command[0]}:\n{output}", flush=True)
+    return process.returncode
 
 
 if __name__ == "__main__":
