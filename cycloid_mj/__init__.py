@@ -15,18 +15,20 @@ from cycloid_mj.base import registry
 from cycloid_mj.base.version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from cycloid_mj import measure, stress
+    from cycloid_mj import measure, stress, validate
     from cycloid_mj.analysis import Findings, analyze
     from cycloid_mj.analysis.spectrum import tapered_orders
     from cycloid_mj.base.record import Run
     from cycloid_mj.base.result import Curve, Quantity, Table
-    from cycloid_mj.bench import calibrate, predict_loops, read_loop
+    from cycloid_mj.bench import calibrate, compare_bench, predict_loops, read_loop, read_te
+    from cycloid_mj.bench import protocol_of as protocol
     from cycloid_mj.checks import Check
     from cycloid_mj.design import PRESETS, Design
     from cycloid_mj.design import resolve as load
     from cycloid_mj.dynamics.mjcf import build
     from cycloid_mj.dynamics.run import simulate
-    from cycloid_mj.explore import optimize, sweep, tolerance
+    from cycloid_mj.explore import compare, optimize, sweep, tolerance
+    from cycloid_mj.figures import FIGURES
     from cycloid_mj.life import rate
     from cycloid_mj.life.accuracy_life import wear
     from cycloid_mj.life.checks import check_design as check
@@ -35,6 +37,8 @@ if TYPE_CHECKING:
     from cycloid_mj.log import read as read_log
     from cycloid_mj.log import write as write_log
     from cycloid_mj.parts.export import export
+    from cycloid_mj.plots.animation import animate
+    from cycloid_mj.plots.rendered import render
     from cycloid_mj.reducer import Reducer
     from cycloid_mj.report import report
     from cycloid_mj.robot import ReducedJoint, attach_reducer, reduce
@@ -43,6 +47,7 @@ if TYPE_CHECKING:
     from cycloid_mj.statics.preload import preloaded
 
 __all__ = [
+    "FIGURES",
     "PRESETS",
     "Check",
     "Curve",
@@ -54,10 +59,13 @@ __all__ = [
     "Run",
     "Table",
     "analyze",
+    "animate",
     "attach_reducer",
     "build",
     "calibrate",
     "check",
+    "compare",
+    "compare_bench",
     "datasheet",
     "export",
     "load",
@@ -66,10 +74,13 @@ __all__ = [
     "optimize",
     "predict_loops",
     "preloaded",
+    "protocol",
     "rate",
     "read_log",
     "read_loop",
+    "read_te",
     "reduce",
+    "render",
     "report",
     "simulate",
     "statics",
@@ -78,6 +89,7 @@ __all__ = [
     "tapered_orders",
     "thermal",
     "tolerance",
+    "validate",
     "wear",
     "write_log",
 ]
@@ -86,12 +98,14 @@ registry.register(
     draw_result="cycloid_mj.plots.result:figure_of",
     measure="cycloid_mj.measure:measured",
     upper_figures="cycloid_mj.upper_figures:UPPER_FIGURES",
+    further_validation="cycloid_mj.life.witnesses:PARTS",
 )
 
 _ORIGINS = {
     "Check": "checks",
     "Curve": "base.result",
     "Design": "design",
+    "FIGURES": "figures",
     "Findings": "analysis",
     "PRESETS": "design",
     "Quantity": "base.result",
@@ -100,10 +114,13 @@ _ORIGINS = {
     "Run": "base.record",
     "Table": "base.result",
     "analyze": "analysis",
+    "animate": "plots.animation",
     "attach_reducer": "robot",
     "build": "dynamics.mjcf",
     "calibrate": "bench",
     "check": "life.checks:check_design",
+    "compare": "explore",
+    "compare_bench": "bench",
     "datasheet": "life.datasheet:datasheet_of",
     "export": "parts.export",
     "load": "design:resolve",
@@ -112,10 +129,13 @@ _ORIGINS = {
     "optimize": "explore",
     "predict_loops": "bench",
     "preloaded": "statics.preload",
+    "protocol": "bench:protocol_of",
     "rate": "life",
     "read_log": "log:read",
     "read_loop": "bench",
+    "read_te": "bench",
     "reduce": "robot",
+    "render": "plots.rendered",
     "report": "",
     "simulate": "dynamics.run",
     "statics": "",
@@ -124,6 +144,7 @@ _ORIGINS = {
     "tapered_orders": "analysis.spectrum",
     "thermal": "life.thermal",
     "tolerance": "explore",
+    "validate": "",
     "wear": "life.accuracy_life",
     "write_log": "log:write",
 }

@@ -12,6 +12,7 @@ from pydantic.fields import FieldInfo
 import cycloid_mj
 from cycloid_mj.base.notebook_display import CallableRoom
 from cycloid_mj.cli.app import application
+from cycloid_mj.cli.contents import PYTHON as FUNCTIONS
 from cycloid_mj.design import Design
 from cycloid_mj.design.units import file_key, section_of, source_of, unit_of
 
@@ -60,6 +61,12 @@ page = cm.report({"run": run})  # one HTML page, as text
 - Numbers are in SI units and radians, unless a name ends in its unit.
 - Results print as one line, and as a table in a notebook.
 - `.to_frame()` returns a pandas (or polars) `DataFrame`, `.plot()` a figure.
+- Long calls show a progress bar in a notebook. Elsewhere, pass `progress=print` or your own function
+  of the numbers of finished and of all steps.
+
+The [example notebook](../_gallery/plot_14_notebook) shows most of them. Each command of the
+terminal has a function:
+
 """
 
 
@@ -150,7 +157,10 @@ def _escape_brackets(text: str) -> str:
 
 def python() -> str:
     """Return the page of the public names of the package, from their docstrings."""
-    return PYTHON + "".join(_directives())
+    rows = (
+        f"| `{command}` | {', '.join(f'`cm.{name}`' for name in names)} |\n" for command, names in FUNCTIONS.items()
+    )
+    return PYTHON + "| Command | Python |\n|---|---|\n" + "".join(rows) + "".join(_directives())
 
 
 def _directives() -> Iterator[str]:

@@ -1,6 +1,7 @@
 """The public face: what `import cycloid_mj` offers, lazily, under names that are true."""
 
 import inspect
+import pydoc
 import re
 import subprocess
 import sys
@@ -15,6 +16,7 @@ import pytest
 import cycloid_mj as cm
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.frame import Frame
+from cycloid_mj.cli.contents import GROUPS, PYTHON, WITHOUT_PYTHON
 
 
 def test_every_public_name_is_there() -> None:
@@ -55,7 +57,7 @@ def test_functions_stay_functions_after_every_module_is_imported() -> None:
         "read_loop",
         "report",
     ]
-    names += ["simulate", "statics", "tolerance"]
+    names += ["compare", "protocol", "simulate", "statics", "stress", "tolerance", "validate"]
     subprocess.run([sys.executable, "-c", f"names = {names}; {code}"], check=True)
 
 
@@ -261,6 +263,62 @@ def test_every_public_function_describes_its_parameters(name: str) -> None:
     described = described.partition("\n\n")[0]
     given = {one for line in described.splitlines() if line[:1].strip() for one in re.findall(r"\w+", line)}
     assert set(inspect.signature(function).parameters) <= given
+
+
+def command_functions() -> dict[str, Callable[..., Any]]:
+    """Every public function that does what a command does."""
+    return {name: function for names in PYTHON.values() for name in names if (function := public_functions().get(name))}
+
+
+def test_every_command_has_a_function() -> None:
+    commands = {name for group in GROUPS.values() for name in group}
+    assert commands == set(PYTHON) | WITHOUT_PYTHON
+    assert {name for names in PYTHON.values() for name in names} <= set(cm.__all__)
+
+
+@pytest.mark.parametrize("name", command_functions())
+def test_the_function_of_a_command_describes_its_result(name: str) -> None:
+    function = command_functions()[name]
+    if inspect.signature(function).return_annotation not in (None, "None"):
+        assert "\nReturns\n-------\n" in (inspect.getdoc(function) or "")
+
+
+def test_help_of_a_package_that_is_called_is_that_of_its_function() -> None:
+    text = pydoc.render_doc(cm.statics, renderer=pydoc.plaintext)
+    head = text.split("PACKAGE CONTENTS")[0]
+    assert "cycloid_mj.statics - Compute the data-sheet figures of a reducer by statics" in head
+    assert "Call: cm.statics(design, load_nm=None)" in head
+    for heading in ("Parameters", "Returns", "Raises"):
+        assert f"{heading}\n    -" in head
+
+
+def test_a_comparison_of_a_single_design_names_the_remedy() -> None:
+    with pytest.raises(UsageError, match="add another design"):
+        cm.compare("pin")
+
+
+@pytest.mark.slow
+def test_designs_are_compared_and_drawn() -> None:
+    comparison = cm.compare("pin", "printed", load_nm=5.0, quick=True)
+    assert repr(comparison) == "<Comparison: pin / printed; no load, 5 N m; by the planar solver>"
+    rows = comparison.frame.columns
+    assert set(rows["design"]) == {"pin", "printed"}
+    efficiency = rows["mean"][(rows["quantity"] == "efficiency") & (rows["load_nm"] == 5.0)]
+    assert ((efficiency > 50.0) & (efficiency < 100.0)).all()
+    assert comparison.plot("compare_tooth_force").axes
+
+
+def test_the_protocol_of_a_design_is_drawn_and_says_what_it_is_in_a_line() -> None:
+    protocol = cm.protocol("pin", 20.0, angles=1)
+    assert re.match(r"<Protocol: pin, rated torque 20 N m; lost motion [01]\.\d+ arcmin, ", repr(protocol))
+    assert protocol.frame.rows > 5
+    assert protocol.plot().axes
+
+
+def test_a_validation_step_has_rows_and_no_failure() -> None:
+    validation = cm.validate(("friction",))
+    assert repr(validation).startswith(f"<Validation: {validation.frame.rows} pass, 0 fail")
+    assert not validation.failed
 
 
 def test_a_room_that_is_called_shows_what_it_takes() -> None:

@@ -3,7 +3,7 @@
 from html import escape
 from importlib import import_module
 from importlib.util import find_spec
-from inspect import Signature, signature
+from inspect import Parameter, Signature, getdoc, signature
 from itertools import islice
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -77,6 +77,14 @@ class CallableRoom(ModuleType):
     def __signature__(self) -> Signature:
         """Signature of a call, for notebooks."""
         return signature(self.main)
+
+    @property
+    def __doc__(self) -> str:  # type: ignore[override]
+        """Call and docstring of the function `main`, which `help` shows."""
+        summary, _, rest = (getdoc(self.main) or "").partition("\n\n")
+        parameters = signature(self.main).parameters.values()
+        listed = ", ".join(str(each.replace(annotation=Parameter.empty)) for each in parameters)
+        return f"{summary}\n\nCall: cm.{self.__name__.rpartition('.')[2]}({listed})\n\n{rest}"
 
     def __dir__(self) -> list[str]:
         """List its public names alone, for completion."""

@@ -13,6 +13,7 @@ from cycloid_mj.base.engine import Progress, silent
 from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.base.frame import Cell, Frame, make_frame
 from cycloid_mj.base.notebook_display import Presented
+from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.result import Table
 from cycloid_mj.base.units import DEGREE
 from cycloid_mj.bench import model_selection
@@ -355,6 +356,7 @@ class CalibrationStopped(KeyboardInterrupt):
         self.calibration = calibration
 
 
+@shows_progress
 def calibrate(
     design: Named,
     loops: Sequence[MeasuredLoop],
@@ -377,6 +379,11 @@ def calibrate(
         Shaft that was locked, and angle of the crank [rad].
     progress
         Called at each evaluation with the number of evaluations so far, and that expected in all.
+
+    Returns
+    -------
+    Calibration
+        Fitted values with their intervals, the residuals, and the design with these values.
 
     Raises
     ------

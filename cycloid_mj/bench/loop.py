@@ -130,6 +130,11 @@ def read_loop(path: Path | str) -> MeasuredLoop:
     path
         The CSV file. Its header may follow ``#``.
 
+    Returns
+    -------
+    MeasuredLoop
+        Torque and deflection of the output in order of time.
+
     Raises
     ------
     UsageError

@@ -68,6 +68,11 @@ def predict_loops(reducer: Reducer, loops: Sequence[MeasuredLoop], crank: float 
     crank
         Angle of the crank [rad].
 
+    Returns
+    -------
+    Prediction
+        Modelled loops next to the measured ones.
+
     Raises
     ------
     RunError

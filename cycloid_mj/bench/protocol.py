@@ -6,6 +6,7 @@ Loops of the model and of the bench are evaluated by the same functions; docs/pr
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,11 +16,14 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.engine import Engine, Progress, silent
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.frame import Frame
+from cycloid_mj.base.notebook_display import Presented
+from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.result import Table
 from cycloid_mj.base.units import ARCMINUTE, ARCSECOND, DEGREE, RPM
 from cycloid_mj.bench.loop import MeasuredLoop, measured_loop, read_columns, require_torque
 from cycloid_mj.bench.loop_figures import NO_FIGURE, LoopFigure, hysteresis_of, lost_motion_of, stiffness_between
 from cycloid_mj.bench.te import MeasuredError, model_error
+from cycloid_mj.design import Named, resolve
 from cycloid_mj.figures import figure
 from cycloid_mj.measure import hysteresis
 from cycloid_mj.measure.back_driving import START
@@ -104,8 +108,8 @@ class BenchFiles:
     back_driving: Path | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class Protocol:
+@dataclass(frozen=True, eq=False, repr=False)
+class Protocol(Presented):
     """Standard test figures of one drive."""
 
     design: str
@@ -120,6 +124,14 @@ class Protocol:
     """Loops from which the loop figures are computed."""
     notes: tuple[str, ...]
     """Assumptions, a sentence each."""
+
+    @property
+    def line(self) -> str:
+        """Design, rated torque, and the first figures of the model."""
+        first = ", ".join(
+            f"{LINES[key].name} {item.value:.4g} {LINES[key].unit}" for key, item in islice(self.model.items(), 3)
+        )
+        return f"{self.design}, rated torque {self.rated:.4g} N m; {first}"
 
     def table(self) -> Table:
         """Tabulate the figures of model and bench."""
@@ -158,6 +170,53 @@ class Protocol:
             },
             "notes": list(self.notes),
         }
+
+
+@shows_progress
+def protocol_of(
+    design: Named,
+    rated_nm: float | None = None,
+    *,
+    loops: Sequence[MeasuredLoop] = (),
+    te: MeasuredError | None = None,
+    starting: Path | None = None,
+    running: Path | None = None,
+    back_driving: Path | None = None,
+    angles: int = DEFAULT_ANGLES,
+    progress: Progress = silent,
+) -> Protocol:
+    """Evaluate standard test figures of a design and of a bench; in Python ``cm.protocol(design)``.
+
+    Parameters
+    ----------
+    design
+        A sound design, or the name of a preset or a file.
+    rated_nm
+        Rated output torque [N m]; by default that of the design.
+    loops, te
+        Measured loops (`read_loop`), one for each crank angle, and measured transmission error (`read_te`).
+    starting, running, back_driving
+        CSV files of the tests of the same name; `docs/protocol.md` describes their columns.
+    angles
+        Number of crank angles at which the model is locked.
+    progress
+        Called with the numbers of finished and of all crank angles.
+
+    Returns
+    -------
+    Protocol
+        Lost motion, hysteresis loss, stiffness, transmission error and torques of model and bench.
+
+    Raises
+    ------
+    UsageError
+        The design does not exist, a file is malformed, or the torque of a loop is not in N m.
+    RunError
+        The model has no static balance, or a run failed.
+    """
+    reducer = Reducer(resolve(design))
+    files = BenchFiles(tuple(loops), te, starting, running, back_driving)
+    return protocol(reducer, files, rated_nm or reducer.design.rated_torque, angles, progress)
 
 
 def protocol(

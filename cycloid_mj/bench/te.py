@@ -13,11 +13,13 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.frame import Frame, make_frame
+from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.base.result import Table
 from cycloid_mj.base.statistics import rms, rms_about_mean
 from cycloid_mj.base.units import ARCSECOND, DEGREE
 from cycloid_mj.bench.loop import read_columns
-from cycloid_mj.design import Design
+from cycloid_mj.design import Named, resolve
 from cycloid_mj.measure.orders import causes
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import transmission_error
@@ -59,8 +61,8 @@ class MeasuredError:
         return float(np.ptp(self.crank)) / (2.0 * np.pi)
 
 
-@dataclass(frozen=True, eq=False)
-class BenchComparison:
+@dataclass(frozen=True, eq=False, repr=False)
+class BenchComparison(Presented):
     """Measured transmission error and that of a design."""
 
     design: str
@@ -78,6 +80,17 @@ class BenchComparison:
     """Complex amplitudes by order [rad], shape (k,)."""
     causes: tuple[str, ...]
     """Possible causes of each order, in words."""
+
+    @property
+    def frame(self) -> Frame:
+        """The orders in both curves, one row each, the strongest first."""
+        rows = self.as_json()["orders"]
+        return make_frame(rows, rows[0] if rows else (), {"measured_arcsec": "arcsec", "model_arcsec": "arcsec"})
+
+    @property
+    def line(self) -> str:
+        """Measurement, design and share of the variance that the model explains."""
+        return f"{self.measured.name}, {self.design} at {self.load:.4g} N m: the model explains {self.whole:.1%}"
 
     @property
     def explained_shares(self) -> Array:
@@ -145,14 +158,25 @@ class BenchComparison:
         }
 
 
-def read_te(path: Path) -> MeasuredError:
+def read_te(path: Path | str) -> MeasuredError:
     """Read a transmission error from a CSV file of the columns crank_deg and te_arcsec.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Returns
+    -------
+    MeasuredError
+        Crank angles and transmission error [rad].
 
     Raises
     ------
     UsageError
         The file is missing or malformed, or is no transmission error over at least a turn of the crank.
     """
+    path = Path(path)
     columns = read_columns(path, COLUMNS, "a transmission error")
     crank, error = DEGREE * columns[CRANK], ARCSECOND * columns[ERROR]
     measured = MeasuredError(path.stem, crank, error)
@@ -168,26 +192,31 @@ def read_te(path: Path) -> MeasuredError:
     return measured
 
 
-def compare_bench(design: Design, measured: MeasuredError, load: float | None = None) -> BenchComparison:
+def compare_bench(design: Named, measured: MeasuredError, load: float | None = None) -> BenchComparison:
     """Compare a measured transmission error of the output with that of a design.
 
     Parameters
     ----------
     design
-        The design.
+        A design, or the name of a preset or a file.
     measured
-        The measured error.
+        The measured error, from `read_te`.
     load
         Torque on the output [N m]; by default the design's own, or a hundredth of the rated torque.
+
+    Returns
+    -------
+    BenchComparison
+        Both curves, their amplitudes by order, and the share of the measured variance that the model explains.
 
     Raises
     ------
     UsageError
-        The load is 0, or the measurement has too few points to resolve its orders.
+        The design does not exist, the load is 0, or the measurement has too few points to resolve its orders.
     RunError
         No static balance exists.
     """
-    reducer = Reducer(design)
+    reducer = Reducer(resolve(design))
     torque = (reducer.design.load.torque or 0.01 * reducer.design.rated_torque) if load is None else load
     if not torque:
         raise UsageError(

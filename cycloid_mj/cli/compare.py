@@ -1,7 +1,7 @@
 """``cycloid-mj compare``: two or more designs, or logs of them, side by side by the same measures."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
 from functools import partial
 from pathlib import Path
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
+from cycloid_mj.base.comparison_runs import DEFAULTS, IDLE_TURNS, QUICK_STARTS, TURNS
 from cycloid_mj.base.errors import CycloidError, LogError, UsageError, warn
 from cycloid_mj.base.outcome import Outcome, Picture
 from cycloid_mj.cli.delivery import Destination, claim_page, deliver
@@ -41,11 +42,8 @@ from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.analysis import Series
-    from cycloid_mj.comparison import Comparison, Trial, Variation
-    from cycloid_mj.dynamics.run import Solver
-
-    Runs = dict[Design, Path]
-    Measured = dict[Design, tuple[Series, Trial]]
+    from cycloid_mj.comparison import Comparison, Trial
+    from cycloid_mj.explore.compared import RunPlan
 
 EXAMPLES = """Examples:
   cycloid-mj compare pin nonpin
@@ -54,15 +52,9 @@ EXAMPLES = """Examples:
   cycloid-mj compare pin-no-load.mcap nonpin-no-load.mcap --json"""
 
 RUNS = "runs/compare"
-TURNS = 6
-IDLE_TURNS = 2
-"""Settled crank turns of a loaded run, and of each start at no load, unless the user says how long."""
-QUICK_STARTS = 2
-"""Starts of each design at no load with --quick: too few to rank designs by, and the verdicts say so."""
 STEM = "compare"
 FILES = ("compare_curvature.png", f"{STEM}.json", f"{STEM}.csv")
 """What every comparison has."""
-DEFAULTS = ("drive.ramp_s=0.0", "settings.log_rate_hz=20000.0")
 
 DesignsOrLogs = Annotated[
     str,
@@ -191,6 +183,8 @@ def compare(
     design. Signals are logged at 20 kHz (unless --set settings.log_rate_hz), so vibration is resolved up to 10 kHz.
     Logs of additional starts and of varied contacts contain samples and design only, no frames for viewers.
     """
+    from cycloid_mj.explore.compared import all_cases
+
     q = point(options.q)
     designs = (*names, *design)
     logs = [name for name in designs if name.endswith(".mcap")]
@@ -207,9 +201,9 @@ def compare(
         place = _place(folder(delivery.out or usual, "the figures", FILES, delivery.force), delivery)
         return deliver(_from_logs(logs, q, place), place, delivery)
     first = load_design(designs[0], (*DEFAULTS, *options.set_), options.first, options.at_c)
-    plan = _plan_runs(
-        all_cases([load_design(name, options.set_, (), options.at_c) for name in designs], first, options), options
-    )
+    loaded = [load_design(name, options.set_, (), options.at_c) for name in designs]
+    require_distinct(loaded)
+    plan = _plan_runs(all_cases(loaded, first, options.load_nm, options.solver, options.hold_given), options)
     warn_of_overloads(plan.starts)
     names_of_files = [*(f"{name}.mcap" for name in plan.names.values()), *FILES]
     place = _place(logs_folder(RUNS, delivery.out, names_of_files, delivery.force), delivery)
@@ -253,77 +247,6 @@ def _first_design(names: Sequence[str]) -> str:
     return next(name for name in names if not name.endswith(".mcap"))
 
 
-def _held_for_turns(designs: Sequence[Design]) -> list[Design]:
-    """Return designs under one load whose hold contains whole turns after the slowest design has settled."""
-    from cycloid_mj.comparison import settling_time
-
-    if any(design.drive.speed == 0.0 for design in designs):
-        return list(designs)
-    turns = TURNS if designs[0].load.torque else IDLE_TURNS
-    settle_run = max(settling_time(Reducer(design)) for design in designs)
-    # a sample more: the last turn shall be whole
-    return [design.steady(settle_run, turns, samples=1.0, drive={"ramp": design.drive.ramp}) for design in designs]
-
-
-def all_cases(designs: Sequence[Design], first: Design, options: CompareOptions) -> list[Design]:
-    """Return every design under the settings of `first`, at no load and under load.
-
-    A pin and a nonpin design are joined by the nonpin design with the other's total play and series stiffness at that
-    load: it separates the effect of the design from that of the clearance.
-    """
-    from cycloid_mj.comparison import apply_conditions, comparable, conditions, with_play_of
-    from cycloid_mj.dynamics.planar.timestep import for_accelerations
-
-    require_distinct(designs)
-    shared = conditions(Reducer(first))
-    rated = round(first.rated_torque, 9) if options.load_nm is None else options.load_nm
-    compared = list(designs)
-    if len(designs) == 2 and {design.ring.kind for design in designs} == {"pin", "nonpin"}:
-        pin, nonpin = sorted(designs, key=lambda design: design.ring.kind, reverse=True)
-        compared.append(with_play_of(Reducer(nonpin), Reducer(apply_conditions(Reducer(pin), shared, rated))))
-    by_load = [
-        [apply_conditions(Reducer(design), shared, load) for design in compared] for load in dict.fromkeys((0.0, rated))
-    ]
-    cases = [case for each in by_load for case in (each if options.hold_given else _held_for_turns(each))]
-    if options.solver == "planar" and not first.settings.timestep:
-        step = min(for_accelerations(Reducer(case)) for case in cases)
-        cases = [Reducer(case).but(settings={"timestep": step}).design for case in cases]
-    comparable(cases)
-    return cases
-
-
-@dataclass(frozen=True)
-class RunPlan:
-    """Runs of a comparison: cases, starts, variations, logs and solver."""
-
-    starts: "Mapping[Design, Sequence[Design]]"
-    variations: "Sequence[Variation]"
-    assumptions: "Sequence[Variation]"
-    names: Mapping[Design, str]
-    solver: "Solver"
-
-
-def _plan_runs(cases: Sequence[Design], options: CompareOptions) -> RunPlan:
-    """Plan the runs of all cases; raise UsageError or DesignError for one that is not possible."""
-    from cycloid_mj.comparison import ASSUMPTIONS, STARTS, SWEEP, independent_starts
-
-    count = QUICK_STARTS if options.quick else STARTS
-    starts = {
-        design: (design,) if design.load.torque else independent_starts(Reducer(design), count) for design in cases
-    }
-    variations, assumptions = SWEEP if options.sweep else (), () if options.quick else ASSUMPTIONS
-    loaded = [design for design in cases if design.load.torque]
-    names = {start: _log_name(start, place) for each in starts.values() for place, start in enumerate(each)}
-    for variation, changed in [*((each, cases) for each in variations), *((each, loaded) for each in assumptions)]:
-        for design in changed:
-            words = f"{variation.parameter}-{variation.value}".replace(" ", "-").replace("/", "-per-")
-            for place, start in enumerate(starts[design]):
-                names.setdefault(variation.of(Reducer(start)), f"{_log_name(start, place)}-{words}")
-    for design in names:
-        require_possible(design, options.solver)
-    return RunPlan(starts, variations, assumptions, names, options.solver)
-
-
 def _from_logs(names: Sequence[str], q: tuple[float, float] | None, place: Destination) -> Outcome:
     """Return the comparison of logged runs."""
     from cycloid_mj.comparison import compare as compared
@@ -335,11 +258,26 @@ def _from_logs(names: Sequence[str], q: tuple[float, float] | None, place: Desti
     return outcome_of(comparison, judged, _pictures(comparison, [motions[item] for item in comparison.trials]), place)
 
 
-def _from_runs(plan: RunPlan, q: tuple[float, float] | None, place: Destination, wanted: Delivery) -> Outcome:
+def _plan_runs(cases: Sequence[Design], options: CompareOptions) -> "RunPlan":
+    """Plan the runs of all cases; raise UsageError or DesignError for one that is not possible."""
+    from cycloid_mj.comparison import ASSUMPTIONS, STARTS, SWEEP
+    from cycloid_mj.explore.compared import plan_runs
+
+    plan = plan_runs(
+        cases,
+        options.solver,
+        QUICK_STARTS if options.quick else STARTS,
+        SWEEP if options.sweep else (),
+        () if options.quick else ASSUMPTIONS,
+    )
+    for design in plan.names:
+        require_possible(design, options.solver)
+    return plan
+
+
+def _from_runs(plan: "RunPlan", q: tuple[float, float] | None, place: Destination, wanted: Delivery) -> Outcome:
     """Simulate the cases of a plan, and return their comparison."""
     from cycloid_mj.cli.batch import run_all
-    from cycloid_mj.comparison import Trial, Variation, sensitivities
-    from cycloid_mj.comparison import compare as compared
 
     cases = list(plan.starts)
     paths = map(Path, place.paths(f"{name}.mcap" for name in plan.names.values()))
@@ -351,25 +289,10 @@ def _from_runs(plan: RunPlan, q: tuple[float, float] | None, place: Destination,
         measured[design] = trial.measures
         if design in plan.starts:
             motions[design] = motion
-    as_it_is = Variation("", "unchanged", ())
-
-    def trials(designs: Sequence[Design], variation: Variation = as_it_is) -> list[Trial]:
-        """List designs with one variation and the measures of all their starts."""
-        varied = ([variation.of(Reducer(start)) for start in plan.starts[design]] for design in designs)
-        return [Trial(first, measured[first], tuple(measured[other] for other in others)) for first, *others in varied]
-
-    loaded = [design for design in cases if design.load.torque]
-    moved = sensitivities(trials(loaded), {each: trials(loaded, each) for each in plan.assumptions})
-    comparison = compared(trials(cases), moved if plan.assumptions else ())
-    judged = judged_runs(comparison.trials, {each: trials(cases, each) for each in plan.variations})
+    comparison = plan.compare(measured, motions)
+    judged = judged_runs(comparison.trials, {each: plan.trials(measured, cases, each) for each in plan.variations})
     pictures = _pictures(comparison, [motions[design] for design in cases]) | _of_paper(judged)
     return outcome_of(comparison, judged, pictures, place)
-
-
-def _log_name(design: Design, start: int = 0) -> str:
-    load = design.load.torque
-    case = f"{design.name}-{f'{load:g}Nm' if load else 'no-load'}"
-    return f"{case}-start-{start + 1}" if start else case
 
 
 def _measure_trial(log: Path, q: tuple[float, float] | None) -> "tuple[Series, Trial]":

@@ -3,7 +3,7 @@
 The line is the first of the command's docstring; it stands here too, so that the list imports no command.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from typing import NamedTuple
 
@@ -98,3 +98,35 @@ GROUPS: Mapping[str, Mapping[str, Listed]] = {
     HERE: {"doctor": Listed("Check the installation and report missing components.", "doctor:doctor")},
 }
 """Group -> name -> command, in the order of the list; the paper's own command comes first in its group."""
+
+PYTHON: Mapping[str, Sequence[str]] = {
+    "design": ("load", "check", "new"),
+    "statics": ("statics",),
+    "simulate": ("simulate",),
+    "report": ("report",),
+    "figures": ("FIGURES",),
+    "rate": ("rate",),
+    "thermal": ("thermal",),
+    "datasheet": ("datasheet",),
+    "measure": ("measure",),
+    "protocol": ("protocol",),
+    "stress": ("stress",),
+    "compare": ("compare",),
+    "validate": ("validate",),
+    "analyze": ("analyze",),
+    "animate": ("animate",),
+    "render": ("render",),
+    "sweep": ("sweep",),
+    "tolerance": ("tolerance",),
+    "optimize": ("optimize",),
+    "export": ("export",),
+    "build": ("build",),
+    "reduce": ("reduce", "attach_reducer"),
+    "calibrate": ("calibrate", "read_loop"),
+    "compare-bench": ("compare_bench", "read_te"),
+    "log": ("read_log", "write_log"),
+}
+"""Command -> names of `cycloid_mj` that do the same in Python."""
+
+WITHOUT_PYTHON = {"app", "view", "doctor"}
+"""Commands that open a window, or check the installation."""

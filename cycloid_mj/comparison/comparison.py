@@ -1,23 +1,26 @@
 """Comparison of two or more designs: the measures of each under each load."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
+from cycloid_mj.analysis import Series
 from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.frame import Frame
 from cycloid_mj.base.names import SOLVERS
+from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.base.result import Table, load_words, plain
 from cycloid_mj.comparison.conditions import HOLD, conditions, differences
 from cycloid_mj.comparison.sensitivity import Sensitivity, sensitivity_table
-from cycloid_mj.comparison.table import ROWS, table
+from cycloid_mj.comparison.table import ROWS, figure_frame, table
 from cycloid_mj.comparison.trial import Trial
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.massless import require_pin_bodies
 from cycloid_mj.reducer import Reducer
 
 
-@dataclass(frozen=True)
-class Comparison:
+@dataclass(frozen=True, repr=False)
+class Comparison(Presented):
     """Comparison of designs.
 
     Attributes
@@ -34,6 +37,8 @@ class Comparison:
         Solver of all runs.
     sensitivity
         Changes of the dynamic figures of the loaded runs with assumptions of the contact model.
+    motions
+        For figures: the first run of each trial, next to its closed form; empty if it is not kept.
     """
 
     designs: tuple[str, ...]
@@ -42,6 +47,18 @@ class Comparison:
     trials: tuple[Trial, ...]
     solver: str
     sensitivity: tuple[Sensitivity, ...] = ()
+    motions: tuple[Series, ...] = field(default=(), compare=False)
+
+    @property
+    def frame(self) -> Frame:
+        """Mean, smallest and largest value of each figure over the starts, one row per design, load and figure."""
+        return figure_frame(self.trials)
+
+    @property
+    def line(self) -> str:
+        """Designs, loads and solver."""
+        loads = ", ".join(load_words(load) for load in self.loads)
+        return f"{' / '.join(self.designs)}; {loads}; {SOLVERS[self.solver]}"
 
     @property
     def loads(self) -> tuple[float, ...]:

@@ -55,6 +55,11 @@ def resolve(named: Named, changes: Sequence[str] | Mapping[str, Any] = ()) -> De
     changes
         In the words of the file: ``table.key=value`` each, or a mapping of ``table.key`` to value.
 
+    Returns
+    -------
+    Design
+        The design, which is frozen; `but` and `load` with changes return others.
+
     Raises
     ------
     UsageError

@@ -36,6 +36,7 @@ from cycloid_mj.base.names import (
     planar_joints,
     planar_speeds,
 )
+from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.record import Deferred, Run, own
 from cycloid_mj.base.version import __version__
 from cycloid_mj.design import Named, dump, resolve
@@ -211,6 +212,7 @@ def solver_of(compiled: Model) -> Solver:
     return "planar" if isinstance(compiled, PlanarModel) else "mujoco"
 
 
+@shows_progress
 def simulate(
     design: Named,
     compiled: Model | None = None,
@@ -229,6 +231,11 @@ def simulate(
         Commands of crank and output; by default the ramp and the hold of the design.
     progress
         Called with the number of finished samples and the total number.
+
+    Returns
+    -------
+    Run
+        Signals of all bodies and forces of all contacts, for `analyze`, `report` and `write_log`.
 
     Raises
     ------

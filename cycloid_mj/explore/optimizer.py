@@ -12,6 +12,7 @@ from cycloid_mj.base.engine import Engine, Progress, silent, versions
 from cycloid_mj.base.errors import CycloidError, DesignError, RunError
 from cycloid_mj.base.extras import extra
 from cycloid_mj.base.frame import write_csv, write_parquet
+from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.checks import require_sound
 from cycloid_mj.design import Named, dump, resolve
 from cycloid_mj.dynamics.run import Solver
@@ -59,6 +60,7 @@ PROCESSES = Engine()
 """All cores of this machine."""
 
 
+@shows_progress
 def optimize(
     design: Named,
     vary: Mapping[str, Wanted],
@@ -109,6 +111,11 @@ def optimize(
         Where the points are evaluated.
     progress
         Called after each point.
+
+    Returns
+    -------
+    Optimum
+        Evaluated points, and the best point or the Pareto front with its designs.
 
     Raises
     ------

@@ -13,6 +13,7 @@ from typing import Any
 from cycloid_mj.base.engine import Engine, Progress, silent, versions
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.frame import Cell, Frame, Tabular, make_frame, write_csv, write_parquet
+from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.design import Named, declaration_of, dump, resolve
 from cycloid_mj.design.units import unit_of
 from cycloid_mj.dynamics.run import Solver
@@ -114,6 +115,7 @@ class Sweep(Tabular):
         return make_frame(rows, dict.fromkeys(names), {name: unit for name, unit in units.items() if unit})
 
 
+@shows_progress
 def sweep(
     design: Named,
     vary: Mapping[str, Wanted] | None = None,

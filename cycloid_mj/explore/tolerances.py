@@ -14,6 +14,7 @@ from cycloid_mj.base.engine import Engine, Progress, silent
 from cycloid_mj.base.errors import CycloidError, RunError, UsageError
 from cycloid_mj.base.frame import Frame, Tabular
 from cycloid_mj.base.names import SOLVERS
+from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.result import Table
 from cycloid_mj.design import Design, Named, resolve
 from cycloid_mj.dynamics.run import Solver
@@ -278,6 +279,7 @@ class TooManyJams(RunError):
         self.tolerances = tolerances
 
 
+@shows_progress
 def tolerance(
     design: Named,
     samples: int = 10_000,
@@ -309,6 +311,11 @@ def tolerance(
         Number of the worst samples that are run in full dynamics.
     solver
         Solver of these runs.
+
+    Returns
+    -------
+    Tolerances
+        Yield, distributions of the figures, and the share of each tolerance in their variance.
 
     Raises
     ------

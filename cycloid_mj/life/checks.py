@@ -44,6 +44,11 @@ def check_design(design: Named) -> Checks:
     ----------
     design
         A design, or the name of a preset or a file.
+
+    Returns
+    -------
+    Checks
+        Each check with value, bound and advice; `failures` and `warnings` list those that are not passed.
     """
     reducer = Reducer(resolve(design))
     checks = with_tried_advice(reducer, check(reducer.design))

@@ -14,6 +14,7 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.frame import Frame
 from cycloid_mj.base.names import PIN, SHAFT
 from cycloid_mj.base.notebook_display import Presented
+from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.result import Curve, Quantity, quantity_frame
 from cycloid_mj.base.units import ARCMINUTE, RPM
 from cycloid_mj.design import PARTS, Design, Named, resolve
@@ -546,7 +547,8 @@ def _materials(reducer: Reducer) -> str:
     return f"Materials: {materials}. Clearances [um]: {clearances}."
 
 
-def datasheet_of(design: Named, life_h: float = 0.0) -> Datasheet:
+@shows_progress
+def datasheet_of(design: Named, life_h: float = 0.0, progress: Progress = silent) -> Datasheet:
     """Compute the data sheet of a design; from Python as ``cm.datasheet(design)``.
 
     Parameters
@@ -555,6 +557,13 @@ def datasheet_of(design: Named, life_h: float = 0.0) -> Datasheet:
         A sound design, or the name of a preset or a file.
     life_h
         Life for which the torque is rated [h]; by default that of the design.
+    progress
+        Called with the numbers of finished and of all parts of the work.
+
+    Returns
+    -------
+    Datasheet
+        Figures in groups, each with its condition, and curves over torque and speed.
 
     Raises
     ------
@@ -565,4 +574,4 @@ def datasheet_of(design: Named, life_h: float = 0.0) -> Datasheet:
     RunError
         No static equilibrium was found, for example because friction jams the reducer.
     """
-    return datasheet(Reducer(resolve(design)), life_h)
+    return datasheet(Reducer(resolve(design)), life_h, progress)

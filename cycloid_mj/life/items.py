@@ -58,6 +58,11 @@ def rate(
     parts
         Parts as designed, or samples within the tolerances of the design, see ``life.as_built``.
 
+    Returns
+    -------
+    Rating
+        Life, safety factors, wear and heat of each item; `weakest` is the item with the smallest margin.
+
     Raises
     ------
     DesignError

@@ -216,6 +216,11 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
     settings
         Of the fixed point and the search for limits.
 
+    Returns
+    -------
+    ThermalState
+        Temperatures of the parts, curves of the warm-up, and limits.
+
     Raises
     ------
     DesignError

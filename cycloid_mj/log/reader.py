@@ -128,6 +128,11 @@ def read(path: str | os.PathLike[str], without: Collection[str] = (), rows: Inte
     rows
         Numbers of the samples to read, from 0, increasing; by default all.
 
+    Returns
+    -------
+    Run
+        Signals, forces, provenance and attachments of the run.
+
     Raises
     ------
     LogError

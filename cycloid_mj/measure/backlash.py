@@ -17,6 +17,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.engine import Progress, each_in_threads, silent
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.names import SOLVERS
+from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Curve, Quantity, by_key
 from cycloid_mj.base.units import ARCMINUTE
@@ -88,10 +89,17 @@ class StopPair:
 
     @property
     def backlash(self) -> float:
-        """Angle from stop to stop [rad]."""
+        """Angle from stop to stop [rad].
+
+        Returns
+        -------
+        Measurement
+            Figures with their numerical errors and closed forms, curves and tables.
+        """
         return self.high - self.low
 
 
+@shows_progress
 def backlash(
     design: Named,
     angles: int | None = None,

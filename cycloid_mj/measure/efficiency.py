@@ -8,6 +8,7 @@ import numpy as np
 
 from cycloid_mj.base.engine import Progress, silent
 from cycloid_mj.base.names import SOLVERS
+from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.powers import SELF_LOCKING
 from cycloid_mj.base.result import Curve, Quantity, Table, by_key
 from cycloid_mj.base.units import RPM
@@ -33,6 +34,7 @@ PERIODS, QUICK_PERIODS = 12, 4
 NO_FRICTION = "0, as the friction of this pair is 0"
 
 
+@shows_progress
 def efficiency(
     design: Named,
     loads: Sequence[float] = (),
@@ -59,6 +61,11 @@ def efficiency(
         Called after each run with the numbers of finished and of all runs; solver of the runs.
     published
         Published torques of this design, for comparison.
+
+    Returns
+    -------
+    Measurement
+        Figures with their numerical errors and closed forms, curves and tables.
     """
     reducer = Reducer(resolve(design))
     steady = steady_design(reducer)

@@ -11,6 +11,7 @@ from cycloid_mj.base.array import Array, cross
 from cycloid_mj.base.engine import Progress, each_in_threads, silent
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.names import SOLVERS
+from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Curve, Quantity, by_key
 from cycloid_mj.base.units import RPM
@@ -72,6 +73,7 @@ _CRANK, _FORCE = "crank angle [deg]", "force [N]"
 Kinds = Mapping[str, ContactPressures]
 
 
+@shows_progress
 def loads(
     design: Named,
     load: float | None = None,
@@ -91,6 +93,11 @@ def loads(
         Whether to run some mesh periods instead of a full turn.
     progress, solver
         Called after each run with the numbers of finished and of all runs; solver of the runs.
+
+    Returns
+    -------
+    Measurement
+        Figures with their numerical errors and closed forms, curves and tables.
 
     Raises
     ------

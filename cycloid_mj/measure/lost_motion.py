@@ -3,6 +3,7 @@
 from cycloid_mj.base.engine import Progress, each_in_threads, silent
 from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.base.names import SOLVERS
+from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.dynamics.massless import assumptions, massless
 from cycloid_mj.dynamics.run import Solver
@@ -19,6 +20,7 @@ SLOWER, FINER = 2.0, 4.0
 LEFT_OUT = "no values by statics: no static balance was found"
 
 
+@shows_progress
 def lost_motion(
     design: Named,
     load: float | None = None,
@@ -41,6 +43,11 @@ def lost_motion(
         Whether the default is `QUICK_ANGLES`.
     progress, solver
         Called after each run with the numbers of finished and of all runs; solver of the runs.
+
+    Returns
+    -------
+    Measurement
+        Figures with their numerical errors and closed forms, curves and tables.
 
     Raises
     ------

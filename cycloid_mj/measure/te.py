@@ -11,6 +11,7 @@ import numpy as np
 
 from cycloid_mj.base.engine import Progress, each_in_threads, silent
 from cycloid_mj.base.names import SOLVERS
+from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.result import by_key
 from cycloid_mj.base.units import ARCSECONDS, RPM
 from cycloid_mj.design import Named, resolve
@@ -30,6 +31,7 @@ SLOW = 0.25
 """Slow crank speed relative to the design's."""
 
 
+@shows_progress
 def te(
     design: Named,
     load: float | None = None,
@@ -59,6 +61,11 @@ def te(
         Whether to skip the slow runs and those with half the time step.
     progress, solver
         Called after each run with the numbers of finished and of all runs; solver of the runs.
+
+    Returns
+    -------
+    Measurement
+        Figures with their numerical errors and closed forms, curves and tables.
     """
     reducer = Reducer(resolve(design))
     require_motion(reducer)

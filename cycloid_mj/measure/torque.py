@@ -11,6 +11,7 @@ from cycloid_mj.analysis.spectrum import tapered_orders
 from cycloid_mj.base.engine import Progress, all_in_threads, each_in_threads, silent
 from cycloid_mj.base.errors import suppress_warnings, warn
 from cycloid_mj.base.names import SOLVERS
+from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.powers import Powers, mean_powers
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Curve, Quantity, by_key
@@ -47,6 +48,7 @@ class BrakedRun:
     input: float
 
 
+@shows_progress
 def torque(
     design: Named,
     quick: bool = False,
@@ -67,6 +69,11 @@ def torque(
         Called after each run with the numbers of finished and of all runs; solver of the runs.
     published
         Published torques of this design, for comparison.
+
+    Returns
+    -------
+    Measurement
+        Figures with their numerical errors and closed forms, curves and tables.
     """
     reducer = Reducer(resolve(design))
     steady = steady_design(reducer).working_at(reducer.design.rated_torque)

@@ -9,6 +9,7 @@ import numpy as np
 from cycloid_mj.analysis.spectrum import SPECTRUM, tapered_orders
 from cycloid_mj.base.engine import Progress, each_in_threads, silent
 from cycloid_mj.base.names import SOLVERS
+from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.result import Curve, Quantity, by_key
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Named, resolve
@@ -42,6 +43,7 @@ _OF_PLANES = {
 _ALL = _SIGNALS | _OF_COUNTERWEIGHT | _OF_PLANES
 
 
+@shows_progress
 def vibration(
     design: Named,
     load: float | None = None,
@@ -67,6 +69,11 @@ def vibration(
         Whether to measure only the design's speed, and skip the runs with half the time step.
     progress, solver
         Called after each run with the numbers of finished and of all runs; solver of the runs.
+
+    Returns
+    -------
+    Measurement
+        Figures with their numerical errors and closed forms, curves and tables.
     """
     reducer = Reducer(resolve(design))
     require_motion(reducer)

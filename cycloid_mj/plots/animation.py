@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -10,8 +11,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from cycloid_mj.analysis import Series, series
 from cycloid_mj.base.array import Array
+from cycloid_mj.base.engine import Progress, silent
 from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.record import Run
+from cycloid_mj.plots.movie import RATE, write_movie
 from cycloid_mj.plots.stage import AnimatedFigure, Script, set_stage, show
 from cycloid_mj.plots.style import with_style
 from cycloid_mj.reducer import Reducer
@@ -33,6 +37,53 @@ class Take:
     motion: Series
     rows: npt.NDArray[np.intp]
     magnification: float
+
+
+@shows_progress
+def animate(
+    run: Run,
+    out: Path | str,
+    magnify: float = 1.0,
+    turns: float = 1.0,
+    frames: int = FRAMES,
+    fps: int = RATE,
+    width: int = WIDTH,
+    progress: Progress = silent,
+) -> None:
+    """Write an animation of a run in its plane, with forces and loads, as ``.gif`` or ``.mp4``.
+
+    Parameters
+    ----------
+    run
+        The run.
+    out
+        File to write, replaced if it exists.
+    magnify
+        Factor by which clearances are magnified.
+    turns, frames
+        Crank turns, from the start of the steady part, and the largest number of frames.
+    fps, width
+        Frames per second, and width [pixels].
+    progress
+        Called with the numbers of finished and of all frames.
+
+    Raises
+    ------
+    UsageError
+        A value is out of range, or the name ends neither in .gif nor in .mp4.
+    LogError
+        The run has no design, or lacks a column.
+    CycloidError
+        The file cannot be written, or the extra ``video`` is not installed.
+    """
+    scene = take(run, magnify, frames, turns)
+
+    def counted() -> Iterator[Image]:
+        for number, image in enumerate(film(scene, width), 1):
+            progress(number, len(scene.rows))
+            yield image
+
+    write_movie(counted(), out, fps)
 
 
 def take(run: Run, magnification: float = 1.0, frames: int = FRAMES, turns: float = 1.0, disc: int = 0) -> Take:

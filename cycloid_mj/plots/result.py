@@ -18,7 +18,10 @@ from cycloid_mj.base.units import ARCMINUTE, DEGREE
 from cycloid_mj.bench.calibration import Calibration
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.prediction import Prediction
+from cycloid_mj.bench.protocol import Protocol
+from cycloid_mj.bench.te import BenchComparison
 from cycloid_mj.checks import Checks
+from cycloid_mj.comparison import Comparison
 from cycloid_mj.design import Design
 from cycloid_mj.explore.optimum import Optimum
 from cycloid_mj.explore.sweeps import Sweep
@@ -30,7 +33,9 @@ from cycloid_mj.life.thermal import ThermalState
 from cycloid_mj.measure import Measurement
 from cycloid_mj.parts.export import Export
 from cycloid_mj.plots import figures
-from cycloid_mj.plots.bench import calibration_figure
+from cycloid_mj.plots.bench import calibration_figure, comparison_figure, protocol_figure
+from cycloid_mj.plots.comparison import comparison_figures
+from cycloid_mj.plots.curvature import curvature_figure
 from cycloid_mj.plots.datasheet import datasheet_pictures
 from cycloid_mj.plots.explored import figure_words, sweep_figure
 from cycloid_mj.plots.measure import curves_figure, measurement_figure
@@ -102,6 +107,24 @@ def _of_one_curve(curve: Curve) -> Figures:
 @figures_of.register
 def _of_calibration(calibration: Calibration) -> Figures:
     return {"calibration": calibration_figure(calibration)}
+
+
+@figures_of.register
+def _of_protocol(protocol: Protocol) -> Figures:
+    return {"loops": protocol_figure(protocol)}
+
+
+@figures_of.register
+def _of_bench_comparison(comparison: BenchComparison) -> Figures:
+    return {"transmission_error": comparison_figure(comparison)}
+
+
+@figures_of.register
+def _of_comparison(comparison: Comparison) -> Figures:
+    if not comparison.motions:
+        raise UsageError("this comparison has no runs to draw; .to_frame() returns its values")
+    designs = [trial.design for trial in comparison.at(comparison.loads[0])]
+    return {**comparison_figures(comparison.motions), "compare_curvature": curvature_figure(designs)}
 
 
 @figures_of.register

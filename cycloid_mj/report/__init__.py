@@ -67,6 +67,11 @@ def report(runs: Mapping[str, Run], q: npt.ArrayLike | None = None, settle: floa
     settle
         Time after the ramp that is not evaluated [s], at most half of the hold. Default: the settling time of a jolt.
 
+    Returns
+    -------
+    ReportPage
+        HTML text; a notebook shows the page.
+
     Raises
     ------
     UsageError

@@ -14,6 +14,7 @@ import numpy as np
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError, RunError
 from cycloid_mj.base.names import SHAFT
+from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.result import Quantity, by_key
 from cycloid_mj.base.units import ARCMINUTE, RPM
 from cycloid_mj.checks import require_sound
@@ -62,6 +63,7 @@ GRID = IdentificationGrid()
 Progress = Callable[[int, int], None]
 
 
+@shows_progress
 def reduce(design: Named, level: Level = "full", progress: Progress | None = None) -> ReducedJoint:
     """Identify a design as a joint of a robot.
 
@@ -74,6 +76,11 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
         Level of detail in a model. All parameters are identified at any level.
     progress
         Called after each piece of work with the numbers of finished and of all pieces.
+
+    Returns
+    -------
+    ReducedJoint
+        Ratio, backlash, springs, friction, inertia and transmission error of the joint.
 
     Raises
     ------

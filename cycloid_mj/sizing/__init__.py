@@ -31,6 +31,11 @@ def new(ratio: int, diameter_mm: float, torque_nm: float, **others: Any) -> "Ans
         `life_h`, `speed_rpm`, `process`, `discs`, `length_mm`, `backlash_arcmin`, `material`, `clearance_um`,
         `fit`, `custom`, `duty`, `cooling`, `ambient_c`, `output_rpm`, as the flags of ``cycloid-mj design new``.
 
+    Returns
+    -------
+    Answer
+        Feasible drives, the lightest first, or the limit that makes the requirement infeasible, and remedies.
+
     Raises
     ------
     UsageError

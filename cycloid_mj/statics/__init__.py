@@ -44,6 +44,11 @@ def main(design: Named, load_nm: float | None = None) -> "Sheet":
     load_nm
         Torque on the output [N m]; by default the magnitude of the design's load, or its rated torque if that is 0.
 
+    Returns
+    -------
+    Sheet
+        Backlash, stiffness, transmission error, loads and losses: `quantities` by key, as a table, and by `plot`.
+
     Raises
     ------
     UsageError

@@ -22,6 +22,11 @@ def preloaded(design: Named) -> Design:
     design
         A design, or the name of a preset or a file.
 
+    Returns
+    -------
+    Design
+        The design with a given preload angle.
+
     Raises
     ------
     DesignError

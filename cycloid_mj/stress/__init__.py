@@ -17,14 +17,22 @@ A part is meshed and factorised once. Each crank angle is a right-hand side::
     patches (and from the sharp inner corners of the shaft), ``bulk_place`` (k, d) its position.
 """
 
+import sys
+from collections.abc import Sequence
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
+
+from cycloid_mj.base.engine import Progress, silent
+from cycloid_mj.base.notebook_display import CallableRoom
+from cycloid_mj.base.notebook_progress import shows_progress
+from cycloid_mj.design import Named, resolve
 
 if TYPE_CHECKING:
     from cycloid_mj.stress.field import PartStress, StressMap, solve, stress_map
     from cycloid_mj.stress.grid import Grid, GridSettings
     from cycloid_mj.stress.loads import PartLoads, part_loads
     from cycloid_mj.stress.part import part_grid
+    from cycloid_mj.stress.study import StressStudy
     from cycloid_mj.stress.vtu import as_vtu
 
 __all__ = [
@@ -34,6 +42,7 @@ __all__ = [
     "PartStress",
     "StressMap",
     "as_vtu",
+    "main",
     "part_grid",
     "part_loads",
     "solve",
@@ -57,6 +66,50 @@ def __getattr__(name: str) -> Any:
     return getattr(import_module(f"{__name__}.{_ORIGINS[name]}"), name)
 
 
-def __dir__() -> list[str]:
-    """List the public names alone, for completion."""
-    return sorted(__all__)
+@shows_progress
+def main(
+    design: Named,
+    parts: Sequence[str] = (),
+    load_nm: float | None = None,
+    *,
+    quick: bool = True,
+    progress: Progress = silent,
+) -> "StressStudy":
+    """Simulate a design for a crank turn, and compute the stress of its parts; in Python ``cm.stress(design)``.
+
+    Requires the extra ``fem``: gmsh and scikit-fem.
+
+    Parameters
+    ----------
+    design
+        A sound design, or the name of a preset or a file.
+    parts
+        Names of parts, such as ``"gear"`` or ``"shaft"``; by default all.
+    load_nm
+        Torque on the output [N m]; by default the design's load, or its rated torque if that is 0.
+    quick
+        Whether to use every tenth degree and coarser grids: 15 s instead of 60 s of processor time for ``pin``.
+    progress
+        Called with the numbers of finished and of all parts.
+
+    Returns
+    -------
+    StressStudy
+        Largest stresses of each part over the turn; ``plot()`` draws a stress map.
+
+    Raises
+    ------
+    UsageError
+        The design does not exist, or has no such part.
+    CycloidError
+        A part does not mesh, or a package of the extra ``fem`` is missing.
+    """
+    from cycloid_mj.stress.figures import run_for_one_turn
+    from cycloid_mj.stress.study import QUICK, StudySettings, stress_study
+
+    ran, run = run_for_one_turn(resolve(design), load_nm)
+    settings = QUICK if quick else StudySettings()
+    return stress_study(run, ran, parts, settings, on_part=lambda part, done, total: progress(done, total))
+
+
+sys.modules[__name__].__class__ = CallableRoom

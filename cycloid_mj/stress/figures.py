@@ -34,17 +34,22 @@ def for_one_turn(design: Design, load: float | None = None) -> Design:
     return design.steady(settling_time(reducer), 1.0 / reducer.share, samples=3.0, settings={"log_rate": rate})
 
 
-@once
-def _run_for_one_turn(reducer: Reducer) -> tuple[Reducer, Run]:
+def run_for_one_turn(design: Design, load: float | None = None) -> tuple[Reducer, Run]:
+    """Simulate a design as of `for_one_turn`; return the reducer that ran, and its run."""
     from cycloid_mj.dynamics.run import simulate
 
-    design = for_one_turn(reducer.design)
+    design = for_one_turn(design, load)
     return Reducer(design), simulate(design)
 
 
 @once
+def _run_of(reducer: Reducer) -> tuple[Reducer, Run]:
+    return run_for_one_turn(reducer.design)
+
+
+@once
 def _study_part(reducer: Reducer, part: str) -> PartFindings:
-    ran, run = _run_for_one_turn(reducer)
+    ran, run = _run_of(reducer)
     return part_study(run, ran, part, QUICK).findings
 
 
@@ -84,7 +89,7 @@ def wind_up_by_part(reducer: Reducer, mounts: Mounts | None = None) -> dict[str,
         design.
     """
     smooth = reducer.but(friction=dict.fromkeys(Friction.model_fields, 0.0))
-    ran, run = _run_for_one_turn(smooth)
+    ran, run = _run_of(smooth)
     return compute_part_compliance(run, ran, mounts=mounts)
 
 

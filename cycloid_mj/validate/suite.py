@@ -2,12 +2,14 @@
 
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 from cycloid_mj.base.engine import Engine
 from cycloid_mj.base.errors import CycloidError, CycloidWarning, UsageError
-from cycloid_mj.base.validation import ValidationPart, ValidationRow, failed_part
+from cycloid_mj.base.frame import Frame, make_frame
+from cycloid_mj.base.notebook_display import Presented
+from cycloid_mj.base.validation import RowOutcome, ValidationPart, ValidationRow, failed_part
 from cycloid_mj.validate import (
     backlash,
     balance,
@@ -65,6 +67,29 @@ def _parts() -> Iterator[ValidationPart]:
     yield ValidationPart("gravity", partial(symmetry.gravity_rows, FIXED), (4.0, 4.0))
     yield ValidationPart("gravity", partial(symmetry.gravity_rows, FREE), (12.0, 12.0))
     yield ValidationPart("witness", witness.rows, (6.0, 6.0))
+
+
+@dataclass(frozen=True, repr=False)
+class Validation(Presented):
+    """Rows of a validation, in the order of the steps."""
+
+    rows: tuple[ValidationRow, ...]
+
+    @property
+    def failed(self) -> tuple[ValidationRow, ...]:
+        """Rows whose difference exceeds its bound."""
+        return tuple(row for row in self.rows if row.verdict is RowOutcome.FAIL)
+
+    @property
+    def frame(self) -> Frame:
+        """Rows: quantity, our value, reference, difference, bound and verdict."""
+        table = [row.as_json() for row in self.rows]
+        return make_frame(table, table[0] if table else (), {})
+
+    @property
+    def line(self) -> str:
+        """Number of rows by verdict."""
+        return ", ".join(f"{sum(row.verdict is each for row in self.rows)} {each}" for each in RowOutcome)
 
 
 PARTS = tuple(_parts())

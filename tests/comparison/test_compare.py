@@ -11,14 +11,16 @@ import pytest
 from commands import told
 
 import cycloid_mj.dynamics.run
+from cycloid_mj.base.comparison_runs import DEFAULTS, TURNS
 from cycloid_mj.base.errors import RunError, UsageError
-from cycloid_mj.cli.compare import DEFAULTS, RUNS, TURNS, CompareOptions, all_cases
+from cycloid_mj.cli.compare import RUNS
 from cycloid_mj.cli.flags import load_design
 from cycloid_mj.cli.verdict import catalogue_figures, catalogue_table, ratio_columns
 from cycloid_mj.comparison import STARTS, SWEEP, comparable, differences, settle_run, settling_time
 from cycloid_mj.comparison.conditions import conditions
 from cycloid_mj.design import PRESETS, dump, loads, override
 from cycloid_mj.dynamics.planar.timestep import for_accelerations
+from cycloid_mj.explore.compared import all_cases
 from cycloid_mj.figures import figure as catalogue_figure
 from cycloid_mj.geometry.contact_lines import contact_lines, mesh_period
 from cycloid_mj.geometry.profile import CycloidGear
@@ -505,9 +507,8 @@ def test_figures_have_a_panel_for_each_run_and_name_it(compared):
 @pytest.mark.parametrize("names", [("printed", "pin"), ("pin", "printed"), ("printed", "nonpin")], ids=" ".join)
 def test_designs_that_settle_apart_and_have_other_tables_are_compared(names: tuple[str, str]) -> None:
     """The slowest decides the hold of all, whichever is named first, and a key that one lacks is a difference."""
-    options = CompareOptions(load_nm=5.0)
     first = load_design(names[0], DEFAULTS, ())
-    cases = all_cases([load_design(name, (), ()) for name in names], first, options)
+    cases = all_cases([load_design(name, (), ()) for name in names], first, 5.0, "planar")
     for load in (0.0, 5.0):
         own = [case for case in cases if case.load.torque == load]
         assert len(own) >= 2

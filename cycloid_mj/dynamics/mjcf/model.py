@@ -88,6 +88,11 @@ def build(design: Named, held: Held = "crank") -> ReducerModel:
     held
         The shaft with a position servo; the actuator of the other shaft is a torque.
 
+    Returns
+    -------
+    ReducerModel
+        The compiled model, and the pairs of surfaces that touch.
+
     Raises
     ------
     DesignError

@@ -143,6 +143,11 @@ def export(
     arcs
         For ``dxf``: tolerance of arcs that replace the splines [m]; None: splines.
 
+    Returns
+    -------
+    Export
+        Content of each file by its name, and the clearances of the exported parts.
+
     Raises
     ------
     DesignError

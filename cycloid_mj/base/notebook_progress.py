@@ -1,0 +1,86 @@
+"""Progress bars in the cells of a notebook; elsewhere, functions of the library are silent."""
+
+import sys
+from collections.abc import Callable
+from contextvars import ContextVar
+from functools import wraps
+from inspect import signature
+from threading import current_thread, main_thread
+from time import monotonic
+from typing import Any, ParamSpec, TypeVar
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+MIN_SECONDS = 1.0
+"""Time before a bar appears [s]: a shorter call needs none."""
+
+UPDATE_SECONDS = 0.2
+"""Least time between two updates of a bar [s]."""
+
+_shown: ContextVar[bool] = ContextVar("bar_is_shown", default=False)
+
+
+class CellBar:
+    """Progress bar in the output of a cell, which disappears at the end; a callback of done and all items."""
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+        self._start = self._updated = monotonic()
+        self._handle: Any = None
+
+    def __call__(self, done: int, total: int) -> None:
+        """Show the share that is done and the estimated time left."""
+        now = monotonic()
+        if now - self._start < MIN_SECONDS or now - self._updated < UPDATE_SECONDS:
+            return
+        self._updated = now
+        left = (now - self._start) * (total / done - 1.0) if done else float("inf")
+        time_left = f", about {left:.0f} s left" if done else ""
+        self._show(
+            f'{self._name} <progress value="{done}" max="{total}"></progress> {done} of {total}{time_left}',
+            f"{self._name}: {done} of {total}{time_left}",
+        )
+
+    def close(self) -> None:
+        """Clear the bar."""
+        if self._handle is not None:
+            self._show("", "")
+
+    def _show(self, html: str, text: str) -> None:
+        bundle = {"text/html": html, "text/plain": text}
+        if self._handle is None:
+            display = sys.modules["IPython.display"].display
+            self._handle = display(bundle, raw=True, display_id=True)
+        else:
+            self._handle.update(bundle, raw=True)
+
+
+def in_notebook() -> bool:
+    """Return whether this code runs in a cell of a notebook, and not in a script, a terminal or a worker thread."""
+    if "IPython.display" not in sys.modules or current_thread() is not main_thread():
+        return False
+    shell = sys.modules["IPython"].get_ipython()
+    return shell is not None and hasattr(shell, "kernel")
+
+
+def shows_progress(function: Callable[P, R]) -> Callable[P, R]:
+    """Decorate a function with a parameter `progress`: in a notebook, it shows a bar unless the caller passes one.
+
+    Functions that it calls show no bars of their own.
+    """
+    parameters = signature(function)
+
+    @wraps(function)
+    def with_bar(*arguments: P.args, **named: P.kwargs) -> R:
+        if _shown.get() or not in_notebook() or "progress" in parameters.bind_partial(*arguments, **named).arguments:
+            return function(*arguments, **named)
+        bar, token = CellBar(function.__name__), _shown.set(True)
+        try:
+            named["progress"] = bar
+            return function(*arguments, **named)
+        finally:
+            _shown.reset(token)
+            bar.close()
+
+    return with_bar

@@ -1,0 +1,215 @@
+"""Comparison of designs by simulation: the runs that it needs, and all of them in memory."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from cycloid_mj.analysis import Series
+from cycloid_mj.base.comparison_runs import DEFAULTS, IDLE_TURNS, QUICK_STARTS, TURNS
+from cycloid_mj.base.engine import Engine, Progress, silent
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.notebook_progress import shows_progress
+from cycloid_mj.comparison import (
+    ASSUMPTIONS,
+    STARTS,
+    Comparison,
+    Measures,
+    Trial,
+    Variation,
+    apply_conditions,
+    comparable,
+    conditions,
+    independent_starts,
+    measure_run,
+    sensitivities,
+    settle_run,
+    settling_time,
+    with_play_of,
+)
+from cycloid_mj.comparison import compare as compare_trials
+from cycloid_mj.design import Design, Named, override, resolve
+from cycloid_mj.dynamics.planar.timestep import for_accelerations
+from cycloid_mj.dynamics.run import Solver, model_for, simulate
+from cycloid_mj.reducer import Reducer
+
+UNCHANGED = Variation("", "unchanged", ())
+
+
+@dataclass(frozen=True)
+class RunPlan:
+    """Runs of a comparison.
+
+    Attributes
+    ----------
+    starts
+        Each design under each load -> its independent starts.
+    variations, assumptions
+        Variations of all cases, and of the loaded ones only.
+    names
+        Every design that is simulated, and the name of its run.
+    solver
+        Solver of all runs.
+    """
+
+    starts: Mapping[Design, Sequence[Design]]
+    variations: Sequence[Variation]
+    assumptions: Sequence[Variation]
+    names: Mapping[Design, str]
+    solver: Solver
+
+    @property
+    def loaded(self) -> list[Design]:
+        """Designs under a load."""
+        return [design for design in self.starts if design.load.torque]
+
+    def trials(
+        self, measured: Mapping[Design, Measures], designs: Sequence[Design], variation: Variation = UNCHANGED
+    ) -> list[Trial]:
+        """List designs with one variation, and the measures of all their starts."""
+        varied = ([variation.of(Reducer(start)) for start in self.starts[design]] for design in designs)
+        return [Trial(first, measured[first], tuple(measured[other] for other in others)) for first, *others in varied]
+
+    def compare(self, measured: Mapping[Design, Measures], motions: Mapping[Design, Series]) -> Comparison:
+        """Compare the designs by the measures of all runs; `motions` has the first run of each case."""
+        moved = sensitivities(
+            self.trials(measured, self.loaded),
+            {each: self.trials(measured, self.loaded, each) for each in self.assumptions},
+        )
+        comparison = compare_trials(self.trials(measured, list(self.starts)), moved if self.assumptions else ())
+        return replace(comparison, motions=tuple(motions[trial.design] for trial in comparison.trials))
+
+
+@shows_progress
+def compare(
+    *designs: Named,
+    load_nm: float | None = None,
+    quick: bool = False,
+    solver: Solver = "planar",
+    progress: Progress = silent,
+) -> Comparison:
+    """Compare two or more designs by simulations without load and under load.
+
+    All runs have the speed, environment and settings of the first design. Without load the motion is chaotic, so that
+    each design runs from several starts. ``cm.compare("pin", "nonpin").plot()`` draws a crank turn of each run.
+
+    Parameters
+    ----------
+    designs
+        Two or more designs, or names of presets or files.
+    load_nm
+        Load torque of the loaded runs [N m]; 0 for unloaded runs only. Default: the rated torque of the first design.
+    quick
+        Whether to run two starts only, and to omit the sensitivity to assumed values of the contact model.
+    solver
+        Solver of all runs.
+    progress
+        Called with the numbers of finished and of all runs.
+
+    Returns
+    -------
+    Comparison
+        Figures of each design under each load: `frame`, `tables`, and figures of the runs by `plot`.
+
+    Raises
+    ------
+    UsageError
+        There are fewer than two designs, or two designs have one name.
+    DesignError
+        A design is invalid, or has massless pins.
+    RunError
+        A run failed.
+    """
+    if len(designs) < 2:
+        raise UsageError(f"a comparison needs at least two designs, but {len(designs)} is given: add another design")
+    resolved = [resolve(design) for design in designs]
+    cases = all_cases(resolved, override(resolved[0], DEFAULTS), load_nm, solver)
+    plan = plan_runs(cases, solver, QUICK_STARTS if quick else STARTS, assumptions=() if quick else ASSUMPTIONS)
+    runs = list(plan.names)
+
+    def run(design: Design) -> tuple[Measures, Series | None]:
+        motion = settle_run(simulate(design, model_for(solver, Reducer(design))))
+        return measure_run(motion), motion if design in plan.starts else None
+
+    results = dict(zip(runs, Engine(kind="threads").each(run, runs, progress), strict=True))
+    return plan.compare(
+        {design: measures for design, (measures, _) in results.items()},
+        {design: motion for design, (_, motion) in results.items() if motion is not None},
+    )
+
+
+def all_cases(
+    designs: Sequence[Design], first: Design, load_nm: float | None, solver: Solver, fixed_hold: bool = False
+) -> list[Design]:
+    """Return every design under the settings of `first`, at no load and under load.
+
+    A pin and a nonpin design are joined by the nonpin design with the other's total play and series stiffness at that
+    load: it separates the effect of the design from that of the clearance.
+
+    Parameters
+    ----------
+    designs, first
+        The designs, and the design whose conditions they share.
+    load_nm
+        Load torque [N m]; by default the rated torque of `first`.
+    solver
+        Solver of the runs.
+    fixed_hold
+        Whether all runs have the hold of `first`, instead of a whole number of settled crank turns.
+
+    Raises
+    ------
+    UsageError
+        There are fewer than two designs, or two designs have one name.
+    """
+    shared = conditions(Reducer(first))
+    rated = round(first.rated_torque, 9) if load_nm is None else load_nm
+    compared = list(designs)
+    if len(designs) == 2 and {design.ring.kind for design in designs} == {"pin", "nonpin"}:
+        pin, nonpin = sorted(designs, key=lambda design: design.ring.kind, reverse=True)
+        compared.append(with_play_of(Reducer(nonpin), Reducer(apply_conditions(Reducer(pin), shared, rated))))
+    by_load = [
+        [apply_conditions(Reducer(design), shared, load) for design in compared] for load in dict.fromkeys((0.0, rated))
+    ]
+    cases = [case for each in by_load for case in (each if fixed_hold else _with_settled_turns(each))]
+    if solver == "planar" and not first.settings.timestep:
+        step = min(for_accelerations(Reducer(case)) for case in cases)
+        cases = [Reducer(case).but(settings={"timestep": step}).design for case in cases]
+    comparable(cases)
+    return cases
+
+
+def plan_runs(
+    cases: Sequence[Design],
+    solver: Solver,
+    starts: int = STARTS,
+    variations: Sequence[Variation] = (),
+    assumptions: Sequence[Variation] = ASSUMPTIONS,
+) -> RunPlan:
+    """Plan the runs of all cases: `starts` of each at no load, and those of variations and assumptions."""
+    by_case = {
+        design: (design,) if design.load.torque else independent_starts(Reducer(design), starts) for design in cases
+    }
+    loaded = [design for design in cases if design.load.torque]
+    names = {start: run_name(start, place) for each in by_case.values() for place, start in enumerate(each)}
+    for variation, changed in [*((each, cases) for each in variations), *((each, loaded) for each in assumptions)]:
+        for design in changed:
+            words = f"{variation.parameter}-{variation.value}".replace(" ", "-").replace("/", "-per-")
+            for place, start in enumerate(by_case[design]):
+                names.setdefault(variation.of(Reducer(start)), f"{run_name(start, place)}-{words}")
+    return RunPlan(by_case, variations, assumptions, names, solver)
+
+
+def run_name(design: Design, start: int = 0) -> str:
+    """Return the name of a run from design, load and number of the start, for its log."""
+    load = design.load.torque
+    case = f"{design.name}-{f'{load:g}Nm' if load else 'no-load'}"
+    return f"{case}-start-{start + 1}" if start else case
+
+
+def _with_settled_turns(designs: Sequence[Design]) -> list[Design]:
+    """Return designs under one load whose hold contains whole turns after the slowest design has settled."""
+    if any(design.drive.speed == 0.0 for design in designs):
+        return list(designs)
+    turns = TURNS if designs[0].load.torque else IDLE_TURNS
+    settle = max(settling_time(Reducer(design)) for design in designs)
+    # a sample more: the last turn shall be whole
+    return [design.steady(settle, turns, samples=1.0, drive={"ramp": design.drive.ramp}) for design in designs]
