@@ -12,13 +12,16 @@ sys.path[:0] = [str(HERE), str(HERE.parent / "scripts")]
 
 import charts  # noqa: E402  (in this folder)
 import drawings  # noqa: E402
+import notebook  # noqa: E402
 import reference  # noqa: E402
 import sketches  # noqa: E402
 from docutils import nodes  # noqa: E402
 from latex2mathml.converter import convert  # noqa: E402
 from pydantic import BaseModel  # noqa: E402
+from sphinx_gallery.scrapers import figure_rst  # noqa: E402
 
 import cycloid_mj  # noqa: E402
+from cycloid_mj.plots.style import NotebookFigure  # noqa: E402
 
 project = "cycloid_mj"
 author = "the cycloid_mj developers"
@@ -56,7 +59,18 @@ def by_number(name: str) -> int:
     return int(name.split("_")[1])
 
 
+def figure_of_a_cell(block: Any, block_vars: dict[str, Any], gallery_conf: dict[str, Any]) -> str:
+    """Save the figure that a cell shows as its last value, as a notebook does without pyplot."""
+    shown = block_vars["example_globals"].get("___")
+    if not isinstance(shown, NotebookFigure):
+        return ""
+    path = next(block_vars["image_path_iterator"])
+    Path(path).write_bytes(shown._repr_png_()[0])
+    return figure_rst([path], gallery_conf["src_dir"])
+
+
 sphinx_gallery_conf = {
+    "image_scrapers": ("matplotlib", figure_of_a_cell),
     "examples_dirs": "../examples",
     "gallery_dirs": "_gallery",
     "filename_pattern": "/",
@@ -93,9 +107,10 @@ def write_display_mathml(translator: Any, node: Any) -> None:
 
 
 def setup(app: Any) -> None:
-    """Write the references and the drawings before the pages are read."""
+    """Write the references, the drawings and the notebook before the pages are read."""
     app.add_html_math_renderer("mathml", (write_inline_mathml, None), (write_display_mathml, None))
     app.connect("autodoc-process-signature", without_defaults)
     app.connect("builder-inited", lambda app: reference.write(HERE / "_reference"), priority=100)
+    app.connect("builder-inited", lambda app: notebook.write(), priority=100)
     for module in (drawings, sketches, charts):
         app.connect("builder-inited", lambda app, module=module: module.write(HERE / "_drawings"), priority=100)

@@ -60,8 +60,11 @@ ROW, HEAD = 0.26, 1.1
 POINTS = 201
 """Points of a curve over the torque."""
 
+MIN_DRAWN_MARGIN = 0.01
+"""Left end of the axis of margins: a far smaller margin would hide the differences of the others."""
+
 MAX_CHECKS = 20
-"""Checks that are drawn, those with the smallest margins."""
+"""Checks or rated items that are drawn, those with the smallest margins."""
 
 SIZING_FIGURES = ("mass_kg", "rated_torque_nm", "backlash_arcmin", "stiffness_nm_per_arcmin", "life_h")
 """Figures of drives that are compared."""
@@ -171,9 +174,12 @@ def _of_orders(orders: Orders) -> Figures:
 
 @figures_of.register
 def _of_joint(joint: ReducedJoint) -> Figures:
-    torque = joint.rated_torque * np.linspace(-1.0, 1.0, POINTS)
-    turn = np.array([joint.wind_up(load) for load in torque]) / ARCMINUTE
-    return {"wind_up": _curve(torque, turn, "wind-up [arcmin]", joint.line)}
+    """Draw the output's angle over the torque at a locked crank; the step at zero torque is the backlash."""
+    torque = joint.rated_torque * np.linspace(0.0, 1.0, POINTS)
+    wound = np.array([joint.wind_up(load) for load in torque])
+    low, high = joint.stops
+    turn = np.concatenate([(low - wound)[::-1], high + wound]) / ARCMINUTE
+    return {"wind_up": _curve(np.concatenate([-torque[::-1], torque]), turn, "output angle [arcmin]", joint.line)}
 
 
 @figures_of.register
@@ -200,10 +206,11 @@ def _of_findings(findings: Findings) -> Figures:
 
 @figures_of.register
 def _of_rating(rating: Rating) -> Figures:
-    margins = {item.name: item.margin(rating.life) for item in rating.items.values()}
+    margins = {item.name: item.margin(rating.life) for item in rating.items.values() if item.decisive}
     limited = {name: margin for name, margin in margins.items() if math.isfinite(margin)}
+    tightest = dict(sorted(limited.items(), key=lambda item: item[1])[:MAX_CHECKS])
     condition = f"{rating.design}, {rating.duty}, for {rating.life:g} h; below 1: not passed"
-    return {"margins": _bars(limited, "safety factor, or life / required life [1]", condition, fails_below_1=True)}
+    return {"margins": _bars(tightest, "safety factor, or life / required life [1]", condition, fails_below_1=True)}
 
 
 @figures_of.register
@@ -275,6 +282,7 @@ def _bars(values: Mapping[str, float], label: str, condition: str, fails_below_1
         axes.axvline(1.0, color=GREY, linewidth=0.8)
         colours = [BLUE if value >= 1.0 else VERMILION for value in numbers]
         axes.barh(names, [value - 1.0 for value in numbers], left=1.0, color=colours, height=0.6)
+        axes.set_xlim(left=max(axes.get_xlim()[0], MIN_DRAWN_MARGIN))
     else:
         axes.barh(names, numbers, color=BLUE, height=0.6)
     axes.invert_yaxis()

@@ -85,7 +85,9 @@ def test_a_joint_is_drawn_and_says_what_it_is_in_a_line(few: ReducedJoint) -> No
     assert repr(few).startswith(f"<ReducedJoint: {few.name}, ")
     assert few.frame.rows == len(few.quantities)
     (line,) = few.plot().axes[0].lines
-    assert line.get_ydata()[0] == pytest.approx(few.wind_up(-few.rated_torque) * 10800.0 / math.pi)
+    wound, arcmin = few.wind_up(few.rated_torque), 10800.0 / math.pi
+    assert line.get_ydata()[0] == pytest.approx((few.stops[0] - wound) * arcmin)
+    assert line.get_ydata()[-1] == pytest.approx((few.stops[1] + wound) * arcmin)
 
 
 @pytest.mark.slow
