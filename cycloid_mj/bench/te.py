@@ -90,7 +90,9 @@ class BenchComparison(Presented):
     @property
     def line(self) -> str:
         """Measurement, design and share of the variance that the model explains."""
-        return f"{self.measured.name}, {self.design} at {self.load:.4g} N m: the model explains {self.explained_share:.1%}"
+        return (
+            f"{self.measured.name}, {self.design} at {self.load:.4g} N m: the model explains {self.explained_share:.1%}"
+        )
 
     @property
     def explained_shares(self) -> Array:

@@ -107,6 +107,7 @@ PYTHON: Mapping[str, Sequence[str]] = {
     "figures": ("FIGURES",),
     "rate": ("rate",),
     "thermal": ("thermal",),
+    "wear": ("wear",),
     "datasheet": ("datasheet",),
     "measure": ("measure",),
     "protocol": ("protocol",),

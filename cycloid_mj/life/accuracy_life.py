@@ -263,6 +263,11 @@ def wear(
     on_progress
         Called after each step with the case and the part of it that is over [1].
 
+    Returns
+    -------
+    WearLife
+        Wear and accuracy over the hours, and the accuracy life with its interval.
+
     Raises
     ------
     UsageError
