@@ -1,9 +1,10 @@
 """Use the designer's page as a new user does, by mouse and keyboard alone, and take a picture of each step.
 
-    python scripts/app_walk.py [--out docs/app] [--width 1400] [--scheme light]
+    python scripts/app_walk.py [--drive printed] [--out docs/app] [--width 1400] [--scheme light]
 
-Needs Chromium. The steps: require a printed 15:1 actuator of 60 mm that carries 2 N m; read the refusal with the
-largest possible torque and the remedies; choose a remedy, then a drive; read its figures.
+Needs Chromium. The steps: enter the requirements of a printed 15:1 actuator of 70 mm for 3 N m, or of a steel 39:1
+drive, and choose the motor; read a refusal with the largest possible torque and choose the first remedy; choose a
+drive; read its figures; download all files to build it.
 """
 
 import argparse
@@ -25,7 +26,13 @@ ROOT = Path(__file__).resolve().parent.parent
 
 SIZES = {390: 844, 1400: 950, 1920: 1080}
 
-ASKED = {"ratio": "15", "diameter_mm": "60", "torque_nm": "2", "life_h": "6000"}
+REQUIREMENTS = {"printed": ("15", "70", "3"), "steel": ("39", "90", "20")}
+"""Process -> ratio, diameter [mm] and torque [N m] of the form."""
+
+MOTORS = {"printed": "nema17", "steel": "nema23"}
+
+MAX_REFUSALS = 3
+"""Requirements that may be refused one after the other, each changed by its first remedy."""
 
 Shown = Callable[[str], None]
 
@@ -60,32 +67,50 @@ def _printed_address(server: "subprocess.Popen[bytes]", messages: IO[str]) -> st
     raise RuntimeError("the server did not start")
 
 
-def walk(page: Tab, address: str, shown: Shown) -> float:
-    """Design the actuator; `shown` is called with the name of each step. Return how long it took [s]."""
+def walk(page: Tab, address: str, shown: Shown, process: str = "printed") -> float:
+    """Design a drive; `shown` is called with the name of each step. Return how long it took [s]."""
     page.go(address)
     page.wait("document.querySelector('#start')?.open", "the start form opens by itself")
     began = time.monotonic()
-    for number, value in enumerate(ASKED.values()):
+    for number, value in enumerate(REQUIREMENTS[process]):
         if number:
             page.key("Tab")
         page.type(value)
+    page.click(".choice label", process.capitalize())
+    page.click("#start summary", "More")
+    page.run("document.querySelector('#start [name=motor]').focus()")
+    page.key("N")  # the first option that begins with it, NEMA 17
+    for _ in range(MOTORS[process] == "nema23"):
+        page.key("N")
+    page.wait(f"document.querySelector('#start [name=motor]').value === '{MOTORS[process]}'", "the motor is chosen")
     shown("1-asked")
-    page.key("Enter")
-    page.wait("document.querySelector('.ways button')", "the remedies", 400.0)
-    page.wait("[...document.querySelectorAll('.way')].find(e => /mm/.test(e.innerText))", "a remedy by size", 400.0)
-    shown("2-refused")
-    page.click(".way", "mm")
-    page.wait("document.querySelector('.drives button')", "drives that carry it", 400.0)
+    page.click("#start [type=submit]")
+    for _ in range(MAX_REFUSALS):
+        page.wait("document.querySelector('.drives button, .way:not(.less)')", "drives, or remedies", 600.0)
+        if page.run("!!document.querySelector('.drives button')"):
+            break
+        shown("2-refused")
+        page.click(".way:not(.less)")
+    page.wait("document.querySelector('.drives button')", "drives that meet the requirements", 600.0)
     shown("3-drives")
     page.click(".drives .first button")
     page.wait("!document.querySelector('#start').open", "the form closes")
     wait_for_result(page)
     shown("4-designed")
-    taken = time.monotonic() - began
-    page.click("[role=tab]", "Life")
-    page.wait("document.querySelectorAll('.lying .row').length > 5", "the life of its parts")
-    shown("5-life")
-    return taken
+    return time.monotonic() - began
+
+
+def download_drive(page: Tab, downloads: Path, shown: Shown) -> Path:
+    """Download all files to build the drive, and return the ZIP file."""
+    page.click("[role=tab]", "Export")
+    page.wait("document.querySelector('.bill')", "the bill of materials", 200.0)
+    shown("5-export")
+    page.click("#panel button", "All files to build it")
+    for _ in range(6000):
+        if ready := [*downloads.glob("*-drive.zip")]:
+            return ready[0]
+        page.listen(0.1)
+    raise TimeoutError("the files of the drive were not downloaded within 600 s")
 
 
 def wait_for_result(page: Tab) -> None:
@@ -110,11 +135,18 @@ def looks(page: Tab, shown: Shown) -> None:
     page.wait("document.querySelector('canvas.solid')", "the assembly")
     page.listen(1.0)
     shown("8-solid")
+    for name, words in (("9-exploded", "Exploded"), ("10-step", "Assembly step")):
+        page.run(
+            f"[...document.querySelectorAll('.range')].find(e => e.innerText === '{words}').firstElementChild.focus()"
+        )
+        page.key("End" if words == "Exploded" else "ArrowLeft")
+        page.listen(0.5)
+        shown(name)
     page.click("[role=tab]", "Figures")
     page.run("document.getElementById('k-gear.bore_radius_mm').focus()")
     page.key("End")
     page.wait("!document.querySelector('#wrong').hidden", "it cannot be built, and the picture says so")
-    shown("9-broken")
+    shown("11-broken")
     page.click("#wrong .remedy")
     page.wait("document.querySelector('#wrong').hidden", "a button mends it")
     wait_for_result(page)
@@ -123,16 +155,24 @@ def looks(page: Tab, shown: Shown) -> None:
 def main() -> int:
     """Take the pictures."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--drive", default="printed", choices=REQUIREMENTS)
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "app")
     parser.add_argument("--width", type=int, default=1400, choices=SIZES)
     parser.add_argument("--scheme", default="light", choices=("light", "dark"))
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
-    with serving() as address, tab() as page:
+
+    def shown(name: str) -> None:
+        page.picture(options.out / f"{name}.png")
+
+    with tempfile.TemporaryDirectory() as downloads, serving() as address, tab(Path(downloads)) as page:
         page.screen(options.width, SIZES[options.width], options.scheme)
-        taken = walk(page, address, lambda name: page.picture(options.out / f"{name}.png"))
-        looks(page, lambda name: page.picture(options.out / f"{name}.png"))
-        print(f"a drive after {taken:.0f} s; load {os.getloadavg()[0]:.1f}")
+        began = time.monotonic()
+        taken = walk(page, address, shown, options.drive)
+        content = download_drive(page, Path(downloads), shown).read_bytes()
+        print(f"a drive after {taken:.0f} s, its files after {time.monotonic() - began:.0f} s", end="")
+        print(f" ({len(content) / 1e6:.1f} MB); load {os.getloadavg()[0]:.1f}")
+        looks(page, shown)
         if page.errors:
             print(*page.errors, sep="\n", file=sys.stderr)
             return 1

@@ -23,7 +23,7 @@ from cycloid_mj.reducer import Reducer
 CHORD_ERROR = 1e-5
 """Chord error of the meshes [m]."""
 
-EXPLODED_GAP = 0.12
+EXPLODED_GAP = 0.06
 """Distance between the families of parts of the exploded view, relative to the outer radius of the housing."""
 
 GROUPS = {"hub": "hub of the output", "flange": "output flange"}

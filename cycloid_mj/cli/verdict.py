@@ -65,6 +65,7 @@ def outcome_of(
     """
     from cycloid_mj.comparison.table import figure_frame
     from cycloid_mj.figures import values_json
+    from cycloid_mj.plots.comparison import comparison_captions
 
     for trial in comparison.trials:
         warn(trial.name, tuple(dict.fromkeys(each for start in trial.starts for each in start.findings.warnings)))
@@ -83,6 +84,7 @@ def outcome_of(
             "logs: " + " ".join(str(trial.measures.findings.log) for trial in comparison.trials),
         ],
         pictures=pictures,
+        captions=comparison_captions(comparison.designs),
         formats=FORMATS,
         frame=figure_frame(comparison.trials),
         result=comparison.as_json()

@@ -55,6 +55,19 @@ ROW, HEAD = 1.25, 0.75
 """Height of a row of axes, and of title and legend [in]."""
 
 
+def comparison_captions(designs: Sequence[str]) -> dict[str, str]:
+    """Return what each figure of a comparison shows, by its name."""
+    of_designs = " and ".join(designs)
+    captions = {
+        f"compare_{name}": f"{title} over one crank turn of the settled hold: {of_designs}, one column for each load."
+        for name, (title, _) in OVER_A_TURN.items()
+    }
+    return captions | {
+        "compare_vibration": f"Amplitude spectra of the vibration of {of_designs} about the closed form.",
+        "compare_curvature": f"Curvature of the tooth profiles of {of_designs}.",
+    }
+
+
 def comparison_figures(motions: Sequence[Series]) -> dict[str, Figure]:
     """Return the figures of a comparison by name: one crank turn of the settled hold, and spectra.
 

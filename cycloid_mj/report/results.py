@@ -14,13 +14,20 @@ if TYPE_CHECKING:
     from cycloid_mj.bench import Calibration
 
 
+MAX_SVG_BYTES = 150_000
+"""Size of a vector picture above which the page has pixels: curves of many samples."""
+
+
 def outcome_page(outcome: Outcome) -> str:
     """Return an outcome as one HTML page."""
     return environment().get_template("outcome.html").render(outcome=outcome, texts=TextTable.of, source=_source)
 
 
 def _source(picture: Picture) -> str:
-    return f"data:image/svg+xml;base64,{base64.b64encode(picture('svg')).decode()}"
+    """Return the address of a picture that is part of the page: SVG, or PNG where that is much smaller."""
+    svg = picture("svg")
+    kind, content = ("svg+xml", svg) if len(svg) < MAX_SVG_BYTES else ("png", picture("png"))
+    return f"data:image/{kind};base64,{base64.b64encode(content).decode()}"
 
 
 def calibration_page(calibration: "Calibration", figure: str, remarks: Sequence[str] = ()) -> str:

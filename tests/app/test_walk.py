@@ -2,11 +2,12 @@
 
 import base64
 import re
+import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from app_walk import SIZES, looks, serving, wait_for_result, walk
+from app_walk import SIZES, download_drive, looks, serving, wait_for_result, walk
 from browser import CHROMIUM, MISSING, OVERHANG, Tab, tab
 from pdf_text import pdf_text
 
@@ -44,10 +45,72 @@ def test_the_start_form_leads_to_a_drive_that_meets_the_requirements(page: Tab) 
     assert "15:1" in page.run("document.title")
 
 
+def test_the_files_of_the_drive_close_it(page: Tab, downloads: Path) -> None:
+    inside = zipfile.ZipFile(download_drive(page, downloads, lambda _: None)).namelist()
+    names = {name.partition("/")[2] for name in inside}
+    assert {"plate.3mf", "bom.csv", "assembly.txt", "exploded.png", "drawings/drawings.pdf"} <= names
+    assert {"stl/motor_cover.stl", "stl/output_cover.stl", "stl/output_flange.stl", "coupon_block.stl"} <= names
+    assert page.run("document.querySelector('.choose select').value") == "nema17"
+    assert page.run("document.querySelectorAll('.order li').length") == 10
+
+
 def test_all_tabs_show_results_and_a_remedy_resolves_an_error(page: Tab) -> None:
     seen: list[str] = []
     looks(page, seen.append)
-    assert len(seen) == 4
+    assert len(seen) == 6
+
+
+def test_a_design_file_does_not_wait_for_a_study_which_stops_with_its_tab(page: Tab) -> None:
+    page.click("[role=tab]", "Tolerances")
+    page.click("#panel button", "Run Monte Carlo")
+    page.wait("document.querySelector('#panel progress')", "the study runs")
+    taken = page.run(
+        "(async () => { const began = performance.now(); let job = await (await import('./net.js'))"
+        ".work({ kind: 'toml', design: {} }); return [job.files.length, performance.now() - began]; })()"
+    )
+    assert taken[0] == 1
+    page.click("[role=tab]", "Figures")
+    page.click("[role=tab]", "Tolerances")
+    page.wait("!document.querySelector('#panel progress')", "the study was stopped")
+    page.click("[role=tab]", "Figures")
+
+
+def test_the_order_of_keys_is_that_on_the_screen(page: Tab) -> None:
+    """On a narrow screen the crank comes first, then the closed parameters, then the tabs."""
+    page.screen(390, SIZES[390])
+    order = page.run(
+        "[...document.querySelectorAll('#crank, #parameters-open > summary, #tab-figures')]"
+        ".map(e => e.id || 'parameters')"
+    )
+    assert order == ["crank", "parameters", "tab-figures"]
+    tops = page.run(
+        "['#crank', '#parameters-open > summary', '[role=tablist]'].map(s => "
+        "document.querySelector(s).getBoundingClientRect().top + scrollY)"
+    )
+    assert tops == sorted(tops)
+    page.screen(1400, SIZES[1400])
+    assert page.run(
+        "!!(document.querySelector('#parameters').compareDocumentPosition(document.querySelector('#crank')) & 4)"
+    )
+
+
+def test_results_are_announced_once_and_not_each_step(page: Tab) -> None:
+    wait_for_result(page)
+    page.run(
+        "window.said = []; new MutationObserver(() => said.push(document.getElementById('says').textContent))"
+        ".observe(document.getElementById('says'), { childList: true })"
+    )
+    page.run("document.getElementById('k-gear.face_width_mm').focus()")
+    for _ in range(5):
+        page.key("ArrowRight")
+    wait_for_result(page)
+    page.wait("said.length", "the results are announced")
+    page.listen(1.0)
+    assert page.run("said.length") <= 2
+    assert "rated torque" in page.run("said.at(-1)")
+    page.key("z", 2)
+    live = page.run("[...document.querySelectorAll('[aria-live], output, [role=status]')].map(e => e.id)")
+    assert live == ["says"]
 
 
 def test_keys_undo_and_redo_and_the_address_contains_the_design(page: Tab) -> None:

@@ -40,7 +40,7 @@ const SPEED = 0.8; // of the crank [rad/s]
 
 export class Solid {
   constructor(data) {
-    Object.assign(this, { data, yaw: -0.6, pitch: -1.0, size: 1, crank: 0, cut: true, at: 0, apart: 0, step: data.steps.length, turns: !matchMedia("(prefers-reduced-motion: reduce)").matches });
+    Object.assign(this, { data, yaw: -0.6, pitch: -1.0, size: 1, crank: 0, cut: true, at: 0, apart: 0, step: data.steps.length, turns: false });
     this.canvas = el("canvas", { tabindex: "0", role: "img", class: "solid", "aria-label": "The drive in 3-D, cut open. Drag or use the arrow keys to rotate it, + and − to zoom" });
     this.gl = this.canvas.getContext("webgl", { antialias: true, alpha: true, preserveDrawingBuffer: true });
     if (!this.gl) {
@@ -139,10 +139,14 @@ export class Solid {
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     const [low, high] = [0, 1].map(end => this.ends[0][end] + this.apart * (this.ends[1][end] - this.ends[0][end]));
-    const s = 0.88 / Math.hypot(this.reach, (high - low) / 2) * this.size, middle = (low + high) / 2;
+    // the exploded drive lies along the longer side of the view
+    const long = 1 + this.apart * (Math.max(1, wide / tall) - 1), middle = (low + high) / 2;
+    const s = 0.88 / Math.hypot(this.reach, (high - low) / 2 / long) * this.size;
     const [cy, sy, cp, sp] = [Math.cos(this.yaw), Math.sin(this.yaw), Math.cos(this.pitch), Math.sin(this.pitch)];
     // turned about the reducer's axis, then tilted: z of the screen looks away from us
-    const view = [cy * s, cp * sy * s, -sp * sy * s, 0, -sy * s, cp * cy * s, -sp * cy * s, 0, 0, -sp * s, -cp * s, 0, 0, sp * s * middle, cp * s * middle, 1];
+    const roll = -0.5 * Math.PI * this.apart, [cr, sr] = [Math.cos(roll), Math.sin(roll)];
+    const column = (x, y, z, w) => [cr * x - sr * y, sr * x + cr * y, z, w];
+    const view = [column(cy * s, cp * sy * s, -sp * sy * s, 0), column(-sy * s, cp * cy * s, -sp * cy * s, 0), column(0, -sp * s, -cp * s, 0), column(0, sp * s * middle, cp * s * middle, 1)].flat();
     gl.uniformMatrix4fv(this.uniforms.view, false, new Float32Array(view));
     gl.uniform2f(this.uniforms.aspect, Math.min(1, tall / wide), Math.min(1, wide / tall));
     gl.uniform2f(this.uniforms.cut, this.cut ? this.at * this.reach : 1e9, this.cut ? 1 : 0);

@@ -7,7 +7,6 @@ import { Solid } from "./solid.js";
 
 const TABS = { figures: "Figures", turn: "Loads", error: "Error", losses: "Losses", life: "Life", scatter: "Tolerances", stress: "Stress", solid: "3-D", compare: "A | B", make: "Export" };
 const STUDIES = ["scatter", "stress"]; // tabs whose results stay until they are computed again
-const SOURCES = { printed: "printed", made: "made in a workshop", bought: "bought" };
 
 // Bars of judged rows: judgement and length of each bar come from the server.
 const judgedBars = (rows, line) => bars(rows.map(row => ({ name: row.name, share: row.share, text: `${JUDGED[row.judgement].mark} ${row.text}`, look: JUDGED[row.judgement].look, mark: line, title: row.title })));
@@ -294,9 +293,9 @@ export class Tabs {
       data.reason ? el("p", { class: "near" }, `${JUDGED.warning.mark} The covers do not fit, so that the drive cannot be closed: ${data.reason}`)
         : el("p", {}, "With covers for ", el("b", {}, data.motor), `: ${number(data.diameter_mm)} mm diameter, ${number(data.length_mm)} mm long, `, el("b", {}, `${number(data.mass_kg, 3)} kg`), " without motor and grease."),
       el("h3", {}, "Bill of materials"),
-      el("div", { class: "values", role: "region", tabindex: "0", "aria-label": "Bill of materials" }, el("table", { class: "bill" }, el("thead", {}, el("tr", {}, ["Part", "Number", "", "Size", "Material or designation", "Mass [g]", "Price class of a piece"].map(head => el("th", { scope: "col" }, head)))),
-        el("tbody", {}, data.bill.map(row => el("tr", {}, el("th", { scope: "row" }, row.item), el("td", {}, String(row.count)), el("td", { class: `source ${row.source}` }, SOURCES[row.source]), el("td", {}, row.size), el("td", {}, [row.material, row.designation].filter(Boolean).join(", ")), el("td", {}, number(row.mass_g, 3)), el("td", {}, row.price)))))),
-      el("p", { class: "soft" }, "Price classes are assumed orders of magnitude, not quotations. Mass is that of all pieces."),
+      el("div", { class: "wide", role: "region", tabindex: "0", "aria-label": "Bill of materials" }, el("table", { class: "bill" }, el("thead", {}, el("tr", {}, ["Part", "Number", "Source", "Material or designation", "Mass [g]", "Price of a piece"].map(head => el("th", { scope: "col" }, head)))),
+        el("tbody", {}, data.bill.map(row => el("tr", {}, el("th", { scope: "row" }, row.item, el("small", {}, row.size)), el("td", {}, String(row.count)), el("td", { class: `source ${row.source}` }, row.source), el("td", {}, [row.material, row.designation].filter(Boolean).join(", ")), el("td", {}, number(row.mass_g, 3)), el("td", {}, row.price)))))),
+      el("p", { class: "soft" }, "Made: turned, milled or ground in a workshop. Prices are classes assumed by kind and mass, not quotations. The mass is that of all pieces."),
       data.consumables.length ? el("p", { class: "soft" }, `Also needed: ${data.consumables.join("; ")}.`) : null,
       data.order.length ? [el("h3", {}, "Order of assembly"), el("ol", { class: "order" }, data.order.map(step => el("li", {}, step.replaceAll("_", " "))))] : null];
   }

@@ -29,7 +29,9 @@ class View {
 
 const MARGIN = { right: 10, top: 20, gap: 26, bottom: 34 };
 const PANEL = 118;
-const LETTER = 6.4;
+const LETTER = 6.9;
+/** Steps of a chart's table, and of its keyboard cursor. */
+const VALUES = 60;
 
 /** One figure: `panels` of {label, curves: [{name, x, offset, y, colour, width}], height, zero}. */
 class Chart {
@@ -43,6 +45,62 @@ class Chart {
     }).observe(place);
     Chart.all.push(this);
     this.draw();
+    this.offerValues();
+  }
+
+  /** Name the chart: the caption's title, else the labels of its panels. */
+  get name() {
+    const caption = this.place.closest("figure")?.querySelector("figcaption b")?.textContent;
+    return caption ?? this.panels.map((panel) => panel.label).join(", ");
+  }
+
+  /** Let the keyboard read the values at a place along x, and open the values that are seen as a table. */
+  offerValues() {
+    const reader = Object.assign(document.createElement("input"), { type: "range", className: "reader", min: 0, max: VALUES, value: 0 });
+    reader.setAttribute("aria-label", `Values along ${this.xLabel}: ${this.name}`);
+    const at = () => this.view.span[0] + (reader.valueAsNumber / VALUES) * (this.view.span[1] - this.view.span[0]);
+    const say = () => reader.setAttribute("aria-valuetext", this.rowAt(at()).map((cell, i) => `${this.heads[i]} ${cell}`).join(", "));
+    reader.addEventListener("input", () => {
+      this.view.point(at());
+      say();
+    });
+    say();
+    const details = document.createElement("details");
+    details.className = "values-of";
+    details.innerHTML = '<summary>Values</summary><div class="scroll" tabindex="0" role="region"></div>';
+    details.lastChild.setAttribute("aria-label", `Values: ${this.name}`);
+    details.addEventListener("toggle", () => details.open && this.fillTable(details.lastChild));
+    this.place.after(reader);
+    (this.place.closest("figure") ?? this.place.parentElement).append(details);
+  }
+
+  get heads() {
+    return [this.xLabel, ...this.panels.flatMap((panel) => panel.curves.map((curve) => [panel.label, curve.name].filter(Boolean).join(", ")))];
+  }
+
+  /** Give the values of all curves at a place along x, as text. */
+  rowAt(at) {
+    const values = this.panels.flatMap((panel) => panel.curves.map((curve) => curve.y[nearest(curve.x, at - curve.offset)]));
+    return [at, ...values].map(numberText);
+  }
+
+  /** Write a table of values over the span that is seen. */
+  fillTable(place) {
+    const [low, high] = this.view.span;
+    const table = document.createElement("table");
+    const add = (part, cells, first) => {
+      const row = part.insertRow();
+      cells.forEach((text, i) => {
+        const cell = document.createElement(i === 0 || first === "col" ? "th" : "td");
+        if (cell.tagName === "TH") cell.scope = first;
+        cell.textContent = text;
+        row.append(cell);
+      });
+    };
+    add(table.createTHead(), this.heads, "col");
+    const body = table.createTBody();
+    for (let i = 0; i <= VALUES; i++) add(body, this.rowAt(low + (i / VALUES) * (high - low)), "row");
+    place.replaceChildren(table);
   }
 
   /** Draw at the width of the place, or at another: it is stretched to the place. */
@@ -57,8 +115,7 @@ class Chart {
     this.svg = document.createElementNS(SVG, "svg");
     this.svg.setAttribute("viewBox", `0 0 ${this.width} ${total}`);
     this.svg.setAttribute("role", "img");
-    const caption = this.place.closest("figure")?.querySelector("figcaption b")?.textContent;
-    this.svg.setAttribute("aria-label", caption ?? this.panels.map((panel) => panel.label).join(", "));
+    this.svg.setAttribute("aria-label", this.name);
     this.place.replaceChildren(this.svg);
     const [low, high] = this.view.span;
     this.x = (value) => left + ((value - low) / (high - low)) * inner;

@@ -4,7 +4,7 @@
 const THEORY = "var(--theory)";
 const SIMULATED = "var(--simulated)";
 const ERROR = "var(--error)";
-const tint = (colour) => `color-mix(in srgb, ${colour} 40%, var(--paper))`;
+const tint = (colour) => `color-mix(in srgb, ${colour} 65%, var(--paper))`;
 /** Width [px] of half a page, for which a printed chart is drawn. */
 const PRINTED = 340;
 

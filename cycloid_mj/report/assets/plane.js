@@ -10,7 +10,8 @@ class Plane {
     const svg = document.createElementNS(SVG, "svg");
     svg.setAttribute("viewBox", `0 0 ${size + left + right} ${size + top + bottom}`);
     svg.setAttribute("role", "img");
-    svg.setAttribute("aria-label", "Path over one crank turn");
+    const caption = place.closest("figure")?.querySelector("figcaption b")?.textContent ?? "";
+    svg.setAttribute("aria-label", `Path over one crank turn: ${caption}`);
     place.replaceChildren(svg);
     const box = this.box(paths, circle);
     const x = (value) => left + ((value - box.x) / box.reach) * size;
