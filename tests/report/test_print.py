@@ -20,7 +20,7 @@ from cycloid_mj.life.item import RatedItem, Rating
 from cycloid_mj.report import report
 from cycloid_mj.report.datasheet import datasheet_page
 from cycloid_mj.report.rating import rating_page
-from cycloid_mj.report.results import outcome_page
+from cycloid_mj.report.results import MAX_SVG_BYTES, outcome_page
 
 ASSETS = resources.files("cycloid_mj.report").joinpath("assets")
 
@@ -94,3 +94,12 @@ def test_figures_of_a_page_are_in_its_pdf(name: str, browser: Tab, tmp_path: Pat
     text = re.sub(r"\s+", "", pdf_text(pdf))
     for figure in figures:
         assert re.sub(r"\s+", "", figure) in text, text
+
+
+def test_pictures_of_a_page_have_a_text_and_large_ones_are_pixels() -> None:
+    small, large = (lambda form: form.encode()), (lambda form: form.encode() * (MAX_SVG_BYTES if form == "svg" else 1))
+    page = outcome_page(
+        Outcome(title="compare: a / b", pictures={"x_y": small, "many": large}, captions={"many": "Of a."}, result={})
+    )
+    assert f'src="data:image/svg+xml;base64,{base64.b64encode(b"svg").decode()}" alt="compare: a / b: x y"' in page
+    assert f'src="data:image/png;base64,{base64.b64encode(b"png").decode()}" alt="Of a."' in page

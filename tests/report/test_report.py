@@ -351,6 +351,10 @@ def test_page_draws_everything_in_a_browser_without_an_error(which, width, reque
       document.querySelector("dd").textContent = "123456 N m/arcmin";
       const out = [...document.querySelectorAll("dl > div")].filter(card => card.scrollWidth > card.clientWidth);
       document.body.dataset.cards = out.map(card => card.textContent).join("; ");
+      const pictures = [...document.querySelectorAll("svg[role=img]")];
+      document.body.dataset.unnamed = pictures.filter(one => !one.getAttribute("aria-label")).length;
+      const count = look => document.querySelectorAll(look).length;
+      document.body.dataset.unread = count(".chart") - Math.min(count(".values-of"), count(".reader"));
     </script></body>"""
     path.write_text(request.getfixturevalue(which).replace("</body>", deeds), encoding="utf-8")
     options = (f"--user-data-dir={tmp_path / 'profile'}", f"--window-size={width},900", "--dump-dom")
@@ -361,6 +365,8 @@ def test_page_draws_everything_in_a_browser_without_an_error(which, width, reque
     assert 'data-ready="true"' in done.stdout
     (cards,) = re.findall(r'<body data-cards="([^"]*)"', done.stdout)
     assert cards == "", "a number sticks out of its card"
+    assert 'data-unnamed="0"' in done.stdout, "a picture has no text"
+    assert 'data-unread="0"' in done.stdout, "the values of a chart cannot be read by keyboard or as a table"
     for figure in (*FIGURES, "spectrum"):
         name = figure if isinstance(figure, str) else figure.name
         drawn = done.stdout.split(f'id="figure-{name}"')[1].split("</figure>")[0]
