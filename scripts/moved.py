@@ -20,7 +20,7 @@ from tempfile import TemporaryDirectory
 from against import ROOT, Ended, Figures, Trial, laid_out, of_the_json, run_trial, run_words
 
 from cycloid_mj.base.result import Table
-from cycloid_mj.design import PRESETS
+from cycloid_mj.design import presets_for
 from cycloid_mj.log import read
 
 DIGITS = 5e-6
@@ -102,7 +102,7 @@ def compare_trees(old: Path, new: Path) -> list[Move]:
     """Run all commands in two trees and list what moved."""
     moved: list[Move] = []
     with TemporaryDirectory() as folder:
-        for design in PRESETS:
+        for design in presets_for("measure"):
             for number, trial in enumerate(trials(design)):
                 print(f"{design}: {trial.name}", file=sys.stderr, flush=True)
                 figures = [

@@ -14,7 +14,7 @@ from cycloid_mj.app.controls import controls, find_controls, key_in_words, value
 from cycloid_mj.app.drawing import section
 from cycloid_mj.app.state import apply_changes, design_of, differences, values_of
 from cycloid_mj.base.errors import UsageError
-from cycloid_mj.design import PRESETS, Design
+from cycloid_mj.design import Design, presets_for
 from cycloid_mj.design.file import loads
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sheet import load_of
@@ -40,12 +40,13 @@ def draw(content: Content) -> dict[str, Any]:
 def open_design(content: Content) -> dict[str, Any]:
     """Return the `view` of a ``preset`` or of the ``text`` of a design file."""
     text, preset = content.get("text"), content.get("preset")
-    if isinstance(preset, str) and preset in PRESETS:
-        design = PRESETS[preset]
+    presets = presets_for("app")
+    if isinstance(preset, str) and preset in presets:
+        design = presets[preset]
     elif isinstance(text, str):
         design = loads(text, str(content.get("name", "the file"))[:80])
     else:
-        raise UsageError(f"unknown preset {preset!r}; available: {', '.join(PRESETS)}")
+        raise UsageError(f"unknown preset {preset!r}; available: {', '.join(presets)}")
     return view(with_load(design), content)
 
 

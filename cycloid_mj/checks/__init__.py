@@ -20,12 +20,13 @@ from cycloid_mj.checks.margin import margin_rules
 from cycloid_mj.checks.mechanics import PLAUSIBLE, jumps, mechanical_rules
 from cycloid_mj.checks.multi_disc import disc_checks
 from cycloid_mj.checks.rule import evaluate
+from cycloid_mj.checks.rv import rv_checks
 from cycloid_mj.checks.strength import strength_checks
 from cycloid_mj.checks.summary import Summary, summary
 from cycloid_mj.checks.teeth import WALLS, tooth_rules
 from cycloid_mj.checks.tolerance import tolerance_checks
 from cycloid_mj.design import Named, resolve
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 
 __all__ = [
     "PLAUSIBLE",
@@ -50,7 +51,8 @@ __all__ = [
 def check(design: Named) -> Checks:
     """Return the checks of a design, passed or not: those of `soundness`, then those of how well it works.
 
-    The latter need a design that can be built, and are warnings. Those of its life are in ``life.checks``.
+    The latter need a design that can be built, and are warnings; an RV reducer has none yet. Those of its life are in
+    ``life.checks``.
 
     Parameters
     ----------
@@ -58,9 +60,9 @@ def check(design: Named) -> Checks:
         A design, or the name of a preset or a file.
     """
     design = resolve(design)
-    reducer = Reducer(design)
+    reducer = reducer_of(design)
     sound = soundness(reducer)
-    if any(item.severity == "error" and not item.passed for item in sound):
+    if isinstance(reducer, RvReducer) or any(item.severity == "error" and not item.passed for item in sound):
         return Checks(sound)
     margins = evaluate(reducer, margin_rules(reducer))
     quality = (*disc_checks(reducer), *margins, *tolerance_checks(reducer), *strength_checks(reducer))
@@ -78,6 +80,9 @@ def soundness(reducer: Reducer) -> tuple[Check, ...]:
 
 def sound_checks(reducer: Reducer) -> Iterator[Check]:
     """Yield the checks of `soundness` one after the other: a search for a failed one can stop early."""
+    if isinstance(reducer, RvReducer):
+        yield from rv_checks(reducer)
+        return
     design = reducer.design
     has_shape = design.gear.discs > 1 or design.shaft.radius < design.shaft.counterweight_radius
     for item in shape_checks(reducer):

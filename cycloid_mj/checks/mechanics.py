@@ -55,11 +55,11 @@ def mechanical_rules(reducer: Reducer, has_shape: bool) -> Iterator[Rule | Check
     tables = ("material", *(f"{part}_material" for part in PARTS))
     for table in tables:
         if material := getattr(design, table):
-            yield from _material_rules(table, material)
+            yield from material_rules(table, material)
     yield from _drive_rules(reducer)
 
 
-def _material_rules(table: str, material: Material) -> Iterator[Rule]:
+def material_rules(table: str, material: Material) -> Iterator[Rule]:
     """Yield the rules for one table of a material; names of a part's own begin with the part's name."""
     part = table.removesuffix("material")
     yield Rule(

@@ -46,7 +46,7 @@ class Summary:
         Limits of the materials of the library, a sentence each: heat, and for plastics sustained load.
     """
 
-    ratio: int
+    ratio: float
     discs: int
     one_part: bool
     outer_diameter: float

@@ -2,6 +2,7 @@
 
 import tomllib
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from math import degrees
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -18,7 +19,7 @@ from cycloid_mj.cli.new import new
 from cycloid_mj.cli.profile import EXAMPLES as PROFILE_EXAMPLES
 from cycloid_mj.cli.profile import profile
 from cycloid_mj.design import Design, dump, inherited_keys, reasons, value_of
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 
 if TYPE_CHECKING:
     from cycloid_mj.checks import Checks, Summary
@@ -83,9 +84,37 @@ def check(chosen: Annotated[DesignOptions, FLAT], *, delivery: Annotated[Deliver
     place = claim_destination(delivery, f"{design.name}-check")
     inherited = inherited_keys(chosen.design, chosen.set_, ("drive.torque_nm", "drive.speed_rpm"))
     checks = check_design(design)
+    reducer = reducer_of(design)
+    if isinstance(reducer, RvReducer):
+        outcome = replace(_outcome(design, checks, None, None, inherited), summary=_rv_lines(reducer, checks))
+        return deliver(outcome, place, delivery)
     summed = None if checks.failures else _compute_summary(design)
     rating = _compute_rating(design) if summed else None
     return deliver(_outcome(design, checks, summed, rating, inherited), place, delivery)
+
+
+def _rv_lines(reducer: RvReducer, checks: "Checks") -> list[str]:
+    """Return the summary of an RV reducer as lines of text."""
+    from cycloid_mj.geometry.rv import are_one_part, flip_clockings
+
+    ring, lobes, discs = reducer.design.ring, reducer.design.lobes, reducer.design.gear.discs
+    lines = [
+        f"      ratio {float(reducer.kinematics.ratio):.6g}, {reducer.cranks.count} cranks on a radius of "
+        f"{1e3 * reducer.crank_radius:.4g} mm; crank bearings turn {float(reducer.kinematics.bearing_turns):g} times "
+        "per turn of the output",
+        f"      outer diameter {2e3 * reducer.design.housing.outer_radius:.4g} mm, nominal torque "
+        f"{reducer.design.rated_torque:.4g} N m",
+    ]
+    if discs > 1:
+        if are_one_part(ring.teeth, lobes, discs, reducer.cranks.count):
+            same = "one part, turned by a step of the crank bores"
+        elif discs == 2:
+            clocked = " or ".join(map(str, flip_clockings(ring.teeth, lobes, reducer.cranks.count)))
+            same = f"different parts; they are one part, flipped, if a crank bore is {clocked} of a pitch off a lobe"
+        else:
+            same = "different parts"
+        lines.append(f"      {discs} discs, {same}")
+    return [*lines, f"{len(checks)} checks: {checks.counts}"]
 
 
 def _outcome(

@@ -15,7 +15,7 @@ from cycloid_mj.cli.ranges import RANGES
 from cycloid_mj.design import PRESETS, Design, override, resolve
 from cycloid_mj.design.model import HEATED
 from cycloid_mj.design.units import BOUNDS, Unit, bounds_of, file_key, unit_of
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import reducer_of
 
 SYMBOLS = {"nm": "N m"}
 
@@ -278,7 +278,7 @@ class DesignOptions:
         from cycloid_mj.checks import require_sound
 
         design = self.resolve(values)
-        require_sound(Reducer(design))
+        require_sound(reducer_of(design))
         return design
 
 

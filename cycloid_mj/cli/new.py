@@ -196,9 +196,9 @@ def new(
     Changes by --set hold for every drive that the search tries. Printed drives are for 500 h at 300 rpm and 25 % of
     the time unless set otherwise.
 
-    A design has one stage, one central crank, pins (or lobes) in the ring, and one lobe fewer on the disc. RV
-    reducers with a planetary stage, tooth differences of 2 or more, and hypocycloid drives with the pins on the disc
-    are not supported.
+    A new size has one stage, one central crank, pins (or lobes) in the ring, and one lobe fewer on the disc. For an
+    RV reducer with a planetary stage, copy rv80e (--from rv80e). Tooth differences of 2 or more, and hypocycloid
+    drives with the pins on the disc are not supported.
     """
     stem = name.removesuffix(".toml")
     if not re.fullmatch(r"\w[\w .-]{0,63}", stem):

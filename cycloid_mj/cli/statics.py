@@ -10,7 +10,7 @@ from cycloid_mj.base.outcome import Outcome, headline
 from cycloid_mj.base.result import Quantity, Table
 from cycloid_mj.cli.delivery import claim_destination, deliver
 from cycloid_mj.cli.flags import DELIVERY, FLAT, LOADED, RATED, Delivery, DesignOptions
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import reducer_of
 
 if TYPE_CHECKING:
     from cycloid_mj.statics.sheet import Sheet
@@ -25,6 +25,7 @@ HEADLINE = (
     *("output_peak_to_peak_unloaded_forward_speed", "output_peak_to_peak_loaded_forward_speed"),
     *("pin_gear_peak_force", "tooth_peak_force", "cam_peak_force", "output_peak_force"),
     *("capacity", "capacity_shakedown", "efficiency", "back_driving_efficiency"),
+    *("crank_bearing_force", "crank_bearing_mean_force", "te_ideal"),
 )
 """Keys of the figures that one looks for first; a design's ring has pins or teeth."""
 
@@ -65,18 +66,18 @@ def statics(
     design = chosen.resolve_checked()
     place = claim_destination(delivery, f"{design.name}-statics")
     loaded = design if load_nm is None else design.but(load={"torque": load_nm})
-    return deliver(_outcome(sheet(Reducer(design), load_nm), quantities(Reducer(loaded))), place, delivery)
+    return deliver(_outcome(sheet(reducer_of(design), load_nm), quantities(reducer_of(loaded))), place, delivery)
 
 
 def _outcome(static: "Sheet", figures: Mapping[str, Quantity]) -> Outcome:
     """Build the outcome of the statics of a design."""
     from cycloid_mj.base.result import quantity_frame
     from cycloid_mj.figures import values_json
-    from cycloid_mj.statics.sheet import COMPARED, known_difference
+    from cycloid_mj.statics.sheet import COMPARED
 
     rows = []
     for quantity in static.quantities.values():
-        known = known_difference(quantity)
+        known = static.known_difference(quantity)
         value = "-" if quantity.value != quantity.value else f"{quantity.value:.6g}"
         if quantity.low is not None and quantity.high is not None:
             value = f"{quantity.value:.4g} ({quantity.low:.4g} to {quantity.high:.4g})"
@@ -95,7 +96,7 @@ def _outcome(static: "Sheet", figures: Mapping[str, Quantity]) -> Outcome:
         notes=[
             f"load: {SOURCES[static.load_source]}",
             *(f"{item.name}: {item.note}" for item in static.quantities.values() if item.note and item.low is None),
-            f"known difference: the largest, relative, from {COMPARED}",
+            *([f"known difference: the largest, relative, from {COMPARED}"] if static.has_known_differences else []),
             *(f"assumed: {sentence}" for sentence in static.assumptions),
         ],
         frame=quantity_frame(static.quantities),

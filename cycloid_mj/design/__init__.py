@@ -32,7 +32,7 @@ from cycloid_mj.design.model import (
     WorkingForce,
     material_limits,
 )
-from cycloid_mj.design.presets import PRESETS, reasons
+from cycloid_mj.design.presets import PRESETS, presets_for, reasons
 
 __all__ = [
     "PARTNERS",
@@ -69,6 +69,7 @@ __all__ = [
     "loads",
     "material_limits",
     "override",
+    "presets_for",
     "reasons",
     "resolve",
     "value_of",

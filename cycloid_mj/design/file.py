@@ -17,8 +17,10 @@ from pydantic.fields import FieldInfo
 from cycloid_mj.base.errors import DesignError, UsageError, reason
 from cycloid_mj.base.overwrite_guard import note_input
 from cycloid_mj.base.text import match_case
-from cycloid_mj.design.model import Design, Section
+from cycloid_mj.design.layouts import applies
+from cycloid_mj.design.model import Design
 from cycloid_mj.design.presets import PRESETS
+from cycloid_mj.design.section import Section
 from cycloid_mj.design.units import Unit, counted_by, file_key, section_of, source_of, unit_of
 from cycloid_mj.design.unsupported import unsupported_key
 from cycloid_mj.design.validation_errors import as_design_error, literal_choices
@@ -257,9 +259,11 @@ def dump(design: Design, reasons: Mapping[str, str] | None = None) -> str:
     ]
     for name, field, value in _fields(design):
         if isinstance(value, Section):
-            lines += ["", f"# {field.description or _summary(type(value))}", f"[{name}]"]
-            lines += [_line(key, inner, item, reasons.get(f"{name}.{key}", "")) for key, inner, item in _fields(value)]
-        else:
+            used = [row for row in _fields(value) if applies(design.layout, name, row[0])]
+            if used:
+                lines += ["", f"# {field.description or _summary(type(value))}", f"[{name}]"]
+            lines += [_line(key, inner, item, reasons.get(f"{name}.{key}", "")) for key, inner, item in used]
+        elif applies(design.layout, "", name):
             lines.append(_line(name, field, value, reasons.get(name, "")))
     return "\n".join(lines) + "\n"
 
@@ -382,7 +386,7 @@ def _expand_sparse_lists(values: dict[str, Any], where: str) -> dict[str, Any]:
 
 def _count(values: Mapping[str, Any], table: str, name: str) -> Any:
     """Return an integer of the file, or its default."""
-    return values.get(table, {}).get(name, getattr(getattr(Design(), table), name))
+    return values.get(table, {}).get(name, section_of(Design.model_fields[table]).model_fields[name].default)
 
 
 def _full_list(sparse: Mapping[str, Any], counts: Sequence[Any], where: str) -> tuple[Any, ...]:
@@ -410,7 +414,8 @@ def _nearest(key: str, known: list[str], prefix: str, root: type[Section] = Desi
     other_unit = next(
         filter(None, ([prefix + name for name in known if name.rsplit("_", 1)[0] == stem] for stem in stems)), []
     )
-    everywhere = [f"{table}.{name}" for table, keys in _tables(root()) if isinstance(keys, dict) for name in keys]
+    tables = ((name, section_of(field)) for name, field in root.model_fields.items())
+    everywhere = [f"{table}.{name}" for table, section in tables if section for name in _keys_of(section)]
     same = [name for name in everywhere if name.endswith(f".{key}")]
     here = [prefix + name for name in difflib.get_close_matches(key, known, n=1)]
     meant = other_unit or same or here or difflib.get_close_matches(prefix + key, everywhere, n=1)

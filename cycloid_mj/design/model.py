@@ -5,14 +5,17 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from html import escape
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import Field, ValidationError, field_validator, model_validator
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.design import units as u
+from cycloid_mj.design.layouts import RV_TABLES, applies
 from cycloid_mj.design.materials import BY_CASEFOLD, DEFAULT, MATERIALS, SOFTEST_METAL, material_name
+from cycloid_mj.design.rv import CrankErrors, Cranks, Planet
+from cycloid_mj.design.section import Offsets, Section
 from cycloid_mj.design.units import (
     PAPER,
     choice,
@@ -28,9 +31,6 @@ from cycloid_mj.design.validation_errors import as_design_error
 
 if TYPE_CHECKING:
     from cycloid_mj.base.frame import Frame
-
-Offsets = tuple[Annotated[float, Field(ge=-1e-3, le=1e-3, allow_inf_nan=False)], ...]
-"""A deviation [m] of each of some parts; empty: drawn at random."""
 
 
 @dataclass(frozen=True)
@@ -61,17 +61,6 @@ PARTNERS = {
     "output": ("output", "gear"),
 }
 """Parts that meet in each kind of mating pair."""
-
-
-class Section(BaseModel):
-    """Base class of the tables of the design file."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", validate_default=False)
-
-    @classmethod
-    def merge_change(cls, values: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the values of a table with some of them changed."""
-        return {**values, **change}
 
 
 class Ring(Section):
@@ -221,9 +210,9 @@ class Output(Section):
 
     member: Literal["carrier", "ring"] = choice(
         "carrier",
-        "output member: carrier, the plate with the output pins, while the ring is fixed (ratio N - 1, "
-        "opposite to the crank); ring, the ring with its housing, while the carrier is fixed (ratio N, "
-        "with the crank)",
+        "output member: carrier, the plate with the output pins, while the ring is fixed (with a "
+        "central crank ratio N - 1, opposite to the crank); ring, the ring with its housing, while the carrier is "
+        "fixed (ratio N, with the crank)",
         PAPER,
     )
     pins: int = quantity(8, "number of output pins and holes", ge=2, le=100)
@@ -896,6 +885,10 @@ class Settings(Section):
     )
 
 
+def _rv_table(what: str) -> Any:
+    return Field(default=None, description=f"{what} (layout rv).")
+
+
 def _rows(section: Section, prefix: str) -> Iterator[dict[str, str]]:
     """Yield the values of a section in the units of the design file, with those of its tables."""
     for name, field in type(section).model_fields.items():
@@ -929,8 +922,18 @@ class Design(Section, Presented):
         "structure behind the contacts: rigid; springs: output pins bend, and carrier, shaft and housing twist",
         PAPER,
     )
+    layout: Literal["central", "rv"] = choice(
+        "central",
+        "central: one crank in the middle, and output pins; rv: a planet stage, two or three cranks, no output pins",
+        PAPER,
+    )
     ring: Ring = Ring()
     gear: Gear = Gear()
+    planet: Planet | None = _rv_table("The planet stage of an RV reducer")
+    cranks: Cranks | None = _rv_table("The cranks of an RV reducer with their bearings, and its carrier")
+    crank_errors: CrankErrors | None = _rv_table(
+        "Manufacturing errors of cranks, crank bores and planets: crank 1 on +y, clockwise, at the crank angle 0"
+    )
     output: Output = Output()
     shaft: Shaft = Shaft()
     housing: Housing = Housing()
@@ -1059,6 +1062,28 @@ class Design(Section, Presented):
             return value
         return {**value, **{key: {**base, **table} for key, table in tables.items() if "name" not in table}}
 
+    @model_validator(mode="before")
+    @classmethod
+    def _rv_has_its_tables(cls, value: Any) -> Any:
+        """Fill the tables of an RV reducer that are left out with their defaults."""
+        if not isinstance(value, Mapping) or value.get("layout") != "rv":
+            return value
+        absent = [name for name in RV_TABLES if value.get(name) is None]
+        return {**value, **{name: {} for name in absent}}
+
+    @model_validator(mode="after")
+    def _keys_apply_to_the_layout(self) -> Self:
+        """Refuse values of parts that the layout does not have."""
+        if self.layout == "central":
+            set_keys = [f"the table {name}" for name in RV_TABLES if getattr(self, name) is not None]
+            remedy = 'remove it, or set layout = "rv"'
+        else:
+            set_keys = [key for key, is_default in _keys_without_use(self) if not is_default]
+            remedy = "remove it; an RV reducer has neither a central crank nor output pins"
+        if set_keys:
+            raise ValueError(f'layout = "{self.layout}" has no use for {", ".join(set_keys)}: {remedy}')
+        return self
+
     def material_of(self, part: str) -> Material:
         """Return the material of a part of `PARTS`."""
         return getattr(self, f"{part}_material") or self.material
@@ -1083,13 +1108,20 @@ class Design(Section, Presented):
         return self.ring.teeth - 1
 
     @property
-    def ratio(self) -> int:
-        """Crank turns per output turn: -(N - 1) for the carrier, N for the ring as output."""
-        return self.ring.teeth if self.output.turns_ring else -self.lobes
+    def ratio(self) -> float:
+        """Input turns per output turn: R for the carrier, 1 - R for the ring as output; a whole number of one crank.
+
+        R is -(N - 1) with a central crank, and 1 + N z_p/z_s of an RV reducer with z_s teeth of the sun, z_p of a
+        planet; its input is the sun.
+        """
+        if self.planet is None:
+            return self.ring.teeth if self.output.turns_ring else -self.lobes
+        to_carrier = 1.0 + self.ring.teeth * self.planet.planet_teeth / self.planet.sun_teeth
+        return 1.0 - to_carrier if self.output.turns_ring else to_carrier
 
     @property
-    def reduction(self) -> int:
-        """Its size: N - 1, or N."""
+    def reduction(self) -> float:
+        """Its size: N - 1 or N with a central crank."""
         return abs(self.ratio)
 
     @property
@@ -1204,9 +1236,18 @@ class Design(Section, Presented):
     @model_validator(mode="after")
     def _errors_fit_the_parts(self) -> Self:
         """Refuse a list of errors that is too long or too short, and errors of pins where the ring has none."""
-        for name, field in Errors.model_fields.items():
+        tables: tuple[tuple[str, Section], ...] = (("errors", self.errors),)
+        if self.crank_errors is not None:
+            tables += (("crank_errors", self.crank_errors),)
+        for table, section in tables:
+            self._fit_errors(table, section)
+        return self
+
+    def _fit_errors(self, table: str, section: Section) -> None:
+        """Raise ValueError for a list of errors of the wrong length, and for pin errors of a ring without pins."""
+        for name, field in type(section).model_fields.items():
             counts = {key: getattr(getattr(self, key[0]), key[1]) for key in counted_by(field)}
-            value, key = getattr(self.errors, name), f"errors.{file_key(name, field)}"
+            value, key = getattr(section, name), f"{table}.{file_key(name, field)}"
             number = math.prod(counts.values())
             if counts and value and len(value) != number:
                 several = {part: count for part, count in counts.items() if count > 1} or counts
@@ -1220,7 +1261,20 @@ class Design(Section, Presented):
                     f"{key} is set, but an internal gear (ring.kind = 'nonpin') has no pins: remove it, or set "
                     "ring.kind = 'pin'"
                 )
-        return self
+
+
+def _keys_without_use(design: Design) -> Iterator[tuple[str, bool]]:
+    """Yield keys that do not apply to the layout of a design, and whether their values are the defaults."""
+    for name, field in Design.model_fields.items():
+        table = section_of(field)
+        if table is None or name.endswith("material"):
+            if not applies(design.layout, "", name):
+                yield file_key(name, field), getattr(design, name) == field.default
+            continue
+        values = getattr(design, name)
+        for key, inner in table.model_fields.items() if values is not None else ():
+            if not applies(design.layout, name, key):
+                yield f"{name}.{file_key(key, inner)}", getattr(values, key) == inner.default
 
 
 def _as_tuple(value: Any) -> Any:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from operator import attrgetter
 
+from cycloid_mj.design.layouts import supports
 from cycloid_mj.design.model import Design, Ring
 from cycloid_mj.design.units import MICROMETRE, MILLIMETRE, RPM
 
@@ -77,20 +78,63 @@ def _make_twodisc() -> Design:
     )
 
 
+def _make_rv80e() -> Design:
+    """Return an RV-80E reducer: Yang, Zhou, Chang, Chen, Mech. Mach. Theory 163 (2021), 104384.
+
+    Teeth, module, pin circle, eccentricity, pin radius and cranks are published. The load is the catalogue's rated
+    torque at 15 rpm of the output. Other values are assumed, each with its `reasons`; the stiffness of bearings and
+    teeth is such that the drive is as stiff as the catalogue states.
+    """
+    mm, um = MILLIMETRE.to_si, MICROMETRE.to_si
+    return Design(name="rv80e", layout="rv").but(
+        ring={"teeth": 40, "pin_circle_radius": mm(77.5), "pin_radius": mm(4.0)},
+        gear={"discs": 2, "disc_gap": mm(2.0), "eccentricity": mm(1.5), "face_width": mm(15.0)},
+        housing={"outer_radius": mm(95.0)},
+        clearance={"pin_gear": um(0.1), "pin_socket": um(0.1)},
+        contact={"stiffness_law": "uniform"},
+        stiffness={"pin_gear": 6e8, "pin_socket": 6e8},
+        material={"name": "bearing steel"},
+        drive={"power": 1500.0, "torque": 784.0 / 153.0, "speed": RPM.to_si(153.0 * 15.0), "ramp": 0.1, "hold": 0.4},
+        load={"torque": 784.0},
+    )
+
+
 PRESETS = {
     "pin": Design(),
     "nonpin": Design(name="nonpin", ring=Ring(kind="nonpin")),
     "printed": _make_printed(),
     "twodisc": _make_twodisc(),
+    "rv80e": _make_rv80e(),
 }
 """Designs by name."""
+
+
+def presets_for(command: str) -> dict[str, Design]:
+    """Return the presets whose layout a command supports, by name."""
+    return {name: design for name, design in PRESETS.items() if supports(design.layout, command)}
+
 
 _DRAWN = "parameters.txt"
 _BEARING = "of a drawn cup in its seat (assumed; 5 um more or less are 2 arcmin of backlash)"
 
 _WORKED = "the worked calculation"
 
+_YANG = "Yang et al. 2021"
+_STIFF_AS = "a drive as stiff as the catalogue's, 196 N m/arcmin"
+
 _REASONS: Mapping[str, Mapping[str, str]] = {
+    "rv80e": {
+        **dict.fromkeys(("ring.teeth", "ring.pin_circle_radius", "ring.pin_radius"), _YANG),
+        **dict.fromkeys(("gear.discs", "gear.eccentricity"), _YANG),
+        **dict.fromkeys(("stiffness.pin_gear", "stiffness.pin_socket", "contact.stiffness_law"), _STIFF_AS),
+        **dict.fromkeys(("cranks.needle_stiffness", "cranks.taper_stiffness"), _STIFF_AS),
+        **dict.fromkeys(("cranks.needle_clearance", "cranks.taper_clearance"), "adjusted without play (assumed)"),
+        **dict.fromkeys(("clearance.pin_gear", "clearance.pin_socket"), "paired parts, nearly without play (assumed)"),
+        "ring.pins": "needles in half-open grooves",
+        "drive.torque": "rated torque 784 N m over the ratio",
+        "drive.speed": "15 rpm of the output (catalogue)",
+        "load.torque": "rated torque (catalogue)",
+    },
     "twodisc": {
         **dict.fromkeys(("ring.teeth", "ring.pin_circle_radius", "ring.pin_radius"), _WORKED),
         **dict.fromkeys(("gear.discs", "gear.disc_gap", "gear.eccentricity", "gear.face_width"), _WORKED),

@@ -7,8 +7,8 @@ TOOTH_DIFFERENCE = (
     "difference of 2 or more are not supported"
 )
 TWO_STAGES = (
-    "the drive has one stage and one central crank; RV reducers, with a planetary stage and several cranks, are not "
-    "supported. Include a first stage in drive.torque_nm and drive.speed_rpm"
+    'for an RV reducer, set layout = "rv", and its tables [planet] and [cranks]. Include any other first stage in '
+    "drive.torque_nm and drive.speed_rpm"
 )
 PINS_ON_GEAR = (
     "the pins are in the ring and the disc has the lobes; hypocycloid drives, with the pins on the disc, are not "
@@ -22,7 +22,7 @@ _KEYS: Mapping[str, tuple[str, ...]] = {
         *("gear.teeth_difference", "gear.tooth_difference"),
     ),
     TWO_STAGES: (
-        *("stage", "stages", "rv", "planet", "planets", "planetary", "sun", "cranks", "crankshafts", "first_stage"),
+        *("stage", "stages", "rv", "planets", "planetary", "sun", "crankshafts", "first_stage", "crank"),
         *("second_stage", "gear.stages", "drive.stages", "shaft.cranks", "shaft.count", "gear.cranks", "ring.stages"),
     ),
     PINS_ON_GEAR: (

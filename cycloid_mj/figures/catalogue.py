@@ -75,7 +75,7 @@ def figure(key: str, needs: Collection[Need] = frozenset(Need), reducer: Reducer
             f"the figure {key} needs a {row.need}; here only figures of {possible} can be computed"
             f"{_proposals(key, needs, reducer)}"
         )
-    if reducer is not None and not row.exists(reducer):
+    if reducer is not None and not row.applies_to(reducer):
         raise UsageError(f"the design {reducer.design.name!r} has no figure {key}{_proposals(key, needs, reducer)}")
     return row
 
@@ -85,7 +85,10 @@ def _proposals(key: str, needs: Collection[Need], reducer: Reducer | None) -> st
     there = [
         name
         for name, row in _BY_ANY_NAME.items()
-        if row.need in needs and (reducer is None or row.exists(reducer)) and name != key and name not in row.deprecated
+        if row.need in needs
+        and (reducer is None or row.applies_to(reducer))
+        and name != key
+        and name not in row.deprecated
     ]
     near = [name for name in there if key and key in name] or get_close_matches(key, there, n=5, cutoff=0.5)
     meant = list(dict.fromkeys(_BY_ANY_NAME[name].key for name in near))[:5]
@@ -95,7 +98,7 @@ def _proposals(key: str, needs: Collection[Need], reducer: Reducer | None) -> st
 
 def figures_of(reducer: Reducer, needs: Collection[Need] = CHEAP) -> tuple[Figure, ...]:
     """Return the figures that a reducer has, of some needs."""
-    return tuple(row for row in FIGURES.values() if row.need in needs and row.exists(reducer))
+    return tuple(row for row in FIGURES.values() if row.need in needs and row.applies_to(reducer))
 
 
 def compute(reducer: Reducer, keys: Iterable[str]) -> dict[str, float]:

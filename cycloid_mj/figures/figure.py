@@ -8,6 +8,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from cycloid_mj.base.result import Quantity
+from cycloid_mj.design.layouts import Layout
 from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
@@ -55,7 +56,9 @@ class Figure:
     deprecated
         Former keys, which are accepted with a warning.
     exists
-        Returns whether a reducer has the figure.
+        Returns whether a reducer of these layouts has the figure.
+    layouts
+        Layouts of reducers that have the figure.
     interval
         Computes the value together with its interval, where the figure may have one.
     """
@@ -70,16 +73,21 @@ class Figure:
     aliases: tuple[str, ...] = ()
     deprecated: tuple[str, ...] = ()
     exists: Callable[[Reducer], bool] = lambda _: True
+    layouts: tuple[Layout, ...] = ("central",)
     interval: Callable[[Reducer], Quantity] | None = None
+
+    def applies_to(self, reducer: Reducer) -> bool:
+        """Return whether a reducer has the figure, by its layout and by `exists`."""
+        return reducer.LAYOUT in self.layouts and self.exists(reducer)
 
     def value(self, reducer: Reducer) -> float:
         """Compute the figure of a sound reducer [`unit`], NaN if it has none; errors are those of the function."""
-        return self._compute(reducer) if self.exists(reducer) else math.nan
+        return self._compute(reducer) if self.applies_to(reducer) else math.nan
 
     def quantity(self, reducer: Reducer) -> Quantity:
         """Compute the figure with its name and unit."""
         plain = Quantity(self.key, self.name, self.value(reducer), self.unit, note=self.definition)
-        if self.interval is None or not self.exists(reducer):
+        if self.interval is None or not self.applies_to(reducer):
             return plain
         spread = self.interval(reducer)
         return replace(plain, low=spread.low, high=spread.high, causes=spread.causes)

@@ -4,6 +4,7 @@ from collections import Counter
 
 from cycloid_mj.base import names
 from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.design.layouts import Layout
 from cycloid_mj.figures.figure import Compute, Figure, Need
 from cycloid_mj.geometry import profile
 from cycloid_mj.parts import attached_parts, mass_properties, parts
@@ -54,6 +55,7 @@ def _figure(
     function: Compute | str,
     *aliases: str,
     deprecated: tuple[str, ...] = (),
+    layouts: tuple[Layout, ...] = ("central", "rv"),
 ) -> Figure:
     """Return the row of a figure of the geometry."""
     return Figure(
@@ -65,13 +67,14 @@ def _figure(
         function=function,
         aliases=aliases,
         deprecated=deprecated,
+        layouts=layouts,
     )
 
 
 # fmt: off
 OF_GEOMETRY = (
-    _figure("ratio", "turns of the crank per turn of the output", "1",
-            "Turns of the crank per turn of the output, without sign.",
+    _figure("ratio", "turns of the input per turn of the output", "1",
+            "Turns of the input, crank or sun, per turn of the output, without sign.",
             lambda reducer: float(abs(reducer.design.ratio))),
     _figure("nominal_torque_nm", "nominal torque", "N m",
             "Torque of the motor times the ratio: the default load of a design.",
@@ -81,10 +84,10 @@ OF_GEOMETRY = (
             lambda reducer: 2.0 * MILLIMETRES * reducer.design.housing.outer_radius, "outer_diameter"),
     _figure("mass_kg", "mass of all parts", "kg",
             "Mass of all parts as drawn, without covers and the rings of bearings.",
-            mass, "mass"),
+            mass, "mass", layouts=("central",)),
     _figure("specific_torque_nm_per_kg", "nominal torque over mass", "N m/kg",
             "Nominal torque over the mass of all parts as drawn.",
-            specific_torque),
+            specific_torque, layouts=("central",)),
     _figure("least_convex_radius_mm", "smallest convex radius of the lobes", "mm",
             "Smallest radius of curvature of the convex profile of the disc, with clearance and modification.",
             least_convex_radius),

@@ -38,6 +38,7 @@ def _figure(row: SheetFigure) -> Figure:
         aliases=tuple(alias for alias in aliases if alias != key),
         exists=row.exists,
         interval=lambda reducer: quantities(reducer, row.part)[row.key],
+        layouts=row.layouts,
     )
 
 

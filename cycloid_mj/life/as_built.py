@@ -44,8 +44,8 @@ class RatedSamples:
 
 
 def has_tolerances(design: Design) -> bool:
-    """Return whether the table [tolerance] of a design varies anything."""
-    return bool(tolerance_zones(Reducer(design)))
+    """Return whether the table [tolerance] of a design varies anything that is rated by samples."""
+    return design.layout == Reducer.LAYOUT and bool(tolerance_zones(Reducer(design)))
 
 
 @once

@@ -11,7 +11,7 @@ from cycloid_mj.design import Named, override, resolve
 from cycloid_mj.life.item import RatedItem, Rating
 from cycloid_mj.life.items import rate, rate_at_rated_load
 from cycloid_mj.life.rated import is_momentary, rated_torque
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 
 REMEDY = "lower drive.torque_nm to the rated torque of `cycloid-mj datasheet`, or see `cycloid-mj rate` for each item"
 
@@ -50,8 +50,11 @@ def check_design(design: Named) -> Checks:
     Checks
         Each check with value, bound and advice; `failures` and `warnings` list those that are not passed.
     """
-    reducer = Reducer(resolve(design))
-    checks = with_tried_advice(reducer, check(reducer.design))
+    reducer = reducer_of(resolve(design))
+    checks = check(reducer.design)
+    if isinstance(reducer, RvReducer):
+        return checks
+    checks = with_tried_advice(reducer, checks)
     return checks if checks.failures else Checks((*checks, *life_checks(reducer)))
 
 

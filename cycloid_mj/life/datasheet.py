@@ -421,7 +421,7 @@ def _mass(reducer: Reducer) -> tuple[Quantity, ...]:
         *(
             _figure(reducer, key, name, condition)
             for key, (name, condition) in DRIVE_FIGURES.items()
-            if figure(key).exists(reducer)
+            if figure(key).applies_to(reducer)
         ),
         Quantity("outer_diameter", "Outer diameter", 2e3 * housing.outer_radius, "mm", note="ring"),
         Quantity(

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import chain
 
-from cycloid_mj.base.errors import CycloidWarning, DesignError
+from cycloid_mj.base.errors import CycloidWarning, DesignError, UsageError
 from cycloid_mj.design import Named, material_limits, resolve
 from cycloid_mj.life.as_built import Parts, rated_samples
 from cycloid_mj.life.bearings import rate_bearings
@@ -17,11 +17,12 @@ from cycloid_mj.life.item import ItemKind, RatedItem, Rating
 from cycloid_mj.life.joints import rate_joints
 from cycloid_mj.life.loading import POSES, solve_loading
 from cycloid_mj.life.ranges import StressRange
+from cycloid_mj.life.rv import rate_rv
 from cycloid_mj.life.strength import rate_strength
 from cycloid_mj.life.surfaces import rate_surfaces
 from cycloid_mj.life.thermal import rate_jam_difference
 from cycloid_mj.life.wear import rate_wear
-from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.reducer import Reducer, RvReducer, once, reducer_of
 
 
 def rate(
@@ -76,9 +77,13 @@ def rate(
         warnings.warn("rate(give=...) is now rate(compliance=...)", CycloidWarning, stacklevel=2)
         compliance = give
     design = resolve(design)
-    reducer = Reducer(design)
+    reducer = reducer_of(design)
     life = life or design.service.life
     duty = duty or constant_duty(design.rated_torque, design.drive.speed)
+    if isinstance(reducer, RvReducer):
+        if parts == "toleranced":
+            raise UsageError("samples within the tolerances of an RV reducer are not rated: rate perfect parts")
+        return rate_rv(reducer, duty, life)
     if parts == "toleranced":
         samples = rated_samples(reducer)
         ratings = [rate(sample, duty, life, ranges, compliance, poses, stops) for sample in samples.designs]

@@ -6,5 +6,6 @@ inertia: whether the parts go together and how far the output turns at a locked 
 """
 
 from cycloid_mj.reducer.reducer import Reducer, once
+from cycloid_mj.reducer.rv import RvReducer, reducer_of
 
-__all__ = ["Reducer", "once"]
+__all__ = ["Reducer", "RvReducer", "once", "reducer_of"]

@@ -118,7 +118,12 @@ def arc_gaps(reducer: "Reducer", crank: npt.ArrayLike) -> Gaps:
     """
     angles = np.asarray(crank, dtype=np.float64)
     discs = range(len(reducer.phases))
-    return _concatenate([side(reducer, angles, disc) for side in (_arc_gaps, _output_gaps) for disc in discs])
+    return _concatenate([mesh_gaps(reducer, angles), *(_output_gaps(reducer, angles, disc) for disc in discs)])
+
+
+def mesh_gaps(reducer: "Reducer", crank: Array) -> Gaps:
+    """Compute the gaps between all discs and the ring at crank angles [rad] (k,), as `arc_gaps` without output pins."""
+    return _concatenate([_arc_gaps(reducer, crank, disc) for disc in range(len(reducer.phases))])
 
 
 def _arc_gaps(reducer: "Reducer", crank: Array, disc: int) -> Gaps:
@@ -221,7 +226,7 @@ def ideal_motion(reducer: "Reducer", crank: npt.ArrayLike) -> Array:
     `Gaps.slip_slope` it is the sliding of every contact; times `Gaps.slope` it is 0.
     """
     gear, angles = reducer.tooth_profile, np.asarray(crank, dtype=np.float64)
-    motion = np.full((*angles.shape, unknowns(reducer)), -reducer.design.output.pin_circle_radius / gear.lobes)
+    motion = np.full((*angles.shape, unknowns(reducer)), -reducer.lever / gear.lobes)
     for disc, phase in enumerate(reducer.phases):
         motion[..., 3 * disc : 3 * disc + 2] = _quarter_turned(gear_centre(gear, angles + phase))
     return motion
@@ -244,8 +249,8 @@ def _by_unknown(reducer: "Reducer", disc: int, by_place: Array, by_turn: Array, 
     """Return the gradient by z (..., n, 3 D + 1), from those by disc position (..., n, 2), disc and output angle."""
     slope = np.zeros((*by_turn.shape, unknowns(reducer)))
     slope[..., 3 * disc : 3 * disc + 2] = by_place
-    slope[..., 3 * disc + 2] = by_turn / reducer.design.output.pin_circle_radius
-    slope[..., -1] = by_output / reducer.design.output.pin_circle_radius
+    slope[..., 3 * disc + 2] = by_turn / reducer.lever
+    slope[..., -1] = by_output / reducer.lever
     return slope
 
 

@@ -7,10 +7,12 @@ compute a property are imported on its first use, so that the help of a command 
 import math
 from collections.abc import Callable, Hashable, Mapping
 from functools import lru_cache, wraps
-from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, Self, TypeVar, cast
 
 from cycloid_mj.base import names
+from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import Design
+from cycloid_mj.design.layouts import Layout, unsupported_layout
 
 if TYPE_CHECKING:
     from cycloid_mj.geometry.deviations import Deviations
@@ -47,9 +49,18 @@ class Reducer:
     """The reducer of a `design`, with new parts or `worn` ones; only statics takes wear into account.
 
     Reducers of equal designs with new parts are equal, and share their cached values.
+
+    Raises
+    ------
+    DesignError
+        The design has another layout than `LAYOUT`; `reducer_of` creates the reducer of any layout.
     """
 
+    LAYOUT: Layout = "central"
+
     def __init__(self, design: Design, worn: "WornGaps | None" = None) -> None:
+        if design.layout != self.LAYOUT:
+            raise DesignError(unsupported_layout(design.name, design.layout))
         if not design.thermal.is_reference:
             from cycloid_mj.geometry.expansion import expand
 
@@ -58,15 +69,15 @@ class Reducer:
         self.worn = worn
         self._kept = _cache_of(design) if worn is None else {}
 
-    def but(self, **changes: Any) -> "Reducer":
+    def but(self, **changes: Any) -> Self:
         """Return the reducer of the design with changed values, in SI units, as ``Design.but``; errors as there."""
-        return Reducer(self.design.but(**changes), self.worn)
+        return type(self)(self.design.but(**changes), self.worn)
 
-    def steady(self, settled: float, turns: float, samples: float = 0.0, **changes: Mapping[str, Any]) -> "Reducer":
+    def steady(self, settled: float, turns: float, samples: float = 0.0, **changes: Mapping[str, Any]) -> Self:
         """Return the reducer for a run at full speed from its start, as ``Design.steady``; errors as there."""
-        return Reducer(self.design.steady(settled, turns, samples, **changes), self.worn)
+        return type(self)(self.design.steady(settled, turns, samples, **changes), self.worn)
 
-    def working_at(self, torque: float) -> "Reducer":
+    def working_at(self, torque: float) -> Self:
         """Return the reducer with contact stiffnesses for a torque on the output [N m], whatever its load.
 
         A design with a working load, or with a working force for all pairs, keeps it.
@@ -77,7 +88,7 @@ class Reducer:
         return self.but(contact={"working_load": abs(torque)})
 
     @property
-    def at_rated_load(self) -> "Reducer":
+    def at_rated_load(self) -> Self:
         """Reducer `working_at` its own load, or at the rated torque if it has none.
 
         It is for uses without a particular load: a folder with a model, springs for any torque, a figure.
@@ -86,7 +97,7 @@ class Reducer:
         return self.working_at(max(load, rated) if self.design.ring.preload else load or rated)
 
     @property
-    def for_slices(self) -> "Reducer":
+    def for_slices(self) -> Self:
         """Reducer for mesh contact: `working_at` the larger of its rated torque and its own load.
 
         A bed of slices is softer at a small depth by itself, so its stiffness does not follow a small load. Its creep
@@ -111,22 +122,22 @@ class Reducer:
         return hash(self.design)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Reducer, (self.design, self.worn)
+        return type(self), (self.design, self.worn)
 
     def __repr__(self) -> str:
-        return f"Reducer({self.design!r})"
+        return f"{type(self).__name__}({self.design!r})"
 
     @property
-    def shape(self) -> "Reducer":
+    def shape(self) -> Self:
         """Reducer of the same parts, shared by all loads, speeds and contact laws."""
 
         def without_operation() -> Reducer | None:
             fields = Design.model_fields
             design = self.design.model_copy(update={name: fields[name].default for name in SHAPING_NOTHING})
-            return None if design == self.design else Reducer(design)
+            return None if design == self.design else type(self)(design)
 
         # the reducer is not cached on itself: such a cycle would keep the cache until the next garbage collection
-        return self.kept("shape", without_operation) or self
+        return cast("Self", self.kept("shape", without_operation) or self)
 
     @property
     def phases(self) -> tuple[float, ...]:
@@ -209,6 +220,11 @@ class Reducer:
         return self.shape.kept("member", lambda: member_of(self.design))
 
     @property
+    def lever(self) -> float:
+        """Lever arm that converts rotations to displacements in statics [m]: radius of the circle of output pins."""
+        return self.design.output.pin_circle_radius
+
+    @property
     def disc_section(self) -> float:
         """Cross-section area of a disc [m2]: outline less bore and holes, with clearances, without flank rotation."""
         from cycloid_mj.geometry import profile
@@ -242,11 +258,14 @@ class Reducer:
         return round(self.design.ring.teeth * self.share)
 
 
-def once(function: Callable[Concatenate[Reducer, Given], Value]) -> Callable[Concatenate[Reducer, Given], Value]:
+Drive = TypeVar("Drive", bound=Reducer)
+
+
+def once(function: Callable[Concatenate[Drive, Given], Value]) -> Callable[Concatenate[Drive, Given], Value]:
     """Cache the results of a function of a reducer, for each value of further arguments; they must not be changed."""
 
     @wraps(function)
-    def kept(reducer: Reducer, /, *arguments: Given.args, **named: Given.kwargs) -> Value:
+    def kept(reducer: Drive, /, *arguments: Given.args, **named: Given.kwargs) -> Value:
         key = (function, arguments, *sorted(named.items()))
         return reducer.kept(key, lambda: function(reducer, *arguments, **named))
 

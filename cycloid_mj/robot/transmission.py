@@ -42,7 +42,7 @@ RIPPLE = RippleSettings()
 
 def turns(reducer: Reducer) -> int:
     """Return the number of crank turns after which the error repeats."""
-    return reducer.design.reduction
+    return round(reducer.design.reduction)
 
 
 def solve_ripple(reducer: Reducer, on_turn: Callable[[], None]) -> Ripple:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from cycloid_mj.base.notebook_display import CallableRoom
 from cycloid_mj.design import Named, resolve
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import reducer_of
 from cycloid_mj.statics.balance import Loads, loads, powers, transmission_error
 from cycloid_mj.statics.peaks import peak_force, peak_pressure, torque_at_pressure
 from cycloid_mj.statics.springs import Springs, body_force, springs_of
@@ -60,7 +60,7 @@ def main(design: Named, load_nm: float | None = None) -> "Sheet":
     """
     from cycloid_mj.statics.sheet import sheet
 
-    return sheet(Reducer(resolve(design)), load_nm)
+    return sheet(reducer_of(resolve(design)), load_nm)
 
 
 sys.modules[__name__].__class__ = CallableRoom

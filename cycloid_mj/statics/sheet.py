@@ -18,7 +18,8 @@ from cycloid_mj.base.statistics import peak_to_peak, rms_about_mean
 from cycloid_mj.base.units import ARCMINUTE, ARCSECOND, RPM
 from cycloid_mj.design import material_limits
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
-from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.reducer import Reducer, RvReducer, once
+from cycloid_mj.statics import rv_sheet
 from cycloid_mj.statics.balance import Loads, loads, powers
 from cycloid_mj.statics.bearings import Planes, Reactions, reactions
 from cycloid_mj.statics.film import film_assumption, film_text
@@ -117,6 +118,8 @@ class Sheet(Presented):
         Assumptions, a sentence each.
     parts
         Whether the parts are perfect or have the errors of the design.
+    has_known_differences
+        Whether the figures of this layout were compared with dynamic runs.
     """
 
     design: str
@@ -125,6 +128,7 @@ class Sheet(Presented):
     quantities: dict[str, Quantity]
     assumptions: tuple[str, ...]
     parts: str
+    has_known_differences: bool = True
 
     @property
     def frame(self) -> Frame:
@@ -139,6 +143,10 @@ class Sheet(Presented):
             f"{item.key} {item.value:.4g} {item.unit if item.unit != '1' else ''}".strip() for item in first
         )
 
+    def known_difference(self, quantity: Quantity) -> float | None:
+        """Return the largest relative difference of a quantity from the runs `COMPARED`; None if unknown."""
+        return known_difference(quantity) if self.has_known_differences else None
+
     def as_json(self) -> dict[str, Any]:
         """Convert the sheet to JSON values."""
         return {
@@ -146,7 +154,7 @@ class Sheet(Presented):
             "condition": self.condition,
             "load_source": self.load_source,
             "quantities": {
-                key: {**quantity.as_json(), "known_difference": known_difference(quantity), "parts": self.parts}
+                key: {**quantity.as_json(), "known_difference": self.known_difference(quantity), "parts": self.parts}
                 for key, quantity in self.quantities.items()
             },
             "known_difference_from": COMPARED,
@@ -169,6 +177,8 @@ def sheet(reducer: Reducer, load: float | None = None) -> Sheet:
         There is no static equilibrium, for example because friction jams the reducer.
     """
     result = _sheet(reducer, load, [_cached_part(part) for part in PARTS_OF_SHEET])
+    if isinstance(reducer, RvReducer):
+        return result
     warn(reducer.design.name, tracking_warnings(reducer.design, result.quantities))
     return result
 
@@ -191,16 +201,22 @@ def _sheet(reducer: Reducer, load: float | None, parts: Iterable[Part]) -> Sheet
         design=design.name,
         condition=", ".join(
             [
-                f"{load:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, quasi-static with disc centrifugal force",
+                f"{load:.4g} N m, {abs(design.drive.speed) / RPM:.0f} rpm, {_inertia(reducer)}",
                 *([design.thermal.words] if design.thermal.words else []),
                 *([film_text(reducer)] if design.has_film else []),
             ]
         ),
         load_source=source,
         quantities=quantities,
-        assumptions=_assumptions(reducer),
+        assumptions=rv_sheet.assumptions(reducer) if isinstance(reducer, RvReducer) else _assumptions(reducer),
         parts=reducer.parts_text,
+        has_known_differences=not isinstance(reducer, RvReducer),
     )
+
+
+def _inertia(reducer: Reducer) -> str:
+    """Describe which inertia the figures include."""
+    return "quasi-static" if isinstance(reducer, RvReducer) else "quasi-static with disc centrifugal force"
 
 
 def sheet_part(reducer: Reducer, part: SheetPart, load: float | None = None) -> dict[str, Quantity]:
@@ -211,6 +227,8 @@ def sheet_part(reducer: Reducer, part: SheetPart, load: float | None = None) -> 
 @once
 def _part(reducer: Reducer, load: float, part: SheetPart) -> Mapping[str, Quantity]:
     """Compute one of `PARTS_OF_SHEET` for a reducer whose load is that [N m]."""
+    if isinstance(reducer, RvReducer):
+        return by_key(RV_PARTS[part](reducer, load)) if part in RV_PARTS else {}
     return by_key(PARTS_OF_SHEET[part](reducer, load))
 
 
@@ -439,6 +457,13 @@ def self_locking(reducer: Reducer, load: float) -> str:
         f"{load:.4g} N m on the output {'drives' if drives else 'does not drive'} a crank without load"
     )
 
+
+RV_PARTS: Mapping[SheetPart, Callable[[RvReducer, float], Iterator[Quantity]]] = {
+    "motions": rv_sheet.motions,
+    "loads": rv_sheet.forces,
+    "losses": rv_sheet.losses,
+}
+"""The same for RV reducers."""
 
 PARTS_OF_SHEET: Mapping[SheetPart, Part] = {"motions": _motions, "errors": _errors, "loads": _loads, "losses": _losses}
 """Functions that yield the figures of a sheet, by name."""

@@ -6,6 +6,7 @@ from itertools import product
 from typing import Literal
 
 from cycloid_mj.base.result import Quantity
+from cycloid_mj.design.layouts import Layout
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.film_spread import Spread
 
@@ -51,6 +52,9 @@ BEARINGS = {
 
 INERTIA_SHARE = "inertia_torque_share"
 
+RV: tuple[Layout, ...] = ("rv",)
+BOTH: tuple[Layout, ...] = ("central", "rv")
+
 _IDEAL = "without friction and weight, at a locked crank: mean over a turn"
 _LOADED = "under the load, with friction, over a turn of the crank"
 _AT_SPEED = "under the load at the design's speed"
@@ -70,6 +74,8 @@ class SheetFigure:
         Key in the catalogue of figures; by default the key with its unit.
     exists
         Returns whether a reducer has the figure.
+    layouts
+        Layouts of reducers that have the figure.
     part
         Part of the sheet that has the figure.
     """
@@ -80,6 +86,7 @@ class SheetFigure:
     definition: str
     catalogue_key: str = ""
     exists: Callable[[Reducer], bool] = lambda _: True
+    layouts: tuple[Layout, ...] = ("central",)
     part: SheetPart = "motions"
 
 
@@ -109,18 +116,19 @@ def _motions() -> Iterator[SheetFigure]:
     yield SheetFigure(
         "backlash", "arcmin", "backlash of the output, mean",
         "Turn of the output from stop to stop at a locked crank under a vanishing torque: mean over a turn, without "
-        "friction and weight.")
+        "friction and weight.", layouts=BOTH)
     for end, word in (("min", "smallest"), ("max", "largest")):
         yield SheetFigure(
             f"backlash_{end}", "arcmin", f"backlash, {word} over the crank angle",
-            f"{word.capitalize()} turn of the output from stop to stop over the crank angle, as `backlash_arcmin`.")
+            f"{word.capitalize()} turn of the output from stop to stop over the crank angle, as `backlash_arcmin`.",
+            layouts=BOTH)
     yield SheetFigure(
         "lost_motion_ideal", "arcmin", "lost motion at +-3 % of the load",
-        f"Turn of the output between -3 and 3 % of the load, {_IDEAL}.", "lost_motion_arcmin")
+        f"Turn of the output between -3 and 3 % of the load, {_IDEAL}.", "lost_motion_arcmin", layouts=BOTH)
     turn = "Torque over the turn of the output from 50 to 100 % of the load"
     yield SheetFigure(
         "stiffness_ideal", "N m/arcmin", "torsional stiffness, 50 to 100 % of the load",
-        f"{turn}, {_IDEAL}.", "stiffness_nm_per_arcmin")
+        f"{turn}, {_IDEAL}.", "stiffness_nm_per_arcmin", layouts=BOTH)
     yield SheetFigure(
         "stiffness_contacts", "N m/arcmin", "torsional stiffness of the contacts only",
         f"{turn} with rigid parts, {_IDEAL}.", "stiffness_contacts_nm_per_arcmin", _has_springs)
@@ -173,7 +181,9 @@ def _loads() -> Iterator[SheetFigure]:
             ("pressure", "MPa", "largest Hertz pressure", f"Largest Hertz pressure, {words}, {_LOADED}."),
             ("margin", "1", "margin against first yield", f"Pressure of first yield over the largest, {words}."),
         ):
-            yield SheetFigure(f"{kind}_{end}", unit, f"{kind}: {name}", definition, exists=_has_contact(kind))
+            yield SheetFigure(f"{kind}_{end}", unit, f"{kind}: {name}", definition, exists=_has_contact(kind),
+                              layouts=BOTH if kind in ("pin_gear", "tooth") else ("central",))
+    yield from _rv_loads()
     for member, (end, unit) in product(("shaft", "output", "ring"), (("net_force", "N"), ("tilting_moment", "N m"))):
         name = end.replace("_", " ")
         yield SheetFigure(
@@ -192,20 +202,46 @@ def _loads() -> Iterator[SheetFigure]:
         "Torque on the output at which the first contact reaches the shakedown limit of rolling.")
 
 
+def _rv_loads() -> Iterator[SheetFigure]:
+    """Yield the forces of an RV reducer: crank bearings and planets."""
+    ideal = "ideal sharing by rigid parts without clearance and errors, over a turn of the carrier"
+    solved = "by the balance of all springs with clearances and errors, over a turn of the carrier"
+    for key, name, end in (("ideal", "", ideal), ("balanced", "balanced_", solved)):
+        words = "ideal sharing" if key == "ideal" else "springs and clearances"
+        yield SheetFigure(
+            f"crank_bearing_{name}force", "N", f"largest force of a crank on a disc, {words}",
+            f"Largest force of a crank on its bearing in a disc under the load: {end}.", layouts=RV)
+        yield SheetFigure(
+            f"crank_bearing_{name}mean_force", "N", f"10/3-power mean force of a crank on a disc, {words}",
+            f"Mean of that force for the life of roller bearings, (mean F^(10/3))^(3/10): {end}.", layouts=RV)
+    yield SheetFigure(
+        "planet_mesh_force", "N", "largest force of a planet on the sun",
+        f"Largest normal force of a planet on the sun under the load: {solved}.", layouts=RV)
+    yield SheetFigure(
+        "te_ideal", "arcsec", "transmission error under the load, without friction, peak to peak",
+        "Range of the output's angle about the ideal one under the load at a fixed sun, without friction and weight, "
+        "over a turn of the carrier.", "te_ideal_arcsec", layouts=RV)
+
+
 def _losses() -> Iterator[SheetFigure]:
     """Yield efficiencies and losses."""
     yield SheetFigure(
         "efficiency", "%", "efficiency",
-        "Power of the output over that of the crank under the load, at the design's speed, without the bearings of "
-        "shaft and output.")
+        "Power of the output over that of the input under the load, at the design's speed, without the bearings of "
+        "shaft and output.", layouts=BOTH)
     for kind in ("pin_gear", "tooth", "cam", "output"):
         yield SheetFigure(
             f"{kind}_friction_power", "W", f"friction of {kind}",
-            f"Mean power lost to friction, {CONTACTS[kind]}, {_AT_SPEED}.", exists=_has_contact(kind))
+            f"Mean power lost to friction, {CONTACTS[kind]}, {_AT_SPEED}.", exists=_has_contact(kind),
+            layouts=BOTH if kind in ("pin_gear", "tooth") else ("central",))
     for key, name in (
         ("seals_power", "drag of seals and lubricant"), ("input_power", "input power"), ("output_power", "output power")
     ):
-        yield SheetFigure(key, "W", name, f"{name[0].upper()}{name[1:]} {_AT_SPEED}: mean over a turn.")
+        yield SheetFigure(key, "W", name, f"{name[0].upper()}{name[1:]} {_AT_SPEED}: mean over a turn.", layouts=BOTH)
+    for key, words in (("crank_bearing", "bearings of the cranks in discs and carrier"), ("planet", "planet meshes")):
+        yield SheetFigure(
+            f"{key}_friction_power", "W", f"friction of the {words}",
+            f"Mean power lost to friction, {words}, {_AT_SPEED}.", layouts=RV)
     yield SheetFigure(
         "back_driving_torque_rated", "N m", "output torque that drives the crank against its share of the load",
         "Torque on the output that drives the crank against its share of the load; none if self-locking.")

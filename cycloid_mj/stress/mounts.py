@@ -17,7 +17,7 @@ from cycloid_mj.base.overwrite_guard import note_input
 from cycloid_mj.design import PARTS
 from cycloid_mj.design import units as u
 from cycloid_mj.design.file import parse_toml, record
-from cycloid_mj.design.model import Section
+from cycloid_mj.design.section import Section
 from cycloid_mj.design.units import quantity, switch
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP, round_beam

@@ -35,7 +35,7 @@ from cycloid_mj.app.workers import NICENESS, Worker, WorkerDied
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.checks import check
 from cycloid_mj.cli import main
-from cycloid_mj.design import PRESETS, Design, dump, override, value_of
+from cycloid_mj.design import PRESETS, Design, dump, override, presets_for, value_of
 from cycloid_mj.figures import FIGURES, figure
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.parts import mass_properties, parts
@@ -44,7 +44,7 @@ from cycloid_mj.robot import files as robot_files
 from cycloid_mj.sizing.answer import Answer, FeasibleChange, SizedDrive
 from cycloid_mj.sizing.requirement import required
 
-DESIGNS = {**PRESETS, **{name: unlike(name) for name in UNLIKE}}
+DESIGNS = {**presets_for("app"), **{name: unlike(name) for name in UNLIKE}}
 
 UNDERCUT = override(PRESETS["pin"], {"ring.pin_radius_mm": 4.0})
 

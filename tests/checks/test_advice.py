@@ -12,7 +12,7 @@ from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.checks import Checks, check, soundness
 from cycloid_mj.checks.advice import RANKS, quick_checks, with_tried_advice
 from cycloid_mj.checks.limit import value_and_limit
-from cycloid_mj.design import PRESETS, Design, load, override, value_of
+from cycloid_mj.design import PRESETS, Design, load, override, presets_for, value_of
 from cycloid_mj.design.units import MILLIMETRE
 from cycloid_mj.geometry import profile
 from cycloid_mj.life.checks import check_design
@@ -47,7 +47,7 @@ VARIED = (
 def bad_designs(count: int, seed: int, with_statics: bool) -> Iterator[tuple[Design, Checks]]:
     """Yield random designs that fail a check, and their checks: half of them of presets, half of random drives."""
     draw = np.random.default_rng(seed)
-    presets = list(PRESETS.values())
+    presets = list(presets_for("rate").values())
     while count:
         base = presets[draw.integers(len(presets))] if draw.random() < 0.5 else drawn(draw, KINDS[draw.integers(6)], 0)
         if base is None:

@@ -12,7 +12,7 @@ from cycloid_mj.checks import check, summary
 from cycloid_mj.cli import main
 from cycloid_mj.comparison.forces import forces
 from cycloid_mj.comparison.measures import settle_run
-from cycloid_mj.design import PRESETS, dump, load, loads, reasons
+from cycloid_mj.design import PRESETS, dump, load, loads, presets_for, reasons
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.measure import bench, rigid_backlash
@@ -102,7 +102,7 @@ def test_the_printed_drives_figures_hold_at_half_the_step(at_speed) -> None:
     assert own["efficiency"] == pytest.approx(powers(Reducer(PRINTED), PRINTED.load.torque).efficiency, abs=0.01)
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("name", presets_for("simulate"))
 def test_what_goes_into_a_preset_comes_out_is_lost_or_is_stored(name: str, at_speed) -> None:
     design = PRESETS[name]
     loaded = design.but(drive={"ramp": 0.01, "hold": 0.01}, load={"torque": design.rated_torque})

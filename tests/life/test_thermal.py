@@ -8,7 +8,7 @@ import pytest
 from commands import told
 
 import cycloid_mj as cm
-from cycloid_mj.design import PRESETS, Material, override
+from cycloid_mj.design import PRESETS, Material, override, presets_for
 from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.geometry.expansion import jam_difference, tooth_play
 from cycloid_mj.life.duty import Duty, DutyPoint
@@ -64,7 +64,7 @@ def test_the_warm_up_ends_in_the_steady_state_and_starts_by_the_heat_capacity() 
     assert np.allclose(rise, 20.0 * (1.0 - np.exp(-times / 250.0)), atol=1e-9)
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("name", presets_for("thermal"))
 def test_all_losses_reach_the_air(name: str) -> None:
     state = thermal(name)
     ambient = PRESETS[name].service.ambient_temperature

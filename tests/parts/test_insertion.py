@@ -5,12 +5,12 @@ from dataclasses import replace
 import pytest
 from designs import FOLDER, cases, design_file
 
-from cycloid_mj.design import PRESETS, load
+from cycloid_mj.design import PRESETS, load, presets_for
 from cycloid_mj.parts.export import assembly_order, casing, insertion, places
 from cycloid_mj.parts.export.insertion import DOWN, Blockage, Move, blockages, moves
 from cycloid_mj.reducer import Reducer
 
-NAMES = (*PRESETS, *sorted(path.stem for path in FOLDER.glob("*.toml")))
+NAMES = (*presets_for("export"), *sorted(path.stem for path in FOLDER.glob("*.toml")))
 
 
 def drive(name):

@@ -6,7 +6,7 @@ import pytest
 from designs import FOLDER, design_file
 
 from cycloid_mj.checks import check
-from cycloid_mj.design import PRESETS, load
+from cycloid_mj.design import PRESETS, load, presets_for
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.export import casing, places
 from cycloid_mj.parts.export.assembly import assembly_parts
@@ -16,7 +16,7 @@ from cycloid_mj.parts.export.joints import JointKind, drive_joints
 from cycloid_mj.parts.export.running import running_gaps, swept_annuli
 from cycloid_mj.reducer import Reducer
 
-NAMES = (*PRESETS, *sorted(path.stem for path in FOLDER.glob("*.toml")))
+NAMES = (*presets_for("export"), *sorted(path.stem for path in FOLDER.glob("*.toml")))
 
 
 def reducer_of(name: str) -> Reducer:

@@ -12,7 +12,7 @@ import pytest
 
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.cli import main
-from cycloid_mj.design import PRESETS
+from cycloid_mj.design import PRESETS, presets_for
 from cycloid_mj.parts import part_sections
 from cycloid_mj.parts.biarcs import arcs_of
 from cycloid_mj.parts.curve import Arc, Spline
@@ -111,7 +111,7 @@ def test_the_bill_states_exact_sizes_threads_and_what_is_out_of_stock():
     assert not list(out_of_stock(line for line in lines.values() if line.item != "output_roller"))
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("name", presets_for("export"))
 def test_counts_of_the_bill_are_those_of_the_solids(name):
     reducer = Reducer(PRESETS[name])
     sizes = casing(reducer)

@@ -1,0 +1,159 @@
+"""Checks of an RV reducer: planets that mesh, dead points, and room for crank bearings, planets, posts and windows."""
+
+import math
+from collections.abc import Iterator
+from itertools import chain
+
+from cycloid_mj.checks.check import Check
+from cycloid_mj.checks.limit import Limit, millimetres
+from cycloid_mj.checks.mechanics import material_rules
+from cycloid_mj.checks.rule import Rule, evaluate, wall_rule
+from cycloid_mj.checks.teeth import TEETH, tooth_rules
+from cycloid_mj.design import PARTS
+from cycloid_mj.geometry.rv import closing_planet_teeth, dead_points, planet_misfit
+from cycloid_mj.reducer import RvReducer
+
+
+def rv_checks(reducer: RvReducer) -> Iterator[Check]:
+    """Yield the checks of whether an RV reducer can be built and turned."""
+    return evaluate(
+        reducer,
+        chain(
+            tooth_rules(reducer),
+            (_planets_mesh(reducer), _dead_points(reducer), _crank_circle(reducer)),
+            _walls(reducer),
+            _flange_rules(reducer),
+            (_posts_in_windows(reducer),),
+            _materials(reducer),
+        ),
+    )
+
+
+def _materials(reducer: RvReducer) -> Iterator[Rule | Check]:
+    for table in ("material", *(f"{part}_material" for part in PARTS)):
+        if material := getattr(reducer.design, table):
+            yield from material_rules(table, material)
+
+
+def _planets_mesh(reducer: RvReducer) -> Check:
+    """Check that identical planets on equal angles mesh with the sun: n divides z_s + z_p."""
+    planet, count = reducer.planet, reducer.cranks.count
+    misfit = planet_misfit(planet.sun_teeth, planet.planet_teeth, count)
+    closing = closing_planet_teeth(planet.sun_teeth, planet.planet_teeth, count)
+    total = planet.sun_teeth + planet.planet_teeth
+    return Check(
+        name="planets_mesh",
+        passed=misfit == 0,
+        got=f"{planet.sun_teeth} + {planet.planet_teeth} = {total} teeth of sun and planet",
+        limit=f"a multiple of {count}, the number of planets",
+        why="otherwise the teeth of equal planets on equal angles miss the sun's by "
+        + (f"{misfit} of a pitch" if misfit else "a part of a pitch"),
+        remedy="" if misfit == 0 else "set planet.planet_teeth to " + " or ".join(map(str, closing)),
+        key="planet.planet_teeth",
+        changes=() if misfit == 0 else tuple({"planet.planet_teeth": float(teeth)} for teeth in closing),
+    )
+
+
+def _dead_points(reducer: RvReducer) -> Check:
+    """Check that the cranks do not pass dead points together."""
+    passed = not dead_points(reducer.cranks.count, reducer.design.gear.discs)
+    return Check(
+        name="dead_points",
+        passed=passed,
+        got=f"{reducer.cranks.count} cranks and {reducer.design.gear.discs} disc"
+        + "s" * (reducer.design.gear.discs > 1),
+        limit="three cranks, or two discs",
+        why="where the eccentrics of two cranks are in line with both cranks, a single disc does not keep them in "
+        "phase, and the planets carry all of the difference",
+        remedy="" if passed else "set gear.discs to 2, or cranks.count to 3",
+        severity="warning",
+        key="cranks.count",
+        changes=() if passed else ({"gear.discs": 2.0}, {"cranks.count": 3.0}),
+    )
+
+
+def _crank_circle(reducer: RvReducer) -> Check:
+    """Check that the crank axes stand at the distance of sun and planet, with which the teeth roll on their circles."""
+    planet, radius = reducer.planet, reducer.crank_radius
+    pitch = planet.module * (planet.sun_teeth + planet.planet_teeth) / 2.0
+    passed = abs(radius - pitch) <= 0.5 * planet.module
+    return Check(
+        name="crank_circle",
+        passed=passed,
+        got=millimetres(radius),
+        limit=f"{millimetres(pitch)} = module (sun + planet teeth)/2, within half a module",
+        why="sun and planets mesh at this distance of their axes; profile shift can bridge half a module at most",
+        remedy="" if passed else "set cranks.radius_mm to 0, which follows module and teeth",
+        key="cranks.radius_mm",
+        changes=() if passed else ({"cranks.radius_mm": 0.0},),
+    )
+
+
+def _walls(reducer: RvReducer) -> Iterator[Rule]:
+    """Yield the rules for the walls of a disc: between roots, crank bores, middle hole and windows."""
+    design, cranks = reducer.design, reducer.cranks
+    E, circle, bore = design.ring.pin_circle_radius, reducer.crank_radius, reducer.bore_radius
+    root = E - design.gear.eccentricity - reducer.profile_offset + design.modification.pin_circle
+    window, posts = reducer.window_radius, reducer.post_circle_radius
+    apart = math.sqrt(circle**2 + posts**2 - 2.0 * circle * posts * math.cos(math.pi / cranks.count))
+    around = bore - cranks.eccentric_radius
+
+    def wall(name: str, where: str, key: str, room: float) -> Rule:
+        def limits(share: float) -> tuple[Limit, ...]:
+            return (Limit(key, "less than", room - share * E),)
+
+        return wall_rule(name, limits, TEETH.min_wall_share, E, where)
+
+    eccentric, post = "cranks.eccentric_radius", "cranks.post_radius"
+    beyond = window - cranks.post_radius
+    yield wall("crank_bores", "between the crank bores and the roots of the lobes", eccentric, root - circle - around)
+    yield wall(
+        "middle_hole",
+        "between the middle hole and the crank bores",
+        "cranks.middle_hole_radius",
+        circle - bore,
+    )
+    yield wall("windows_to_bores", "between the windows and the crank bores", post, apart - bore - beyond)
+    yield wall("windows_to_root", "between the windows and the roots of the lobes", post, root - posts - beyond)
+    yield wall(
+        "windows_to_hole", "between the windows and the middle hole", post, posts - cranks.middle_hole_radius - beyond
+    )
+
+
+def _flange_rules(reducer: RvReducer) -> Iterator[Rule]:
+    """Yield the rules for the room of tapered bearings and posts in the flanges, and of the planets next to them."""
+    cranks, circle, posts = reducer.cranks, reducer.crank_radius, reducer.post_circle_radius
+    apart = math.sqrt(circle**2 + posts**2 - 2.0 * circle * posts * math.cos(math.pi / cranks.count))
+    yield Rule(
+        "bearing_space",
+        Limit("cranks.taper_radius", "less than", apart - cranks.post_radius),
+        "the tapered bearings of the cranks and the roots of the posts share the flanges",
+        (Limit("cranks.post_radius", "less than", apart - cranks.taper_radius),),
+    )
+    yield Rule(
+        "eccentric_in_bearing",
+        Limit("cranks.eccentric_radius", "more than", reducer.design.gear.eccentricity),
+        "the eccentric encloses the axis of its crank",
+    )
+    tip = reducer.planet.module * (reducer.planet.planet_teeth / 2.0 + 1.0)
+    spacing = circle * math.sin(math.pi / cranks.count)
+    yield Rule(
+        "planets_apart",
+        Limit("planet.module", "less than", spacing / (reducer.planet.planet_teeth / 2.0 + 1.0)),
+        f"the tips of neighbouring planets, of radius {millimetres(tip)}, must not meet",
+        (Limit("planet.planet_teeth", "less than", 2.0 * (spacing / reducer.planet.module - 1.0)),),
+    )
+
+
+def _posts_in_windows(reducer: RvReducer) -> Rule:
+    """Return the rule that the posts stay clear of their windows, which orbit at the eccentricity."""
+    orbit = reducer.cranks.post_radius + reducer.design.gear.eccentricity
+    stated = reducer.cranks.window_radius > 0.0
+    key = Limit("cranks.window_radius", "more than", orbit)
+    other = Limit("cranks.post_radius", "less than", reducer.window_radius - reducer.design.gear.eccentricity)
+    return Rule(
+        "posts_in_windows",
+        key if stated else other,
+        "the windows of the discs orbit about the posts at the eccentricity, and must not touch them",
+        (other,) if stated else (),
+    )

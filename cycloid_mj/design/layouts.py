@@ -1,0 +1,63 @@
+"""Layouts of reducers: the commands that support each, and the keys of the design file that do not apply to it."""
+
+from collections.abc import Mapping
+from typing import Literal
+
+Layout = Literal["central", "rv"]
+
+SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
+    "central": (),
+    "rv": ("design new --from", "design show", "design check", "figures", "rate", "statics"),
+}
+"""The only commands that support a layout; empty: all of them."""
+
+RV_TABLES = ("planet", "cranks", "crank_errors")
+"""Tables of the design file that apply to the layout "rv" only."""
+
+_PAIRS_OF_CRANK = ("clearance", "stiffness", "damping", "working_force")
+
+NOT_IN_RV = frozenset(
+    (
+        *("structure", "ring.halves", "ring.preload", "ring.preload_torque"),
+        *("gear.bore_radius", "gear.bearing"),
+        *(
+            f"output.{name}"
+            for name in (
+                *("pins", "pin_radius", "pin_circle_radius", "hole_radius", "rollers", "roller_bearing"),
+                *("core_radius", "fillet_radius", "disc_thickness", "support"),
+            )
+        ),
+        *(f"{table}.{pair}" for table in _PAIRS_OF_CRANK for pair in ("cam", "output")),
+        *("friction.cam", "friction.output", "friction.output_rolling", "contact.cam_rollers"),
+        *("errors.hole_position", "errors.hole_x", "errors.hole_y", "errors.eccentricity"),
+        *("errors.cam_position", "errors.cam_x", "errors.cam_y"),
+        *(f"tolerance.{name}" for name in ("cam", "output", "hole_position", "eccentricity", "cam_position")),
+        *(f"thermal.{part}" for part in ("disc", "ring", "crank", "output", "housing")),
+        *("bearing.output_dynamic_capacity", "bearing.output_static_capacity"),
+    )
+)
+"""Keys, as ``table.name`` of the model, of parts that an RV reducer does not have: central crank and output pins."""
+
+_WITHOUT_RV = ("shaft", "springs")
+"""Tables of such parts."""
+
+
+def applies(layout: Layout, table: str, name: str) -> bool:
+    """Return whether a value of the design, ``table.name`` or ``name`` outside of tables, applies to a layout."""
+    if layout == "central":
+        return table not in RV_TABLES
+    return table not in _WITHOUT_RV and (f"{table}.{name}" if table else name) not in NOT_IN_RV
+
+
+def supports(layout: Layout, command: str) -> bool:
+    """Return whether a command supports a layout."""
+    return not SUPPORTED[layout] or command in SUPPORTED[layout]
+
+
+def unsupported_layout(name: str, layout: Layout) -> str:
+    """Return a sentence that refuses a design of a layout and names the commands that support it."""
+    *most, last = (f"`{command}`" for command in SUPPORTED[layout])
+    return (
+        f'the design {name!r} has layout = "{layout}", which is supported by {", ".join(most)} and {last} only: '
+        "use one of them, or a design with a central crank"
+    )

@@ -1,0 +1,179 @@
+"""Kinematics and assembly of an RV reducer in closed form: speeds, orders, planets that mesh, discs that are one part.
+
+Symbols: z_s teeth of the sun, z_p of a planet, N ring pins, k = N minus the lobes of a disc, n cranks. The discs turn
+with the carrier. Angles are counter-clockwise; s, c, r and psi are those of sun, carrier, ring and cranks, all against
+the ground. The planet mesh requires (psi - c) = -z_s/z_p (s - c), the pin mesh (N - k) (c - psi) = N (r - psi).
+"""
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+
+
+@dataclass(frozen=True)
+class RvKinematics:
+    """Speeds of an RV reducer: s = R c - (R - 1) r with R = 1 + N z_p/(k z_s).
+
+    Attributes
+    ----------
+    sun_teeth, planet_teeth
+        z_s and z_p.
+    pins, lobes
+        N ring pins, and lobes of a disc.
+    turns_ring
+        Whether the ring is the output and the carrier is fixed; otherwise the ring is fixed.
+    """
+
+    sun_teeth: int
+    planet_teeth: int
+    pins: int
+    lobes: int
+    turns_ring: bool = False
+
+    @cached_property
+    def to_carrier(self) -> Fraction:
+        """Turns of the sun per turn of the carrier, both against the ring: R."""
+        return 1 + Fraction(self.pins * self.planet_teeth, (self.pins - self.lobes) * self.sun_teeth)
+
+    @property
+    def ratio(self) -> Fraction:
+        """Turns of the sun per turn of the output: R, or 1 - R if the ring is the output."""
+        return 1 - self.to_carrier if self.turns_ring else self.to_carrier
+
+    @property
+    def share(self) -> float:
+        """Torque on the carrier, seen from the ring, per torque on the output without losses: 1, or R/(R - 1)."""
+        return float(self.to_carrier / (self.to_carrier - 1)) if self.turns_ring else 1.0
+
+    @property
+    def crank_per_carrier(self) -> Fraction:
+        """Turns of a crank per turn of the carrier, both against the ring: -(N - k)/k."""
+        return Fraction(-self.lobes, self.pins - self.lobes)
+
+    @property
+    def bearing_turns(self) -> Fraction:
+        """Turns of every crank bearing per turn of the output, in the discs and in the carrier: N/k."""
+        return Fraction(self.pins, self.pins - self.lobes)
+
+    @property
+    def crank_per_sun(self) -> Fraction:
+        """Turns of a crank against the ring per turn of the sun against the ring: -(N - k)/(k R)."""
+        return self.crank_per_carrier / self.to_carrier
+
+    @property
+    def orders(self) -> dict[str, Fraction]:
+        """Orders of periodic errors per turn of the output, as seen from ring and carrier."""
+        ring, bearing = abs(self.crank_per_carrier), self.bearing_turns
+        return {
+            "output": Fraction(1),
+            "sun against the ring": self.to_carrier,
+            "sun against the carrier": self.to_carrier - 1,
+            "crank against the ring": ring,
+            "crank against the carrier": bearing,
+            "planet mesh": bearing * self.planet_teeth,
+            "pin mesh": ring * self.pins,
+        }
+
+
+def planet_misfit(sun_teeth: int, planet_teeth: int, count: int) -> Fraction:
+    """Return by how much the worst of identical planets on equal angles misses its mesh [tooth pitches]; 0: all mesh.
+
+    Without a ring gear, planet i has to be turned on its crank by the fraction of i (z_s + z_p)/n pitches. All mesh if
+    n divides z_s + z_p.
+    """
+    clocked = [Fraction(planet * (sun_teeth + planet_teeth), count) % 1 for planet in range(count)]
+    return max(min(part, 1 - part) for part in clocked)
+
+
+def closing_planet_teeth(sun_teeth: int, planet_teeth: int, count: int) -> tuple[int, ...]:
+    """Return the numbers of planet teeth on either side of `planet_teeth` with which all planets mesh, nearest first.
+
+    The nearest comes first, the larger of two that are as near.
+    """
+    near = [
+        next(change for change in range(1, count + 1) if (sun_teeth + planet_teeth + side * change) % count == 0) * side
+        for side in (1, -1)
+    ]
+    return tuple(planet_teeth + change for change in sorted(near, key=lambda change: (abs(change), -change)))
+
+
+def disc_clocking(pins: int, lobes: int, discs: int, disc: int) -> Fraction:
+    """Return by how much the lobes of a disc are turned against its crank bores [lobe pitches], from 0 to 1."""
+    return Fraction(-(pins - lobes) * disc, discs) % 1
+
+
+def are_one_part(pins: int, lobes: int, discs: int, cranks: int) -> bool:
+    """Return whether all discs are one part that is only turned by a step of its crank bores.
+
+    A turn by j steps moves the lobes against the bores by j lobes/n pitches.
+    """
+    steps = [Fraction(lobes * step, cranks) % 1 for step in range(cranks)]
+    return all(disc_clocking(pins, lobes, discs, disc) in steps for disc in range(discs))
+
+
+def flip_clockings(pins: int, lobes: int, cranks: int) -> tuple[Fraction, ...]:
+    """Return the angles from a lobe's axis to bore 1 with which one of two discs is the other, flipped [lobe pitches].
+
+    A flip about the axis through bore 1 changes the sign of its distance q from the lobe: q has to solve
+    -q + j lobes/n = q + k/2 (modulo 1) for a step j of the bores.
+    """
+    needed = disc_clocking(pins, lobes, 2, 1)
+    doubled = {(Fraction(lobes * step, cranks) - needed) % 1 for step in range(cranks)}
+    return tuple(sorted({(twice / 2 + half) % 1 for twice in doubled for half in (0, Fraction(1, 2))}))
+
+
+def dead_points(cranks: int, discs: int) -> bool:
+    """Return whether all cranks pass dead points together: two cranks and a single disc, whose eccentrics line up.
+
+    There the disc cannot turn the cranks against each other, so only the planets keep them in phase.
+    """
+    return cranks == 2 and discs == 1
+
+
+def mesh_stiffness(sun_teeth: int, planet_teeth: int, pressure_angle: float, face_width: float) -> float:
+    """Compute the mean mesh stiffness of spur gears of steel along the line of action [N/m].
+
+    ISO 6336-1:2006, method B: c' = 0.8/q' with equation (82) for q' without profile shift, and
+    c_gamma = c' (0.75 epsilon_alpha + 0.25), equation (89). The contact ratio is that of full-depth teeth (addendum =
+    module).
+
+    Parameters
+    ----------
+    sun_teeth, planet_teeth
+        Numbers of teeth.
+    pressure_angle
+        At the pitch circle [rad].
+    face_width
+        Common face width [m].
+    """
+    flexibility = 0.04723 + 0.15551 / sun_teeth + 0.25791 / planet_teeth
+    single = 0.8 / flexibility * 1e9
+    return single * (0.75 * contact_ratio(sun_teeth, planet_teeth, pressure_angle) + 0.25) * face_width
+
+
+def contact_ratio(sun_teeth: int, planet_teeth: int, pressure_angle: float) -> float:
+    """Compute the transverse contact ratio of full-depth spur gears [1]; the angle in radians."""
+    return sum(_tip_contact_ratios(sun_teeth, planet_teeth, pressure_angle))
+
+
+def mesh_loss_factor(sun_teeth: int, planet_teeth: int, pressure_angle: float) -> float:
+    """Compute the loss factor H_v of a spur gear mesh [1]: its lost power is H_v mu times the transmitted power.
+
+    ISO/TR 14179-2, equation (31): pi (u + 1)/(z_1 u) (1 - epsilon_alpha + epsilon_1^2 + epsilon_2^2), for full-depth
+    teeth.
+    """
+    ratio = planet_teeth / sun_teeth
+    of_tips = _tip_contact_ratios(sun_teeth, planet_teeth, pressure_angle)
+    shape = 1.0 - sum(of_tips) + sum(part**2 for part in of_tips)
+    return math.pi * (ratio + 1.0) / (sun_teeth * ratio) * shape
+
+
+def _tip_contact_ratios(sun_teeth: int, planet_teeth: int, pressure_angle: float) -> tuple[float, float]:
+    """Return the contact ratios of the tips of both gears [1], from the pitch point on."""
+
+    def of_tip(teeth: int) -> float:
+        tip_angle = math.acos(teeth * math.cos(pressure_angle) / (teeth + 2.0))
+        return teeth * (math.tan(tip_angle) - math.tan(pressure_angle)) / (2.0 * math.pi)
+
+    return of_tip(sun_teeth), of_tip(planet_teeth)

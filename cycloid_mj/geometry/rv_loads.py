@@ -1,0 +1,210 @@
+"""Statics of an RV reducer in closed form: crank forces under ideal load sharing, stiffness, and the error map.
+
+Ideal means rigid parts, equally stiff contacts of each kind, no clearance and no friction. Angles as in `kinematics`:
+the crank angle psi is counter-clockwise against the ring, the eccentrics of disc 1 and crank 1 are on +y at 0, and
+cranks count clockwise. Load torques act counter-clockwise on the carrier, and oppose cranks that turn
+counter-clockwise.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.geometry import profile
+from cycloid_mj.geometry.ideal_loads import ideal_load_sharing
+from cycloid_mj.geometry.profile import CycloidGear
+
+ROLLER_EXPONENT = 10.0 / 3.0
+"""Exponent of load and life of roller bearings (ISO 281)."""
+
+
+@dataclass(frozen=True)
+class RvStage:
+    """Second stage of an RV reducer: D discs on n cranks.
+
+    Attributes
+    ----------
+    gear
+        Ideal mesh of a disc with the ring.
+    phases
+        Phase of each disc on the cranks [rad], shape (D,).
+    cranks, radius
+        n, and radius of the circle of crank axes [m].
+    to_carrier
+        Turns of the sun per turn of the carrier, both against the ring: R.
+    turn_ratio
+        1 + z_s/z_p: turn of a crank per turn of the carrier at a fixed sun, both against the ring.
+    """
+
+    gear: CycloidGear
+    phases: tuple[float, ...]
+    cranks: int
+    radius: float
+    to_carrier: float
+    turn_ratio: float
+
+    def crank_places(self, crank: npt.ArrayLike) -> Array:
+        """Return the vectors from the carrier's axis to the crank axes [m], shape (m, n, 2), at crank angles (m,)."""
+        turned = np.asarray(crank, dtype=np.float64)[:, np.newaxis] / self.gear.lobes
+        return np.asarray(self.radius * profile.unit(2.0 * np.pi * np.arange(self.cranks) / self.cranks + turned))
+
+    def eccentrics(self, crank: npt.ArrayLike) -> Array:
+        """Return the unit vectors of the eccentrics of each disc [1], shape (m, D, 2), at crank angles (m,) [rad]."""
+        return profile.unit(-(np.asarray(crank, dtype=np.float64)[:, np.newaxis] + np.array(self.phases)))
+
+    @property
+    def speed_up(self) -> float:
+        """Lobes + 1 + z_s/z_p: crank turn against the carrier, at a fixed sun, per turn of the carrier."""
+        return self.gear.lobes + self.turn_ratio
+
+
+@dataclass(frozen=True)
+class IdealRvLoads:
+    """Forces on D discs of n cranks at m crank angles.
+
+    Attributes
+    ----------
+    pins, resultant
+        Force of each pin on each disc [N], shape (m, D, N), and their vector sum on each disc, shape (m, D, 2).
+    cranks
+        Force of each crank on each disc [N], shape (m, D, n, 2).
+    crank_torques
+        Torque of the discs on each crank [N m], counter-clockwise, shape (m, n).
+    """
+
+    pins: Array
+    resultant: Array
+    cranks: Array
+    crank_torques: Array
+
+    @property
+    def bearings(self) -> Array:
+        """Force on the bearing of each crank in each disc [N], shape (m, D, n)."""
+        return np.linalg.norm(self.cranks, axis=-1)
+
+
+def ideal_rv_loads(stage: RvStage, torque: float, crank: npt.ArrayLike, floating_sun: bool = False) -> IdealRvLoads:
+    """Compute the forces under a torque on the carrier [N m] at crank angles (m,) [rad].
+
+    The torque on the ring, T (R - 1)/R, is shared equally by the discs, and by the pins of each as
+    `ideal_loads.share_load` does. Equally stiff crank bearings then have the crank forces of least squares that balance
+    the pins on each disc; with a floating sun, the cranks also have equal torques.
+    """
+    crank = np.ravel(np.asarray(crank, dtype=np.float64))
+    discs, lobes = len(stage.phases), stage.gear.lobes
+    ring = torque * (stage.to_carrier - 1.0) / stage.to_carrier
+    moment = ring / discs * lobes / stage.gear.ring_teeth
+    pins, resultant = [], []
+    for phase in stage.phases:
+        mesh = ideal_load_sharing(stage.gear, moment, crank + phase)
+        radial, forward = profile.unit(-(crank + phase)), -_unit_turned(crank + phase)
+        reaction = mesh.eccentric_radial[:, np.newaxis] * radial + mesh.eccentric_tangential[:, np.newaxis] * forward
+        pins.append(mesh.forces)
+        resultant.append(-reaction)
+    force = np.stack(resultant, axis=1)
+    shared = _crank_forces(stage, crank, force, -moment, floating_sun)
+    torques = stage.gear.eccentricity * _cross(stage.eccentrics(crank)[:, :, np.newaxis], -shared).sum(axis=1)
+    return IdealRvLoads(np.stack(pins, axis=1), force, shared, torques)
+
+
+def _crank_forces(stage: RvStage, crank: Array, force: Array, moment: float, floating_sun: bool) -> Array:
+    """Return the crank forces of least squares (m, D, n, 2) that balance a force (m, D, 2) and a moment on discs."""
+    places, eccentrics = stage.crank_places(crank), stage.eccentrics(crank)
+    (count, discs, _), cranks = force.shape, stage.cranks
+    rows = 3 * discs + (cranks - 1) * floating_sun
+    matrix, wanted = np.zeros((count, rows, discs, cranks, 2)), np.zeros((count, rows))
+    for disc in range(discs):
+        matrix[:, 3 * disc, disc, :, 0] = matrix[:, 3 * disc + 1, disc, :, 1] = 1.0
+        matrix[:, 3 * disc + 2, disc] = _quarter_turned(places) / stage.radius
+        wanted[:, 3 * disc : 3 * disc + 2] = -force[:, disc]
+        wanted[:, 3 * disc + 2] = -moment / stage.radius
+    for row, other in enumerate(range(1, cranks) if floating_sun else (), start=3 * discs):
+        matrix[:, row, :, 0] = _quarter_turned(eccentrics)
+        matrix[:, row, :, other] = -_quarter_turned(eccentrics)
+    flat = matrix.reshape(count, rows, -1)
+    return (np.linalg.pinv(flat) @ wanted[..., np.newaxis]).reshape(count, discs, cranks, 2)
+
+
+def mean_force(forces: Array) -> float:
+    """Compute the mean of forces [N] by the exponent of roller bearings: (mean F^(10/3))^(3/10)."""
+    return float(np.mean(np.asarray(forces) ** ROLLER_EXPONENT) ** (1.0 / ROLLER_EXPONENT))
+
+
+def closed_stiffness(stage: RvStage, bearing: float, tooth: float) -> float:
+    """Compute the torsional stiffness of the carrier against the ring [N m/rad], sun and ring fixed.
+
+    The compliances of the crank bearings (turn, tangential and radial to the eccentric) and of the teeth add up, each
+    as the square of the force per unit torque over its stiffness.
+
+    Parameters
+    ----------
+    stage
+        The stage.
+    bearing
+        Stiffness of the bearings of a crank under the force of one disc, needles and taper in series [N/m].
+    tooth
+        Stiffness of a pin on a disc [N/m].
+    """
+    crank = np.linspace(0.0, 2.0 * np.pi / stage.gear.ring_teeth, 16, endpoint=False)
+    discs, bearings = len(stage.phases), len(stage.phases) * stage.cranks
+    turn, orbit = stage.gear.lobes / stage.speed_up, stage.gear.eccentricity * stage.speed_up
+    sharing = ideal_load_sharing(stage.gear, 1.0, crank)
+    squares = np.mean(np.sum(np.where(sharing.forces > 0.0, sharing.arms, 0.0) ** 2, axis=-1))
+    radial = float(np.mean(np.abs(sharing.eccentric_radial))) * turn / discs
+    compliance = (
+        turn**2 / (bearings * stage.radius**2 * bearing)
+        + 1.0 / (orbit**2 * bearings * bearing)
+        + turn**2 / (discs * tooth * squares)
+        + discs * radial**2 / (stage.cranks * bearing)
+    )
+    return float(1.0 / compliance)
+
+
+def closed_error(stage: RvStage, crank: npt.ArrayLike, phase_error: Array, misfit: Array) -> Array:
+    """Compute the error of the carrier's angle [rad], shape (m,), with ring and sun fixed, without clearance.
+
+    Yang et al. 2021, equation (30), for any errors: -(epsilon + m_t/e + lobes rho)/(lobes + 1 + z_s/z_p), with the mean
+    phase error epsilon of the cranks, the mean misfit m_t across the eccentricity e, and the turn rho that the misfits
+    ask for; the mean of the discs.
+
+    Parameters
+    ----------
+    stage
+        The stage.
+    crank
+        Crank angles [rad], shape (m,).
+    phase_error
+        Error of the angle of each crank [rad], shape (m, n).
+    misfit
+        Displacement of each eccentric from its bore [m], shape (m, D, n, 2).
+    """
+    crank = np.ravel(np.asarray(crank, dtype=np.float64))
+    across = _quarter_turned(stage.eccentrics(crank))
+    tangential = np.einsum("mdnj,mdj->md", misfit, across) / stage.cranks
+    turn = np.einsum("mdnj,mnj->md", misfit, _quarter_turned(stage.crank_places(crank)))
+    turn /= stage.cranks * stage.radius**2
+    of_discs = tangential / stage.gear.eccentricity + stage.gear.lobes * turn
+    return -(phase_error.mean(axis=1) + of_discs.mean(axis=1)) / stage.speed_up
+
+
+def crank_bearing_turns(life: float, speed: float, pins: int, difference: int = 1) -> float:
+    """Return the turns of a crank bearing in a life [s] at an output speed [rad/s]: N/k turns per output turn."""
+    return life * abs(speed) / (2.0 * math.pi) * pins / difference
+
+
+def _unit_turned(angle: Array) -> Array:
+    """Return the direction clockwise across +y turned counter-clockwise by an angle [rad], shape (..., 2)."""
+    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+
+def _quarter_turned(vectors: Array) -> Array:
+    """Rotate vectors (..., 2) by 90 degrees counter-clockwise."""
+    return np.stack([-vectors[..., 1], vectors[..., 0]], axis=-1)
+
+
+def _cross(one: Array, other: Array) -> Array:
+    """Return the z component of the cross product of vectors (..., 2)."""
+    return np.asarray(one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0])

@@ -1,0 +1,228 @@
+"""Rating of an RV reducer: bearings of the cranks, teeth on pins, and planet teeth."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.units import RPM
+from cycloid_mj.design import material_limits
+from cycloid_mj.design.materials import YIELD_PRESSURE
+from cycloid_mj.geometry.ideal_loads import contact_modulus, hertz_line_contact
+from cycloid_mj.life import rolling
+from cycloid_mj.life.bearings import RollerRow
+from cycloid_mj.life.duty import Duty
+from cycloid_mj.life.item import ItemKind, RatedItem, Rating
+from cycloid_mj.life.surfaces import pitting_cycles, pitting_limit
+from cycloid_mj.reducer import RvReducer
+from cycloid_mj.statics.rv_sheet import balanced, ideal, springs_over_turn
+
+TAPER_ROLLERS, TAPER_ROLLER_SHARE, TAPER_LENGTH_SHARE, TAPER_PITCH_SHARE = 13, 0.14, 0.24, 0.73
+"""Assumed rollers of a tapered bearing, and their diameter, length and pitch diameter over its outer diameter."""
+
+SECONDS_PER_HOUR = 3600.0
+
+
+@dataclass(frozen=True)
+class _Row:
+    """A kind of crank bearing: key and name, load ratings [N] with their source, and forces (m, bearings) [N]."""
+
+    key: str
+    name: str
+    dynamic: float
+    static: float
+    source: str
+    forces: tuple[Array, ...]
+
+
+def rate_rv(reducer: RvReducer, duty: Duty, life: float) -> Rating:
+    """Rate an RV reducer over a duty cycle for a life [h]; the speeds of the duty are those of the sun.
+
+    Crank bearings carry the larger of the forces of ideal sharing and of the balance with clearances and errors.
+
+    Raises
+    ------
+    DesignError
+        The sun does not turn.
+    RunError
+        No static equilibrium was found at a torque of the duty.
+    """
+    points = [point for point in duty.points if point.speed and point.torque]
+    if not points:
+        raise DesignError("drive.speed_rpm is 0, but a life needs a sun that turns: set another speed, such as 2295")
+    torques = np.array([abs(point.torque) for point in points])
+    turns = np.array([_bearing_speed(reducer, point.speed) * point.share for point in points])
+    items = [
+        *(item for row in _rows(reducer, torques) for item in _rate_bearing(reducer, row, torques, turns, duty.peak)),
+        *_rate_teeth(reducer, torques, turns, duty.peak),
+        *_rate_planets(reducer, torques, turns),
+    ]
+    by_key = {item.key: item for item in sorted(items, key=lambda item: item.margin(life))}
+    return Rating(
+        reducer.design.name, duty.words, life, by_key, tuple(_assumptions(reducer, duty)), None, 0.0, reducer.parts_text
+    )
+
+
+def _bearing_speed(reducer: RvReducer, speed: float) -> float:
+    """Return the speed of the crank bearings [rad/s] at a speed of the sun [rad/s]."""
+    return float(reducer.kinematics.bearing_turns) * abs(speed / reducer.design.ratio)
+
+
+def _rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
+    """Yield the crank bearings with their forces at each torque [N m]: in the discs, then in the flanges."""
+    cranks, given = reducer.cranks, reducer.design.bearing
+    width = reducer.design.gear.face_width
+    needles = RollerRow(
+        cranks.needles, 2.0 * cranks.needle_radius, width, 2.0 * (cranks.eccentric_radius + cranks.needle_radius)
+    )
+    outer = 2.0 * cranks.taper_radius
+    tapers = RollerRow(TAPER_ROLLERS, TAPER_ROLLER_SHARE * outer, TAPER_LENGTH_SHARE * outer, TAPER_PITCH_SHARE * outer)
+    forces = [_crank_forces(reducer, float(torque)) for torque in torques]
+    in_discs = tuple(np.linalg.norm(force, axis=-1).reshape(len(force), -1) for force in forces)
+    in_flanges = tuple(_flange_forces(reducer, force) for force in forces)
+    stated = "of the design file (bearing.*_capacity_n)"
+    yield _Row(
+        "crank_needles",
+        "needles of a crank in a disc",
+        given.dynamic_capacity or needles.dynamic,
+        given.static_capacity or needles.static,
+        stated
+        if given.dynamic_capacity
+        else f"assumed: {needles}, the eccentric as inner ring, the disc as outer ring",
+        in_discs,
+    )
+    yield _Row(
+        "crank_tapers",
+        "tapered bearing of a crank in a flange",
+        given.shaft_dynamic_capacity or tapers.dynamic,
+        given.shaft_static_capacity or tapers.static,
+        stated if given.shaft_dynamic_capacity else f"assumed: {tapers} of a light series",
+        in_flanges,
+    )
+
+
+def _crank_forces(reducer: RvReducer, torque: float) -> Array:
+    """Return the forces of the cranks on the discs (m, D, n, 2) [N]: those with the larger mean."""
+    shared, solved = ideal(reducer, torque), balanced(reducer, torque)
+    means = [rolling.mean_load(loads.bearings) for loads in (shared, solved)]
+    return (shared if means[0] >= means[1] else solved).cranks
+
+
+def _flange_forces(reducer: RvReducer, force: Array) -> Array:
+    """Return the radial forces on the bearings of each crank in the two flanges [N], shape (m, 2 n).
+
+    A crank is a beam on two supports, in the middles of the flanges, under the forces of the discs (m, D, n, 2) [N].
+    """
+    planes, gear = np.array(reducer.design.gear.disc_planes), reducer.design.gear
+    support = 0.5 * gear.stack_width + gear.disc_gap + 0.5 * reducer.cranks.flange_thickness
+    near = (support - planes) / (2.0 * support)
+    carried = [np.einsum("mdnj,d->mnj", force, share) for share in (near, 1.0 - near)]
+    return np.concatenate([np.linalg.norm(item, axis=-1) for item in carried], axis=1)
+
+
+def _rate_bearing(reducer: RvReducer, row: _Row, torques: Array, turns: Array, peak: float) -> Iterator[RatedItem]:
+    """Yield life and static factor of a kind of crank bearing, of its most loaded one."""
+    settings = reducer.design.bearing
+    means = np.array([max(map(rolling.mean_load, force.T)) for force in row.forces])
+    load = settings.service_factor * rolling.mean_load(means, turns)
+    life = rolling.life_hours(row.dynamic, load, float(turns.sum()), settings.reliability)
+    yield RatedItem(
+        row.key,
+        f"{row.name}, life",
+        load,
+        row.dynamic,
+        "N",
+        None,
+        life,
+        f"L = a1 (C/P)^(10/3), a1 {rolling.reliability_factor(settings.reliability):.3g}, P over a turn of the "
+        "carrier, ISO 281:2007",
+        f"C {row.source}, service factor {settings.service_factor:g}; {float(turns.sum()) / RPM:.4g} rpm mean speed; "
+        "radial forces only",
+        ItemKind.BEARING,
+    )
+    worst = peak * max(float(force.max()) / torque for force, torque in zip(row.forces, torques, strict=True))
+    yield RatedItem(
+        f"{row.key}_static",
+        f"{row.name}, static factor",
+        worst,
+        row.static,
+        "N",
+        row.static / worst,
+        None,
+        "s0 = C0/P0, ISO 76",
+        f"C0 {row.source}; at the peak torque of {peak:.4g} N m, forces in proportion to the torque",
+        ItemKind.BEARING,
+    )
+
+
+def _rate_teeth(reducer: RvReducer, torques: Array, turns: Array, peak: float) -> Iterator[RatedItem]:
+    """Yield first yield and pitting of the teeth on pins: each lobe is loaded once per turn of a crank on it."""
+    kind = reducer.design.tooth_pair
+    contact = reducer.at_rated_load.contacts[kind]
+    curvature = springs_over_turn(reducer).curvature
+    pressures = [float(contact.pressure(balanced(reducer, float(torque)).pins, curvature).max()) for torque in torques]
+    worst = pressures[int(np.argmax(torques))] * math.sqrt(peak / torques.max())
+    limit = YIELD_PRESSURE * contact.strength
+    yield RatedItem(
+        f"{kind}_yield",
+        "teeth on pins, first yield",
+        1e-6 * worst,
+        1e-6 * limit,
+        "MPa",
+        (limit / worst) ** 2,
+        None,
+        f"p0 = {YIELD_PRESSURE:g} Y below the surface; safety by torque",
+        f"at the peak torque of {peak:.4g} N m, pressure with the root of the torque",
+        ItemKind.SURFACE,
+    )
+    yield _pitting(f"{kind}_pitting", "teeth on pins, pitting", reducer, kind, pressures, turns)
+
+
+def _rate_planets(reducer: RvReducer, torques: Array, turns: Array) -> Iterator[RatedItem]:
+    """Yield the pitting of the sun at its pitch point, whose teeth every planet loads once per turn against it."""
+    planet, material = reducer.planet, reducer.design.material
+    radii = [0.5 * planet.module * teeth for teeth in (planet.sun_teeth, planet.planet_teeth)]
+    curvature = sum(1.0 / (radius * math.sin(planet.pressure_angle)) for radius in radii)
+    modulus = contact_modulus(material.youngs_modulus, material.poisson)
+    forces = [float(np.abs(balanced(reducer, float(torque)).meshes).max()) for torque in torques]
+    pressures = [
+        float(hertz_line_contact(force, planet.face_width, curvature, modulus).peak_pressure) for force in forces
+    ]
+    loads = turns * reducer.cranks.count * planet.planet_teeth / planet.sun_teeth
+    yield _pitting("sun_pitting", "sun on planets, pitting", reducer, reducer.design.tooth_pair, pressures, loads)
+
+
+def _pitting(key: str, name: str, reducer: RvReducer, kind: str, pressures: list[float], turns: Array) -> RatedItem:
+    """Rate steel surfaces by the time until they pit, by Miner's sum of loads at speeds times shares [rad/s]."""
+    allowed, source = min(map(pitting_limit, reducer.design.partners(kind)), key=lambda limit: limit[0])
+    hourly = turns / (2.0 * math.pi) * SECONDS_PER_HOUR
+    damage = sum(
+        float(loads) / pitting_cycles(pressure, allowed) for loads, pressure in zip(hourly, pressures, strict=True)
+    )
+    return RatedItem(
+        key,
+        name,
+        1e-6 * max(pressures),
+        1e-6 * allowed,
+        "MPa",
+        None,
+        1.0 / damage,
+        "Z_N = 2.466 n^-0.056, S_c by hardness, AGMA 2001-D04; Miner",
+        f"{hourly.sum():.0f} loads per hour on each tooth; {source}",
+        ItemKind.SURFACE,
+    )
+
+
+def _assumptions(reducer: RvReducer, duty: Duty) -> Iterator[str]:
+    """Yield the assumptions of all items, a sentence each."""
+    yield (
+        "forces: the larger of ideal sharing and the balance of springs with the clearances and errors of the design, "
+        "without friction, over a turn of the carrier"
+    )
+    yield f"reliability of bearings: {reducer.design.bearing.reliability:.0%} (bearing.reliability)"
+    yield f"peak torque: {duty.peak:.4g} N m{'' if duty.peak_given else ', twice the largest of the duty (--peak-nm)'}"
+    yield "not rated: strength of cranks, discs, carrier and tooth roots, main bearings, wear and heat"
+    yield from material_limits(reducer.design)

@@ -1,0 +1,183 @@
+"""Reducer of an RV design: planet stage, two or three cranks, no output pins."""
+
+import math
+from typing import TYPE_CHECKING, NoReturn, TypeVar
+
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.design import Design
+from cycloid_mj.design.layouts import Layout, unsupported_layout
+from cycloid_mj.design.rv import CrankErrors, Cranks, Planet
+from cycloid_mj.reducer.reducer import Reducer
+
+if TYPE_CHECKING:
+    from cycloid_mj.geometry.rv import RvKinematics
+    from cycloid_mj.geometry.rv_loads import RvStage
+    from cycloid_mj.reducer.bodies import Mechanism
+    from cycloid_mj.reducer.member import Member
+
+Table = TypeVar("Table")
+
+WINDOW_MARGIN = 0.5e-3
+"""Gap between a post and its window where they are closest, if the design leaves the window open [m]."""
+
+
+class RvReducer(Reducer):
+    """The reducer of a `design` with ``layout = "rv"``.
+
+    It has the discs and the ring of a `Reducer`; its bodies are not those of a central crank (`mechanism`, `member`).
+    """
+
+    LAYOUT: Layout = "rv"
+
+    @property
+    def planet(self) -> Planet:
+        """The table `planet` of the design."""
+        return _required(self.design.planet)
+
+    @property
+    def cranks(self) -> Cranks:
+        """The table `cranks` of the design."""
+        return _required(self.design.cranks)
+
+    @property
+    def crank_errors(self) -> CrankErrors:
+        """The table `crank_errors` of the design."""
+        return _required(self.design.crank_errors)
+
+    @property
+    def kinematics(self) -> "RvKinematics":
+        """Ratios and orders."""
+        from cycloid_mj.geometry.rv import RvKinematics
+
+        design, planet = self.design, self.planet
+        return RvKinematics(
+            planet.sun_teeth, planet.planet_teeth, design.ring.teeth, design.lobes, design.output.turns_ring
+        )
+
+    @property
+    def crank_radius(self) -> float:
+        """Radius of the circle of crank axes [m]."""
+        planet = self.planet
+        return self.cranks.radius or planet.module * (planet.sun_teeth + planet.planet_teeth) / 2.0
+
+    @property
+    def turn_ratio(self) -> float:
+        """Turn of a crank per turn of the carrier at a fixed sun, both against the ring: 1 + z_s/z_p."""
+        return 1.0 + self.planet.sun_teeth / self.planet.planet_teeth
+
+    @property
+    def stage(self) -> "RvStage":
+        """The discs on their cranks, for closed forms."""
+        from cycloid_mj.geometry.rv_loads import RvStage
+
+        return RvStage(
+            gear=self.tooth_profile,
+            phases=self.phases,
+            cranks=self.cranks.count,
+            radius=self.crank_radius,
+            to_carrier=float(self.kinematics.to_carrier),
+            turn_ratio=self.turn_ratio,
+        )
+
+    @property
+    def crank_turn(self) -> float:
+        """Rotation of the cranks against the ring while the carrier turns once [rad]: all loads repeat after it."""
+        return 2.0 * math.pi * abs(float(self.kinematics.crank_per_carrier))
+
+    @property
+    def crank_speed(self) -> float:
+        """Speed of the crank bearings, the cranks' against the carrier [rad/s], at the speed of the drive."""
+        return float(self.kinematics.bearing_turns) * abs(self.output_speed)
+
+    @property
+    def output_speed(self) -> float:
+        """Speed of the output at the speed of the drive [rad/s]."""
+        return self.design.drive.speed / self.design.ratio
+
+    @property
+    def bore_radius(self) -> float:
+        """Radius of the crank bores in the discs [m]: eccentric, needles and clearance."""
+        return self.cranks.eccentric_radius + 2.0 * self.cranks.needle_radius + self.cranks.needle_clearance
+
+    @property
+    def post_circle_radius(self) -> float:
+        """Radius of the circle of the carrier's posts [m]."""
+        return self.cranks.post_circle_radius or self.crank_radius
+
+    @property
+    def window_radius(self) -> float:
+        """Radius of the windows of the discs for the posts [m]."""
+        return self.cranks.window_radius or self.cranks.post_radius + self.design.gear.eccentricity + WINDOW_MARGIN
+
+    @property
+    def bearing_stiffness(self) -> float:
+        """Stiffness of the bearings of a crank under the force of one disc [N/m]: needles and taper in series."""
+        return 1.0 / (1.0 / self.cranks.needle_stiffness + 1.0 / self.cranks.taper_stiffness)
+
+    @property
+    def bearing_clearance(self) -> float:
+        """Radial clearance of a crank against a disc's bore [m]: that of needles and taper together."""
+        return self.cranks.needle_clearance + self.cranks.taper_clearance
+
+    @property
+    def mesh_stiffness(self) -> float:
+        """Stiffness of a planet mesh along its line of action [N/m]."""
+        from cycloid_mj.geometry.rv import mesh_stiffness
+
+        planet = self.planet
+        return planet.mesh_stiffness or mesh_stiffness(
+            planet.sun_teeth, planet.planet_teeth, planet.pressure_angle, planet.face_width
+        )
+
+    @property
+    def lever(self) -> float:
+        """Lever arm that converts rotations to displacements in statics [m]: radius of the circle of crank axes."""
+        return self.crank_radius
+
+    @property
+    def share(self) -> float:
+        """Torque on the carrier, seen from the ring, per torque on the output, without losses."""
+        return self.kinematics.share
+
+    @property
+    def disc_section(self) -> float:
+        """Cross-section area of a disc [m2]: outline less middle hole, crank bores and windows."""
+        from cycloid_mj.geometry import profile
+
+        cut = self.cranks.middle_hole_radius**2
+        cut += self.cranks.count * (self.bore_radius**2 + self.window_radius**2)
+        return profile.area(self.gear_profile, self.profile_offset) - math.pi * cut
+
+    @property
+    def mechanism(self) -> "Mechanism":
+        """Not available: `Mechanism` has a central crank."""
+        self._refuse()
+
+    @property
+    def member(self) -> "Member":
+        """Not available: see `kinematics`."""
+        self._refuse()
+
+    @property
+    def play(self) -> float:
+        """Not available: `limits` turns a central crank."""
+        self._refuse()
+
+    @property
+    def near_face(self) -> float:
+        """Not available: there is no output disc."""
+        self._refuse()
+
+    def _refuse(self) -> NoReturn:
+        raise DesignError(unsupported_layout(self.design.name, self.design.layout))
+
+
+def _required(table: Table | None) -> Table:
+    """Return a table of the design, which every design with the layout has."""
+    assert table is not None
+    return table
+
+
+def reducer_of(design: Design) -> Reducer:
+    """Create the reducer of a design of any layout, for functions that support all; errors as in `Reducer`."""
+    return RvReducer(design) if design.layout == RvReducer.LAYOUT else Reducer(design)

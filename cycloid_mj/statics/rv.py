@@ -1,0 +1,353 @@
+"""Static balance of an RV reducer: discs on several cranks, their bearings, the pins, and the planet meshes.
+
+The frame is that of the ring. The unknowns z [m] at a crank angle are the displacements x, y and R phi of each of the D
+discs, R psi of the carrier, R chi of each of the n cranks, and x and y of the sun; R is the radius of the circle of
+crank axes, rotations are counter-clockwise departures from the ideal motion. The sun does not turn, and
+moves only if it floats. Pins and planet
+teeth are unilateral springs with the gaps of `reducer.gaps`, to first order in z. A crank bearing is a spring between
+two circles: needles and taper in series, with the sum of their clearances. All springs have a convex energy, whose
+minimum a semismooth Newton method with Armijo's line search finds at all crank angles at once.
+
+Weight, inertia and friction are left out.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.base.errors import RunError
+from cycloid_mj.reducer import RvReducer
+from cycloid_mj.reducer.gaps import ideal_motion, mesh_gaps
+from cycloid_mj.statics.springs import tooth_stiffness
+
+
+@dataclass(frozen=True)
+class NewtonSettings:
+    """Settings of the semismooth Newton method (Nocedal & Wright, Numerical Optimization, algorithm 3.2)."""
+
+    max_steps: int = 200
+    rtol: float = 1e-9
+    """Largest residual over the load."""
+    armijo: float = 1e-4
+    """Share of the predicted decrease of the energy that a step has to reach."""
+    max_halvings: int = 40
+    damping: float = 1e-9
+    """Levenberg-Marquardt term over the largest stiffness, which keeps the tangent regular within clearances."""
+
+
+NEWTON = NewtonSettings()
+
+
+@dataclass(frozen=True)
+class RvSprings:
+    """Springs of an RV reducer at m crank angles, on u unknowns.
+
+    Attributes
+    ----------
+    crank
+        Crank angles against the ring [rad], shape (m,).
+    gap, slope, stiffness
+        Gaps of pins and planet flanks at z = 0 [m] and their stiffness [N/m], shape (m, c), and their gradient [1],
+        shape (m, c, u). The pins of all discs come first, then two flanks of each planet.
+    pins
+        Number of contacts with the ring.
+    curvature, slip
+        Relative curvature of these [1/m], and sliding of the disc per turn of the crank against the ring [m/rad], shape
+        (m, pins).
+    offset, offset_slope
+        Displacement of each crank from its bore at z = 0 [m], shape (m, D, n, 2), and its gradient [1], shape
+        (m, D, n, 2, u).
+    bearing_stiffness, bearing_clearance
+        Of the bearings of a crank under one disc [N/m], [m]; a negative clearance is a preload.
+    lever
+        R [m].
+    """
+
+    crank: Array
+    gap: Array
+    slope: Array
+    stiffness: Array
+    pins: int
+    curvature: Array
+    slip: Array
+    offset: Array
+    offset_slope: Array
+    bearing_stiffness: float
+    bearing_clearance: float
+    lever: float
+
+    @property
+    def discs(self) -> int:
+        """Number of discs."""
+        return self.offset.shape[1]
+
+    @property
+    def carrier(self) -> int:
+        """Index of the carrier's unknown."""
+        return 3 * self.discs
+
+
+@dataclass(frozen=True)
+class RvLoads:
+    """Forces and displacements at m crank angles, in the frame of the ring.
+
+    Attributes
+    ----------
+    pins
+        Force of each contact line with the ring [N], shape (m, D lines).
+    cranks
+        Force of each crank on each disc [N], shape (m, D, n, 2).
+    meshes
+        Force of each planet on the sun along the line of action [N], shape (m, n); positive if the carrier's load is
+        counter-clockwise.
+    carrier_turn
+        Rotation of the carrier from its ideal angle [rad], shape (m,).
+    compliance
+        Its derivative by the torque on the carrier [rad/(N m)], shape (m,).
+    """
+
+    pins: Array
+    cranks: Array
+    meshes: Array
+    carrier_turn: Array
+    compliance: Array
+
+    @property
+    def bearings(self) -> Array:
+        """Force on the bearing of each crank in each disc [N], shape (m, D, n)."""
+        return np.linalg.norm(self.cranks, axis=-1)
+
+
+def rv_springs(reducer: RvReducer, crank: npt.ArrayLike) -> RvSprings:
+    """Compute the springs of an RV reducer at crank angles against the ring [rad], shape (m,).
+
+    Contacts have the stiffness `at_rated_load`; errors as in ``statics.springs_of``.
+    """
+    crank, reducer = np.ravel(np.asarray(crank, dtype=np.float64)), reducer.at_rated_load
+    teeth = mesh_gaps(reducer, crank)
+    flank_gap, flank_slope = _flanks(reducer, crank)
+    offset, offset_slope = _crank_offsets(reducer, crank)
+    unknowns = offset_slope.shape[-1]
+    slope = np.concatenate([teeth.slope, np.zeros((*teeth.slope.shape[:2], unknowns - teeth.slope.shape[2]))], axis=2)
+    stiffness = tooth_stiffness(reducer, teeth.relative_curvature)
+    return RvSprings(
+        crank=crank,
+        gap=np.concatenate([teeth.width + teeth.play, flank_gap], axis=1),
+        slope=np.concatenate([slope, flank_slope], axis=1),
+        stiffness=np.concatenate([stiffness, np.full(flank_gap.shape, reducer.mesh_stiffness)], axis=1),
+        pins=stiffness.shape[1],
+        curvature=teeth.relative_curvature,
+        slip=np.einsum("mcu,mu->mc", teeth.slip_slope, ideal_motion(reducer, crank)),
+        offset=offset,
+        offset_slope=offset_slope,
+        bearing_stiffness=reducer.bearing_stiffness,
+        bearing_clearance=reducer.bearing_clearance,
+        lever=reducer.lever,
+    )
+
+
+def _unknowns(reducer: RvReducer) -> int:
+    return 3 * len(reducer.phases) + 1 + reducer.cranks.count + 2
+
+
+def _crank_offsets(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
+    """Return the displacement of each eccentric from its bore and its gradient; see `RvSprings`."""
+    stage, lever, orbit = reducer.stage, reducer.lever, reducer.design.gear.eccentricity
+    discs, cranks, carrier = len(stage.phases), stage.cranks, 3 * len(stage.phases)
+    slope = np.zeros((crank.size, discs, cranks, 2, _unknowns(reducer)))
+    turned = _quarter_turned(stage.crank_places(crank)) / lever
+    across = orbit / lever * _quarter_turned(stage.eccentrics(crank))
+    for disc in range(discs):
+        slope[:, disc, :, 0, 3 * disc] = slope[:, disc, :, 1, 3 * disc + 1] = -1.0
+        slope[:, disc, :, :, 3 * disc + 2] = -turned
+        for number in range(cranks):
+            slope[:, disc, number, :, carrier + 1 + number] = across[:, disc]
+    slope[..., carrier] = turned[:, np.newaxis]
+    return crank_misfits(reducer, crank), slope
+
+
+def crank_misfits(reducer: RvReducer, crank: Array) -> Array:
+    """Compute the displacement of each eccentric from its bore by manufacturing errors [m], shape (m, D, n, 2)."""
+    errors, shape = reducer.crank_errors, (len(reducer.phases), reducer.cranks.count)
+    carrier_angle = -crank / reducer.design.lobes
+    along = reducer.stage.eccentrics(crank)[:, :, np.newaxis]
+    radial, tangential = (
+        _listed(values, shape)[..., np.newaxis] for values in (errors.eccentric_radial, errors.eccentric_tangential)
+    )
+    bores = np.stack([_listed(errors.bore_x, shape), _listed(errors.bore_y, shape)], axis=-1)
+    holes = np.stack([_listed(errors.carrier_x, shape[1:]), _listed(errors.carrier_y, shape[1:])], axis=-1)
+    axis = np.array([errors.axis_x, errors.axis_y])
+    return radial * along + tangential * _quarter_turned(along) + _rotate(holes - bores, carrier_angle) + axis
+
+
+def planet_offsets(reducer: RvReducer, crank: Array) -> Array:
+    """Compute the displacement of the teeth of each planet from its crank by run-out [m], shape (m, n, 2)."""
+    errors, shape = reducer.crank_errors, (reducer.cranks.count,)
+    return _rotate(np.stack([_listed(errors.planet_x, shape), _listed(errors.planet_y, shape)], axis=-1), crank)
+
+
+def phase_errors(reducer: RvReducer, crank: Array) -> Array:
+    """Compute the phase error of each crank by its planet [rad], shape (m, n), at a fixed sun, for `closed_error`.
+
+    A planet that is displaced by o along the circle of cranks is turned back by o over its pitch radius.
+    """
+    forward = _quarter_turned(reducer.stage.crank_places(crank)) / reducer.lever
+    moved = np.sum(planet_offsets(reducer, crank) * forward, axis=-1)
+    return np.asarray((moved + _mesh_error(reducer, crank)) / _planet_radius(reducer))
+
+
+def _planet_radius(reducer: RvReducer) -> float:
+    """Return the pitch radius of a planet [m], at the distance of sun and planet."""
+    planet = reducer.planet
+    return reducer.lever * planet.planet_teeth / (planet.sun_teeth + planet.planet_teeth)
+
+
+def _mesh_error(reducer: RvReducer, crank: Array) -> Array:
+    """Return the transmission error of each planet mesh at the pitch circle [m], shape (m, n), equal in all meshes."""
+    planet = reducer.planet
+    phase = planet.planet_teeth * crank * reducer.design.ring.teeth / reducer.design.lobes
+    return np.repeat((planet.transmission_error * np.sin(phase))[:, np.newaxis], reducer.cranks.count, axis=1)
+
+
+def _flanks(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
+    """Return gap (m, 2 n) [m] and gradient (m, 2 n, u) [1] of the flanks of the planets on the sun.
+
+    The first n flanks carry a counter-clockwise load on the carrier. The normal of a flank points from the sun to the
+    planet, at the pressure angle to the circle of cranks.
+    """
+    planet, stage, lever = reducer.planet, reducer.stage, reducer.lever
+    outward = stage.crank_places(crank) / lever
+    forward, carrier = _quarter_turned(outward), 3 * len(stage.phases)
+    moved = planet_offsets(reducer, crank) + _mesh_error(reducer, crank)[..., np.newaxis] * forward
+    gaps, slopes = [], []
+    for sign in (-1.0, 1.0):
+        normal = sign * np.cos(planet.pressure_angle) * forward + np.sin(planet.pressure_angle) * outward
+        slope = np.zeros((*outward.shape[:2], _unknowns(reducer)))
+        along = sign * np.cos(planet.pressure_angle)
+        slope[..., carrier] = along
+        for number in range(stage.cranks):
+            slope[:, number, carrier + 1 + number] = -along * _planet_radius(reducer) / lever
+        if planet.sun_support == "floating":
+            slope[..., -2:] = -normal
+        gaps.append(0.5 * planet.backlash * np.cos(planet.pressure_angle) + np.sum(normal * moved, axis=-1))
+        slopes.append(slope)
+    return np.concatenate(gaps, axis=1), np.concatenate(slopes, axis=1)
+
+
+def rv_loads(springs: RvSprings, torque: float | Array) -> RvLoads:
+    """Compute the balance under a torque on the carrier [N m], not 0: a number, or one per crank angle, shape (m,).
+
+    Raises
+    ------
+    RunError
+        The Newton method does not converge.
+    """
+    load = np.zeros((springs.crank.size, springs.slope.shape[2]))
+    load[:, springs.carrier] = torque / springs.lever
+    z = _minimise(springs, load)
+    _, _, tangent = _system(springs, load, z, needs_tangent=True)
+    unit = np.zeros(load.shape)
+    unit[:, springs.carrier] = 1.0 / springs.lever
+    turned = np.asarray(np.linalg.solve(tangent, unit[..., np.newaxis]))[:, springs.carrier, 0]
+    force = _contact_forces(springs, z)
+    flanks = force[:, springs.pins :].reshape(len(z), 2, -1)
+    bearing, _, _ = _bearings(springs, z)
+    return RvLoads(
+        pins=force[:, : springs.pins],
+        cranks=bearing,
+        meshes=flanks[:, 0] - flanks[:, 1],
+        carrier_turn=z[:, springs.carrier] / springs.lever,
+        compliance=np.asarray(turned / springs.lever),
+    )
+
+
+def _minimise(springs: RvSprings, load: Array) -> Array:
+    """Return the displacements of least energy (m, u) [m]."""
+    z, size = np.zeros(load.shape), np.max(np.abs(load), axis=1)
+    energy, residual, tangent = _system(springs, load, z, needs_tangent=True)
+    for _ in range(NEWTON.max_steps):
+        active = np.max(np.abs(residual), axis=1) > NEWTON.rtol * size
+        if not active.any():
+            return z
+        step = np.linalg.solve(tangent, residual[..., np.newaxis])[..., 0] * active[:, np.newaxis]
+        expected, share = np.sum(step * residual, axis=1), np.ones(len(z))
+        for _ in range(NEWTON.max_halvings):
+            tried = z + share[:, np.newaxis] * step
+            reached, residual, _ = _system(springs, load, tried, needs_tangent=False)
+            # a change of the energy below its rounding cannot be compared
+            allowed = energy - NEWTON.armijo * share * expected + np.finfo(float).eps * np.abs(energy)
+            short = reached > allowed
+            if not short.any():
+                break
+            share = np.where(short, 0.5 * share, share)
+        z = tried
+        energy, residual, tangent = _system(springs, load, z, needs_tangent=True)
+    largest = float(np.max(np.max(np.abs(residual), axis=1) / size))
+    raise RunError(
+        f"no static equilibrium found: the residual is {largest:.3g} of the load (allowed: {NEWTON.rtol:.0e}); check "
+        "the clearances (--set clearance....), or raise the load (--load-nm)"
+    )
+
+
+def _contact_forces(springs: RvSprings, z: Array) -> Array:
+    """Return the forces of pins and planet flanks [N], shape (m, c)."""
+    width = springs.gap + np.einsum("mcu,mu->mc", springs.slope, z)
+    return springs.stiffness * np.maximum(-width, 0.0)
+
+
+def _bearings(springs: RvSprings, z: Array) -> tuple[Array, Array, Array]:
+    """Return the forces of cranks on discs (m, D, n, 2) [N], their energy (m, D, n) [J], and the tangent [N/m].
+
+    The tangent is the derivative of a force by the displacement of its crank, shape (m, D, n, 2, 2).
+    With a preload, needles are loaded on both sides until the far side opens.
+    """
+    stiffness, clearance = springs.bearing_stiffness, springs.bearing_clearance
+    away = springs.offset + np.einsum("mdnju,mu->mdnj", springs.offset_slope, z)
+    distance = np.maximum(np.linalg.norm(away, axis=-1), np.finfo(float).tiny)
+    near, far = np.maximum(distance - clearance, 0.0), np.maximum(-distance - clearance, 0.0)
+    along = away / distance[..., np.newaxis]
+    pressed = stiffness * (near - far)
+    outer = along[..., :, np.newaxis] * along[..., np.newaxis, :]
+    rate = stiffness * ((near > 0.0) + 1.0 * (far > 0.0))
+    side = np.where(distance > abs(clearance) * 1e-9 + 1e-18, pressed / distance, rate)
+    tangent = rate[..., np.newaxis, np.newaxis] * outer + side[..., np.newaxis, np.newaxis] * (np.eye(2) - outer)
+    return pressed[..., np.newaxis] * along, 0.5 * stiffness * (near**2 + far**2), tangent
+
+
+def _system(springs: RvSprings, load: Array, z: Array, needs_tangent: bool) -> tuple[Array, Array, Array]:
+    """Return energy (m,) [J], residual forces (m, u) [N], and the tangent stiffness (m, u, u) [N/m] if needed."""
+    width = springs.gap + np.einsum("mcu,mu->mc", springs.slope, z)
+    force = springs.stiffness * np.maximum(-width, 0.0)
+    bearing, stored, rates = _bearings(springs, z)
+    energy = 0.5 * np.sum(force * np.maximum(-width, 0.0), axis=1) + stored.sum(axis=(1, 2))
+    energy -= np.sum(load * z, axis=1)
+    residual = load + np.einsum("mcu,mc->mu", springs.slope, force)
+    residual -= np.einsum("mdnju,mdnj->mu", springs.offset_slope, bearing)
+    if not needs_tangent:
+        return energy, residual, np.empty(0)
+    carrying = np.sqrt(springs.stiffness * (width < 0.0))[..., np.newaxis] * springs.slope
+    tangent = np.swapaxes(carrying, 1, 2) @ carrying
+    count = z.shape[1]
+    flat = springs.offset_slope.reshape(len(z), -1, count)
+    weighted = np.einsum("mdnjk,mdnku->mdnju", rates, springs.offset_slope).reshape(len(z), -1, count)
+    tangent += np.swapaxes(flat, 1, 2) @ weighted
+    return energy, residual, tangent + NEWTON.damping * float(springs.stiffness.max()) * np.eye(count)
+
+
+def _listed(values: tuple[float, ...], shape: tuple[int, ...]) -> Array:
+    """Return a list of errors with a shape; an empty list has zeros."""
+    return np.array(values).reshape(shape) if values else np.zeros(shape)
+
+
+def _quarter_turned(vectors: Array) -> Array:
+    """Rotate vectors (..., 2) by 90 degrees counter-clockwise."""
+    return np.stack([-vectors[..., 1], vectors[..., 0]], axis=-1)
+
+
+def _rotate(vectors: Array, angle: Array) -> Array:
+    """Rotate vectors (..., 2) counter-clockwise by angles (m,) [rad], shape (m, ..., 2)."""
+    turn = angle.reshape(-1, *([1] * (vectors.ndim - 1)))
+    x, y, cos, sin = vectors[..., 0], vectors[..., 1], np.cos(turn), np.sin(turn)
+    return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)

@@ -1,0 +1,85 @@
+"""Commands on an RV reducer: figures of those that support it, and one sentence from all others."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from cycloid_mj.cli import main
+from cycloid_mj.design import PRESETS, load
+from cycloid_mj.design.layouts import SUPPORTED
+
+REFUSED = (
+    ("simulate", "rv80e"),
+    ("build", "rv80e", "--out", "model"),
+    ("thermal", "rv80e"),
+    ("reduce", "rv80e", "--out", "joint"),
+    ("stress", "rv80e", "--out", "stress"),
+    ("compare", "pin", "rv80e"),
+    ("measure", "te", "rv80e"),
+    ("protocol", "rv80e"),
+    ("design", "kinematics", "rv80e", "--csv", "k.csv"),
+    ("design", "profile", "rv80e", "--csv", "p.csv"),
+    ("export", "rv80e", "--format", "stl", "--out", "parts"),
+)
+"""Commands that do not support an RV reducer yet."""
+
+
+@pytest.fixture(autouse=True)
+def _in_an_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.mark.parametrize("words", REFUSED, ids=lambda words: "_".join(words[:2]))
+def test_a_command_without_support_names_those_that_have_it(
+    words: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*words, "--quiet"]) == 1
+    out, error = capsys.readouterr()
+    assert (out, error.count("\n")) == ("", 1)
+    assert all(f"`{command}`" in error for command in SUPPORTED["rv"])
+
+
+def test_statics_has_the_figures_of_the_rv80e(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["statics", "--design", "rv80e", "--load-nm", "784", "--json"]) == 0
+    figures = json.loads(capsys.readouterr().out)["figures"]
+    assert figures["ratio"]["value"] == pytest.approx(153.0, rel=1e-9)
+    assert figures["crank_bearing_force_n"]["value"] == pytest.approx(5333.0, rel=1e-3)
+    assert figures["crank_bearing_mean_force_n"]["value"] == pytest.approx(4083.0, rel=1e-3)
+    assert figures["stiffness_nm_per_arcmin"]["value"] == pytest.approx(208.0, rel=2e-3)
+
+
+def test_planets_that_miss_their_mesh_are_refused_with_the_nearest_that_close(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["design", "check", "rv80e", "--set", "planet.sun_teeth=12"]) == 1
+    told = " ".join(capsys.readouterr().out.split())
+    assert "miss the sun's by 1/3 of a pitch; set planet.planet_teeth to 39 or 36" in told
+    assert main(["statics", "rv80e", "--set", "planet.sun_teeth=12"]) == 1
+    assert "set planet.planet_teeth to 39 or 36" in capsys.readouterr().err
+
+
+def test_a_copy_of_the_preset_is_the_preset() -> None:
+    assert main(["design", "new", "mine", "--from", "rv80e"]) == 0
+    assert load(Path("mine.toml")).but(name="rv80e") == PRESETS["rv80e"]
+    text = Path("mine.toml").read_text()
+    assert "[shaft]" not in text
+    assert "\nhole_radius_mm" not in text
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ("output.pins=4", 'layout = "rv" has no use for output.pins'),
+        ("cranks.count=4", "it must be from 2 to 3"),
+        ("crank_errors.bore_x_um=[1.0]", "cranks.count times gear.discs is 6"),
+        ("thermal.disc_c=40", "has no use for thermal.disc_c"),
+    ],
+)
+def test_values_that_the_layout_has_no_use_for_are_refused(
+    change: str, told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["design", "show", "rv80e", "--set", change]) == 2
+    assert told in capsys.readouterr().err
+    assert main(["design", "show", "pin", "--set", "cranks.count=3"]) == 2
+    assert 'or set layout = "rv"' in capsys.readouterr().err

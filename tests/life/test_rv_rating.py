@@ -1,0 +1,36 @@
+"""Rating of an RV reducer: the crank bearings by ISO 281."""
+
+import pytest
+
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.design import PRESETS, override
+from cycloid_mj.life import rate
+
+RV80E = PRESETS["rv80e"]
+
+
+def test_needles_last_6000_h_with_the_capacity_of_the_closed_form() -> None:
+    """C = P (60 600 6000/1e6)^0.3 = 20.5 kN for 6000 h at 15 rpm of the output, so 600 rpm in the bearing."""
+    rating = rate(override(RV80E, ["bearing.dynamic_capacity_n=20477"]))
+    needles = rating.items["crank_needles"]
+    assert needles.value == pytest.approx(4083.0, rel=1e-3)
+    assert needles.life == pytest.approx(6000.0, rel=5e-3)
+    assert "600 rpm mean speed" in needles.note
+
+
+def test_two_cranks_need_half_as_much_more_capacity() -> None:
+    items = rate(override(RV80E, ["cranks.count=2"])).items
+    assert items["crank_needles"].value == pytest.approx(6124.0, rel=1e-3)
+
+
+def test_flanges_carry_less_than_the_discs_because_opposed_forces_cancel_in_part() -> None:
+    items = rate(RV80E).items
+    assert items["crank_tapers"].value < items["crank_needles"].value
+    one = rate(override(RV80E, ["gear.discs=1"])).items
+    # the force of a single disc in the middle is shared equally by both flanges
+    assert one["crank_tapers"].value == pytest.approx(0.5 * one["crank_needles"].value, rel=1e-6)
+
+
+def test_samples_of_an_rv_reducer_are_not_rated() -> None:
+    with pytest.raises(UsageError, match="rate perfect parts"):
+        rate(RV80E, parts="toleranced")

@@ -1,0 +1,128 @@
+"""Balance of an RV reducer: against closed forms, against the kernel's contact law, and its equilibrium."""
+
+import math
+
+import numpy as np
+import pytest
+
+from cycloid_mj.design import PRESETS, override
+from cycloid_mj.geometry.rv_loads import closed_error, ideal_rv_loads
+from cycloid_mj.reducer import RvReducer
+from cycloid_mj.statics import main as statics
+from cycloid_mj.statics.rv import crank_misfits, phase_errors, rv_loads, rv_springs
+from cycloid_mj.statics.rv_sheet import carrier_turn
+
+RV80E = PRESETS["rv80e"]
+ARCSECOND = math.pi / 648000.0
+STIFF = (
+    *("cranks.needle_stiffness_n_m=1e11", "cranks.taper_stiffness_n_m=1e11"),
+    *("stiffness.pin_gear_n_m=1e8", "stiffness.pin_socket_n_m=1e8", "planet.mesh_stiffness_n_m=1e12"),
+    *("clearance.pin_gear_um=1e-6", "clearance.pin_socket_um=1e-6"),
+)
+"""Crank bearings far stiffer than the teeth: the discs keep their places, so that pins share by their arms alone."""
+
+
+def reducer(*changes: str) -> RvReducer:
+    """Build the reducer of the preset with changes."""
+    return RvReducer(override(RV80E, changes))
+
+
+@pytest.mark.parametrize(("cranks", "discs"), [(3, 2), (2, 2), (3, 1)])
+def test_stiff_cranks_share_as_the_closed_form(cranks: int, discs: int) -> None:
+    drive = reducer(*STIFF, f"cranks.count={cranks}", f"gear.discs={discs}")
+    crank = np.radians([0.0, 30.0, 90.0, 200.0])
+    found, ideal = rv_loads(rv_springs(drive, crank), 784.0), ideal_rv_loads(drive.stage, 784.0, crank)
+    assert found.pins.reshape(4, discs, -1) == pytest.approx(ideal.pins, abs=0.02 * ideal.pins.max())
+    if discs == 2:  # a single disc loads the cranks unequally, which springs of planets equalise in part
+        assert found.bearings == pytest.approx(ideal.bearings, abs=0.01 * ideal.bearings.max())
+
+
+def test_forces_are_in_equilibrium_and_the_planets_carry_the_input_torque() -> None:
+    drive = reducer("cranks.needle_clearance_um=3", "planet.backlash_um=20", "clearance.pin_gear_um=2")
+    springs = rv_springs(drive, np.linspace(0.0, 40.0, 7))
+    found = rv_loads(springs, 784.0)
+    normals = springs.slope[:, : springs.pins, :6].reshape(7, -1, 2, 3)[..., :2].sum(axis=2)
+    on_discs = (normals * found.pins[..., np.newaxis]).reshape(7, 2, -1, 2).sum(axis=2)
+    assert on_discs + found.cranks.sum(axis=2) == pytest.approx(0.0, abs=1e-3)
+    base = drive.planet.module * drive.planet.sun_teeth / 2.0 * math.cos(drive.planet.pressure_angle)
+    assert found.meshes.sum(axis=1) * base == pytest.approx(784.0 / 153.0, rel=1e-4)
+
+
+def test_figures_of_the_rv80e() -> None:
+    sheet = statics(RV80E, 784.0)
+    found = {key: item.value for key, item in sheet.quantities.items()}
+    assert found["crank_bearing_force"] == pytest.approx(5333.0, rel=1e-3)
+    assert found["crank_bearing_mean_force"] == pytest.approx(4083.0, rel=1e-3)
+    assert found["stiffness_ideal"] == pytest.approx(208.0, rel=2e-3)
+    # less than by ideal sharing: the discs move, and pins next to the crank take more
+    assert found["crank_bearing_balanced_force"] == pytest.approx(5180.0, rel=5e-3)
+    assert 85.0 < found["efficiency"] < 95.0
+
+
+def test_ring_as_output_has_the_same_mesh() -> None:
+    share = 153.0 / 152.0
+    carrier, ring = (
+        {
+            key: item.value
+            for key, item in statics(override(RV80E, [f"output.member={member}"]), torque).quantities.items()
+        }
+        for member, torque in (("carrier", 784.0), ("ring", 784.0 / share))
+    )
+    assert ring["crank_bearing_force"] == pytest.approx(carrier["crank_bearing_force"], rel=1e-9)
+    assert ring["stiffness_ideal"] == pytest.approx(carrier["stiffness_ideal"] / share**2, rel=1e-6)
+    assert ring["backlash"] == pytest.approx(carrier["backlash"] * share, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("change", "arcsec"),
+    [
+        ("planet.backlash_um=30", 4.6),
+        ("clearance.pin_gear_um=1", 6.8),
+        ("cranks.needle_clearance_um=1", 9.5),
+    ],
+)
+def test_each_clearance_has_the_lost_motion_of_the_closed_form(change: str, arcsec: float) -> None:
+    """Of all crank bearings at once the turn of the disc counts, and their play along the eccentricity partly."""
+    tight = (*STIFF, "clearance.pin_socket_um=1e-6", change)
+    found = statics(override(RV80E, tight), 784.0).quantities["backlash"].value * 60.0
+    assert arcsec - 0.2 < found < (arcsec + 6.8 if "needle" in change else arcsec + 0.2)
+
+
+MODERATE = (
+    *("cranks.needle_stiffness_n_m=2e9", "cranks.taper_stiffness_n_m=2e9", "planet.mesh_stiffness_n_m=1e12"),
+    *("stiffness.pin_gear_n_m=2e9", "stiffness.pin_socket_n_m=2e9", "planet.sun_support=fixed"),
+    *("clearance.pin_gear_um=1e-6", "clearance.pin_socket_um=1e-6"),
+)
+"""Bearings and teeth of 1e9 N/m, and rigid planets."""
+
+ERRORS = {
+    "carrier hole, tangential": ("carrier_x_um=[-10.0, 0, 0]", 22.8, 0.0),
+    "disc hole, tangential": ("bore_x_um={1 = -10.0}", 22.8, 11.4),
+    "disc hole, radial": ("bore_y_um={1 = 10.0}", 22.8, 11.4),
+    "eccentricity of one crank": ("eccentric_radial_um={1 = 10.0}", 31.7, 15.8),
+    "eccentricity of all cranks": ("eccentric_radial_um={1 = 10.0, 2 = 10.0, 3 = 10.0}", 0.0, 0.0),
+    "phase of one eccentric": ("eccentric_tangential_um={1 = 10.0}", 31.7, 15.9),
+    "run-out of one planet": ("planet_x_um={1 = 10.0}", 1.0, 1.0),
+    "carrier off the axis of the ring": ("axis_x_um=10.0", 68.3, 0.0),
+}
+"""Error of 10 um -> the change, and the range of the output's angle with one disc and with two [arcsec]."""
+
+
+@pytest.mark.parametrize("name", ERRORS)
+@pytest.mark.parametrize("discs", [1, 2])
+def test_error_map(name: str, discs: int) -> None:
+    """Springs against the closed form: the same pins stay loaded, so the errors count a hundredth."""
+    change, *ranges = ERRORS[name]
+    expected, crank = ranges[discs - 1], np.linspace(0.0, 2.0 * math.pi, 80, endpoint=False)
+    drive = reducer(*MODERATE, f"gear.discs={discs}")
+    small = RvReducer(override(drive.design, [f"crank_errors.{change.replace('10.0', '0.1')}"]))
+    closed = closed_error(small.stage, crank, phase_errors(small, crank), crank_misfits(small, crank)) / ARCSECOND
+    assert 100.0 * np.ptp(closed) == pytest.approx(expected, rel=0.03, abs=0.05)
+    with_errors, without = (rv_loads(rv_springs(item, crank), 784.0).carrier_turn for item in (small, drive))
+    assert 100.0 * np.ptp(with_errors - without) / ARCSECOND == pytest.approx(expected, rel=0.03, abs=0.6)
+
+
+def test_half_the_angles_have_the_same_peaks() -> None:
+    drive = reducer()
+    peaks = [rv_loads(rv_springs(drive, carrier_turn(drive, count)), 784.0).bearings.max() for count in (360, 720)]
+    assert peaks[0] == pytest.approx(peaks[1], rel=2e-3)
