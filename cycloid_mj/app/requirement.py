@@ -5,12 +5,18 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from cycloid_mj.app.controls import with_symbols
+from cycloid_mj.app.drive import build_options
 from cycloid_mj.app.state import values_of
-from cycloid_mj.app.verdicts import requirement_verdicts, verdict
+from cycloid_mj.app.summary import covered_size
+from cycloid_mj.app.verdicts import requirement_verdicts, unmet_without_covers, verdict
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.judgement import Judgement, gravest
 from cycloid_mj.base.units import MICROMETRES, MILLIMETRES, RPM
+from cycloid_mj.design import Material, stock
 from cycloid_mj.life.duration import format_life
+from cycloid_mj.parts.export.casing import RULES
+from cycloid_mj.parts.export.motors import MOTORS, MotorName
+from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.answer import Answer, SizedDrive
 from cycloid_mj.sizing.drives import size_drive
 from cycloid_mj.sizing.process import COOLING, PROCESSES
@@ -69,10 +75,26 @@ def requirement_of(form: Any) -> Requirement:
     for key in WORDS:
         if not isinstance(values.get(key, ""), str):
             raise UsageError(f"the {key} is {values[key]!r}: expected text")
-    values.pop("motor", None)  # chosen for the covers, which the search does not need
+    motor = build_options(values).motor
+    values.pop("motor", None)
     if "duty_percent" in values:
         values["duty"] = values.pop("duty_percent") / 100.0
-    return required(**values)
+    requirement = required(**values)
+    return requirement.but(changes=crank_changes(requirement, motor))
+
+
+def crank_changes(requirement: Requirement, motor: MotorName) -> tuple[str, ...]:
+    """Return the setting of every candidate for a motor: the thinnest crank in stock that can be bored for its shaft.
+
+    Without it, the search takes the thinnest crank that carries the load, into which no motor shaft fits.
+    """
+    shaft = MOTORS[motor].shaft if motor in MOTORS else 0.0
+    if not shaft:
+        return ()
+    printed = Material(name=requirement.made_of).is_plastic
+    wall = max(RULES.min_printed_wall if printed else RULES.min_wall, 0.5 * RULES.wall_share * requirement.diameter)
+    bore = min(one.bore for one in stock.ball_bearings() if one.bore >= 2.0 * (shaft + 2.0 * wall))
+    return (f"shaft.radius_mm={0.5 * MILLIMETRES * bore:.6g}",)
 
 
 def form_of(requirement: Requirement) -> dict[str, Any]:
@@ -103,12 +125,14 @@ def form_of(requirement: Requirement) -> dict[str, Any]:
 def size(on_progress: Callable[[Any], None], form: Any) -> dict[str, Any]:
     """Find drives for a requirement; `on_progress` gets partial answers with the alternatives confirmed so far."""
     on_progress({"doing": "searching for proportions that meet the requirements"})
-    return _answer(size_drive(requirement_of(form), lambda answer: on_progress({"answer": _answer(answer)})))
+    motor = build_options(form).motor
+    found = size_drive(requirement_of(form), lambda answer: on_progress({"answer": _answer(answer, motor)}))
+    return _answer(found, motor)
 
 
-def _answer(answer: Answer) -> dict[str, Any]:
+def _answer(answer: Answer, motor: MotorName) -> dict[str, Any]:
     """Return the result of a search in JSON values: drives with their verdicts, or the limit and alternatives."""
-    drives = [_drive(drive, answer.requirement) for drive in answer.drives]
+    drives = [_drive(drive, answer.requirement, motor) for drive in answer.drives]
     return {
         "asked": form_of(answer.requirement),
         "drives": drives,
@@ -122,12 +146,17 @@ def _answer(answer: Answer) -> dict[str, Any]:
     }
 
 
-def _drive(drive: SizedDrive, required: Requirement) -> dict[str, Any]:
-    """Return a drive in JSON values, judged by the requirement with its covers."""
-    figures = dict(drive.figures)
-    verdicts = requirement_verdicts(form_of(required), figures)
+def _drive(drive: SizedDrive, required: Requirement, motor: MotorName) -> dict[str, Any]:
+    """Return a drive in JSON values, judged by the requirement with its covers for a motor."""
+    figures, form, reason = dict(drive.figures), form_of(required), ""
+    if motor != "auto":
+        covered, reason = covered_size(Reducer(drive.design), motor)
+        sizes = {"drive_diameter_mm": "diameter_mm", "drive_length_mm": "length_mm", "mass_kg": "mass_kg"}
+        figures |= {figure: covered[key] for figure, key in sizes.items()} if covered else {}
+    verdicts = requirement_verdicts(form, figures) | (unmet_without_covers(form) if reason else {})
     violated = {field: judged for field, judged in verdicts.items() if judged["judgement"] != Judgement.PASSED}
-    words = "; ".join(f"{NAMES[field]}: {judged['words']} required" for field, judged in violated.items())
+    listed = [f"{NAMES[field]}: {judged['words']} required" for field, judged in violated.items()]
+    words = "; ".join([*listed, *filter(None, (reason,))])
     return {
         "title": drive.title,
         "why": drive.why,

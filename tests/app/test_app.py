@@ -586,6 +586,26 @@ def test_alternatives_arrive_one_by_one_and_are_valid_requirements(monkeypatch: 
     assert told["ways"][1]["words"] == "a clearance of 5 µm"
 
 
+def test_a_motor_makes_the_crank_thick_enough_for_its_shaft() -> None:
+    form = {"ratio": 15, "diameter_mm": 70, "torque_nm": 3, "process": "printed", "motor": "nema17"}
+    assert requirement.requirement_of(form).changes == ("shaft.radius_mm=4.5",)
+    assert requirement.requirement_of({**form, "motor": "nema34"}).changes == ("shaft.radius_mm=7.5",)
+    assert requirement.requirement_of({**form, "motor": "circle"}).changes == ()
+    with pytest.raises(UsageError, match="unknown motor"):
+        requirement.requirement_of({**form, "motor": "x"})
+
+
+def test_a_drive_whose_covers_do_not_fit_the_motor_does_not_meet_the_requirement(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    wanted = required(ratio=13, diameter_mm=200, torque_nm=3)
+    thin = SizedDrive("lightest", "", PRESETS["printed"].but(shaft={"radius": 3e-3}), sized().figures, {})
+    monkeypatch.setattr(requirement, "size_drive", lambda *_: Answer(wanted, (thin,)))
+    told = requirement.size(lambda _: None, {**requirement.form_of(wanted), "motor": "nema17"})
+    assert told["drives"][0]["verdicts"]["diameter_mm"]["judgement"] == "failed"
+    assert "a crank diameter of at least" in told["drives"][0]["verdict"]["words"]
+
+
 @pytest.mark.slow
 def test_a_sized_drive_can_be_drawn() -> None:
     told = requirement.size(lambda _: None, {"ratio": 15, "diameter_mm": 60, "torque_nm": 0.5, "process": "printed"})

@@ -94,7 +94,7 @@ export class Start {
   #instead(asked) {
     asked = { ...asked, motor: this.form.elements.motor.value };
     this.#build({ ...asked, material: asked.material || "" });
-    this.#find(Object.fromEntries(Object.entries(asked).filter(([, value]) => value !== null && value !== "")));
+    this.#find(Object.fromEntries(Object.entries({ ...asked, motor: asked.motor || "auto" }).filter(([, value]) => value !== null && value !== "")));
   }
 
   async #find(form) {

@@ -220,6 +220,8 @@ class RingLoad {
     svg.setAttribute("role", "img");
     svg.setAttribute("aria-label", "Force at each position of the ring");
     place.replaceChildren(svg);
+    // text of at least 12 pixels, whatever the width of the picture
+    new ResizeObserver(() => svg.style.setProperty("--text", `${Math.max(3, (12 * 104) / (svg.clientWidth || 416))}px`)).observe(svg);
     const marks = ticks(0, this.top, 3);
     for (const value of marks) element(svg, "circle", { r: this.radius(value), class: "scale", "stroke-width": 0.3 });
     element(svg, "path", { d: this.steps(this.peak), class: "largest", "stroke-width": 1 });
