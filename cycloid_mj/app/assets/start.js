@@ -114,7 +114,7 @@ export class Start {
         this.job = mine = data.job;
         if (data.progress?.doing) doing.textContent = data.progress.doing;
         if (data.progress?.answer) {
-          doing.textContent = "searching for alternatives: life, time under load, speed, cooling, material, then diameter and process";
+          doing.textContent = "searching for alternatives: life, duty, speed, cooling, material, size";
           if (data.progress.answer.ways.length !== ways) { // else the buttons stay: one may just be about to be pressed
             const first = ways < 0;
             ways = data.progress.answer.ways.length;
