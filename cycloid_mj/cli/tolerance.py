@@ -12,7 +12,7 @@ from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.cli.delivery import claim_destination, deliver, write
 from cycloid_mj.cli.flags import FLAT, PRESET, ClusterDelivery, PresetOptions, StudySolverFlag, out_flag, whole
 from cycloid_mj.cli.ranges import RANGES
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import reducer_of
 
 if TYPE_CHECKING:
     from cycloid_mj.explore.tolerances import Tolerances
@@ -88,6 +88,9 @@ def tolerance(
     variance of the first limit's figure, or of the backlash, by Sobol indices. It takes
     64 samples or more; below, its confidence intervals would not hold.
 
+    An RV reducer has its tolerances in [crank_tolerance]; its samples are computed in
+    closed form (te_errors_arcsec), and none jams.
+
     The five worst samples that do not jam are written as design files; --verify runs
     them at speed under the rated torque, with friction and inertia, and compares the
     result with statics. The CSV file lists for each sample the departures from the
@@ -102,7 +105,7 @@ def tolerance(
     _require_in_range(samples, seed)
     engine = delivery.engine("threads")
     design = chosen.resolve_checked()
-    limits = [read(text, Reducer(design)) for text in limit]
+    limits = [read(text, reducer_of(design)) for text in limit]
     name = design.name
     files = [f"{name}-worst-1.toml", f"{name}-samples.csv"]
     place = claim_destination(delivery, f"{name}-tolerance", files, OUT, paged=True)

@@ -7,11 +7,11 @@ Layout = Literal["central", "rv"]
 
 SUPPORTED: Mapping[Layout, tuple[str, ...]] = {
     "central": (),
-    "rv": ("design new --from", "design show", "design check", "figures", "rate", "statics"),
+    "rv": ("design new --from", "design show", "design check", "figures", "rate", "statics", "tolerance"),
 }
 """The only commands that support a layout; empty: all of them."""
 
-RV_TABLES = ("planet", "cranks", "crank_errors")
+RV_TABLES = ("planet", "cranks", "crank_errors", "crank_tolerance")
 """Tables of the design file that apply to the layout "rv" only."""
 
 _PAIRS_OF_CRANK = ("clearance", "stiffness", "damping", "working_force")
@@ -31,15 +31,14 @@ NOT_IN_RV = frozenset(
         *("friction.cam", "friction.output", "friction.output_rolling", "contact.cam_rollers"),
         *("errors.hole_position", "errors.hole_x", "errors.hole_y", "errors.eccentricity"),
         *("errors.cam_position", "errors.cam_x", "errors.cam_y"),
-        *(f"tolerance.{name}" for name in ("cam", "output", "hole_position", "eccentricity", "cam_position")),
         *(f"thermal.{part}" for part in ("disc", "ring", "crank", "output", "housing")),
         *("bearing.output_dynamic_capacity", "bearing.output_static_capacity"),
     )
 )
 """Keys, as ``table.name`` of the model, of parts that an RV reducer does not have: central crank and output pins."""
 
-_WITHOUT_RV = ("shaft", "springs")
-"""Tables of such parts."""
+_WITHOUT_RV = ("shaft", "springs", "tolerance")
+"""Tables of such parts; the tolerances of an RV reducer are in a table of their own."""
 
 
 def applies(layout: Layout, table: str, name: str) -> bool:

@@ -14,7 +14,7 @@ from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.design import units as u
 from cycloid_mj.design.layouts import RV_TABLES, applies
 from cycloid_mj.design.materials import BY_CASEFOLD, DEFAULT, MATERIALS, SOFTEST_METAL, material_name
-from cycloid_mj.design.rv import CrankErrors, Cranks, Planet
+from cycloid_mj.design.rv import CrankErrors, Cranks, CrankTolerance, Planet
 from cycloid_mj.design.section import Offsets, Section
 from cycloid_mj.design.units import (
     PAPER,
@@ -934,6 +934,7 @@ class Design(Section, Presented):
     crank_errors: CrankErrors | None = _rv_table(
         "Manufacturing errors of cranks, crank bores and planets: crank 1 on +y, clockwise, at the crank angle 0"
     )
+    crank_tolerance: CrankTolerance | None = _rv_table("Tolerances of the samples of `cycloid-mj tolerance`")
     output: Output = Output()
     shaft: Shaft = Shaft()
     housing: Housing = Housing()

@@ -1,6 +1,6 @@
 """Tables of the design file that only an RV reducer has: its planet stage, its cranks, and their errors."""
 
-from typing import Literal
+from typing import Any, Literal
 
 from cycloid_mj.design import units as u
 from cycloid_mj.design.section import Offsets, Section
@@ -88,6 +88,21 @@ class Cranks(Section):
         le=5000.0,
     )
     flange_thickness: float = quantity(18.0, "thickness of each flange", u.MILLIMETRE, ge=0.01, le=5000.0)
+
+
+def _zone(what: str) -> Any:
+    return choice("", what, source="")
+
+
+class CrankTolerance(Section):
+    """Tolerances of the samples of an RV reducer, in the words of the table [tolerance]; empty: no variation."""
+
+    eccentricity: str = _zone('eccentricity of each eccentric: "normal 2", "uniform 5", "between -1 4" [um], or "IT6"')
+    phase: str = _zone("displacement of each eccentric by its phase error")
+    bore_position: str = _zone("position of each crank bore of the discs, along x and along y")
+    carrier_position: str = _zone("position of each crank axis in the carrier, along x and along y")
+    planet_runout: str = _zone("offset of the teeth of each planet from its crank's axis, along x and along y")
+    axis_position: str = _zone("offset of the carrier's axis from that of the ring, along x and along y")
 
 
 class CrankErrors(Section):

@@ -46,7 +46,12 @@ def find_jams(figures: Mapping[str, Array]) -> Mask:
 
 
 def preloaded_pairs(figures: Mapping[str, Array]) -> dict[str, float]:
-    """Compute the share of samples in which each part presses without a load, and of those without a balance."""
+    """Compute the share of samples in which each part presses without a load, and of those without a balance.
+
+    Empty for samples that were not balanced.
+    """
+    if not PRELOADS.keys() <= figures.keys():
+        return {}
     counts = {
         PRELOADED_PARTS[free]: float(np.mean(figures[free] > JAM.share * figures[loaded]))
         for free, loaded in PRELOADS.items()

@@ -18,7 +18,7 @@ from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.result import Table
 from cycloid_mj.design import Design, Named, resolve
 from cycloid_mj.dynamics.run import Solver
-from cycloid_mj.explore import sampling
+from cycloid_mj.explore import rv_samples, sampling
 from cycloid_mj.explore.budget import SOBOL, Share, budget_blocks, budget_samples, shares, usable_rows
 from cycloid_mj.explore.constraints import FigureLimit, parse_limit, require_consistent
 from cycloid_mj.explore.jam import JAM, PRELOADS, explain_jams, find_jams, jams_too_often, preloaded_pairs
@@ -26,7 +26,7 @@ from cycloid_mj.explore.verify import DynamicsCheck, table_rows, verify_design
 from cycloid_mj.explore.zone import Zone
 from cycloid_mj.figures import SAMPLED, Figure, compute_sampled, figure
 from cycloid_mj.figures.sampled import ANGLES, condition
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 from cycloid_mj.reducer.sockets import require_one_ring
 from cycloid_mj.statics.samples import Samples, identical_samples
 
@@ -194,7 +194,8 @@ class Tolerances(Tabular):
             f"{check.design}: the run in full dynamics failed: {check.note}" for check in self.verified if check.note
         ]
         pairs = ", ".join(f"{pair} in {share:.2%}" for pair, share in preloaded_pairs(self.figures).items())
-        separate = [key for key in self.figures if figure(key).sampled is None]
+        closed = (rv_samples.FIGURE,)
+        separate = [key for key in self.figures if figure(key).sampled is None and key not in closed]
         fit = int(np.sum(~self.jams))
         return (
             *([] if fit > 1 else [f"no distributions: {fit} of {self.samples} samples do not jam"]),
@@ -330,7 +331,10 @@ def tolerance(
     """
     if not 0 <= verify <= MAX_WORST:
         raise UsageError(f"cannot run {verify} samples in full dynamics; allowed: 0 to {MAX_WORST}, the worst samples")
-    study = _define_study(Reducer(resolve(design)), samples, seed, limits)
+    reducer = reducer_of(resolve(design))
+    if isinstance(reducer, RvReducer):
+        return _rv_result(reducer, samples, seed, limits, verify)
+    study = _define_study(reducer, samples, seed, limits)
     done: dict[int, dict[str, Array]] = {}
     checked: dict[int, DynamicsCheck] = {}
     try:
@@ -344,6 +348,36 @@ def tolerance(
             raise
         raise StudyInterrupted(stop, _with_dynamics(study.result(done), checked)) from stop
     return _with_dynamics(result, checked)
+
+
+def _rv_result(
+    reducer: RvReducer, samples: int, seed: int, limits: Sequence[FigureLimit | str], verify: int
+) -> Tolerances:
+    """Return the study of an RV reducer, whose samples have a closed form; errors as `tolerance`."""
+    parsed = tuple(parse_limit(limit, reducer) if isinstance(limit, str) else limit for limit in limits)
+    require_consistent(parsed)
+    if other := [limit.key for limit in parsed if limit.key != rv_samples.FIGURE]:
+        raise UsageError(f"{other[0]} is not computed for samples of an RV reducer: limit {rv_samples.FIGURE} only")
+    if verify:
+        raise UsageError("samples of an RV reducer cannot be run in full dynamics: leave out --verify")
+    drawn = rv_samples.draw_rv_samples(reducer, samples, seed, MAX_WORST)
+    return Tolerances(
+        design=reducer.design.name,
+        condition="closed form with ring and sun fixed, without clearance and load, over a turn of the carrier",
+        samples=samples,
+        asked=samples,
+        seed=seed,
+        figures={rv_samples.FIGURE: drawn.values},
+        drawn=drawn.drawn,
+        jams=np.zeros(samples, dtype=bool),
+        jammed_by="",
+        limits=parsed,
+        budget_of=rv_samples.FIGURE,
+        budget=drawn.budget,
+        no_budget="",
+        worst=drawn.worst,
+        left_out=("the error budget states shares in the mean square of the transmission error over the turn",),
+    )
 
 
 def _define_study(reducer: Reducer, samples: int, seed: int, limits: Sequence[FigureLimit | str]) -> "_Study":

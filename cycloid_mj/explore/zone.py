@@ -45,7 +45,7 @@ class Zone:
         return self.width if self.kind == "normal" else self.width / 3.0**0.5
 
 
-def zone(text: str, key: str, size: float, clearance: float | None = None) -> Zone | None:
+def zone(text: str, key: str, size: float, clearance: float | None = None, table: str = "tolerance") -> Zone | None:
     """Parse a tolerance; None where there is none.
 
     Parameters
@@ -56,6 +56,8 @@ def zone(text: str, key: str, size: float, clearance: float | None = None) -> Zo
         Diameter that grades and fits refer to [m].
     clearance
         Clearance of the design [m], to which the departures of a fit refer; None where a fit is not allowed.
+    table
+        Table of the design file that has the key.
 
     Raises
     ------
@@ -78,8 +80,8 @@ def zone(text: str, key: str, size: float, clearance: float | None = None) -> Zo
         if clearance is not None and "/" in text:
             return _fit(text, size, clearance)
     except ValueError as error:
-        raise DesignError(f"tolerance.{key} = {text!r}: {error}; write {FORMS}") from error
-    raise DesignError(f"tolerance.{key} = {text!r} is not a valid tolerance; write {FORMS}")
+        raise DesignError(f"{table}.{key} = {text!r}: {error}; write {FORMS}") from error
+    raise DesignError(f"{table}.{key} = {text!r} is not a valid tolerance; write {FORMS}")
 
 
 def _finite(text: str) -> float:

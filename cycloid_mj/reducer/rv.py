@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NoReturn, TypeVar
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import Design
 from cycloid_mj.design.layouts import Layout, unsupported_layout
-from cycloid_mj.design.rv import CrankErrors, Cranks, Planet
+from cycloid_mj.design.rv import CrankErrors, Cranks, CrankTolerance, Planet
 from cycloid_mj.reducer.reducer import Reducer
 
 if TYPE_CHECKING:
@@ -43,6 +43,11 @@ class RvReducer(Reducer):
     def crank_errors(self) -> CrankErrors:
         """The table `crank_errors` of the design."""
         return _required(self.design.crank_errors)
+
+    @property
+    def crank_tolerance(self) -> CrankTolerance:
+        """The table `crank_tolerance` of the design."""
+        return _required(self.design.crank_tolerance)
 
     @property
     def kinematics(self) -> "RvKinematics":

@@ -11,10 +11,10 @@ from cycloid_mj.base.units import ARCMINUTE, ARCSECOND
 from cycloid_mj.design import material_limits
 from cycloid_mj.design.materials import YIELD_PRESSURE
 from cycloid_mj.geometry.rv import mesh_loss_factor
-from cycloid_mj.geometry.rv_loads import IdealRvLoads, ideal_rv_loads, mean_force
+from cycloid_mj.geometry.rv_loads import IdealRvLoads, closed_error, ideal_rv_loads, mean_force
 from cycloid_mj.reducer import RvReducer, once
 from cycloid_mj.statics.kernel import CARRYING_SHARE
-from cycloid_mj.statics.rv import RvLoads, RvSprings, rv_loads, rv_springs
+from cycloid_mj.statics.rv import RvLoads, RvSprings, crank_misfits, phase_errors, rv_loads, rv_springs
 from cycloid_mj.statics.sheet_figures import sheet_quantity
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE, STRAIGHT
 
@@ -22,6 +22,8 @@ ANGLES = 720
 """Crank angles over a turn of the carrier: peak forces are within 0.1 % of those at 3510 angles."""
 FEW_ANGLES = 61
 """The same for means of rotations."""
+CLOSED_ANGLES = 960
+"""Crank angles over a turn of the carrier for closed forms: 24 in each turn of a crank of 40 pins."""
 STOP_TORQUE_SHARE = 1e-4
 """Torque that moves the parts to their stops, over the load; the stop is extrapolated to no torque."""
 
@@ -57,6 +59,16 @@ def ideal(reducer: RvReducer, torque: float) -> IdealRvLoads:
     return ideal_rv_loads(reducer.stage, torque_on_carrier(reducer, torque), carrier_turn(reducer))
 
 
+def closed_turn(reducer: RvReducer) -> Array:
+    """Compute the rotation of the output by the errors of the design in closed form [rad], over a turn of the carrier.
+
+    At `CLOSED_ANGLES` crank angles.
+    """
+    crank = np.linspace(0.0, reducer.crank_turn, CLOSED_ANGLES, endpoint=False)
+    turn = closed_error(reducer.stage, crank, phase_errors(reducer, crank), crank_misfits(reducer, crank))
+    return reducer.share * turn
+
+
 def motions(reducer: RvReducer, load: float) -> Iterator[Quantity]:
     """Yield backlash, lost motion and stiffness at a fixed sun, without friction and weight."""
 
@@ -90,6 +102,7 @@ def forces(reducer: RvReducer, load: float) -> Iterator[Quantity]:
     yield sheet_quantity("crank_bearing_balanced_mean_force", _largest_mean(solved.bearings))
     yield sheet_quantity("planet_mesh_force", float(np.abs(solved.meshes).max()))
     yield sheet_quantity("te_ideal", reducer.share * peak_to_peak(solved.carrier_turn) / ARCSECOND)
+    yield sheet_quantity("te_errors", peak_to_peak(closed_turn(reducer)) / ARCSECOND)
     peak = float(shared.pins.max())
     yield sheet_quantity(f"{kind}_peak_force", float(force.max()), reference=peak, source="ideal sharing")
     yield sheet_quantity(f"{kind}_mean_force", float(force[carries].mean()))
