@@ -1,10 +1,11 @@
 """Materials by name, with the properties of parts for which the design file states none.
 
-Values at 23 °C, in SI, as their sources print them; strengths of steels go with the heat treatment, of plastics with
-time and temperature. A plastic's modulus is that of a short test: under a load that stays, Hostaform C 9021 (POM) has
-2500 MPa left after 1 h and 1300 MPa after 1000 h (ISO 899-1), and its fellows creep alike. Thermal expansion is the
-usual value of the kind, of metals within 5 %, of plastics within a fifth. A hardened surface yields at a third of its
-Vickers hardness as a pressure (Tabor); its case is taken to be deeper than the contacts press.
+Values at 23 °C, in SI, as their sources print them; at other temperatures `WARM_CURVES` apply. Strengths of steels go
+with the heat treatment, of plastics with time and temperature. A plastic's modulus is that of a short test: under a
+load that stays, Hostaform C 9021 (POM) has 2500 MPa left after 1 h and 1300 MPa after 1000 h (ISO 899-1), and its
+fellows creep alike. Thermal expansion is the usual value of the kind, of metals within 5 %, of plastics within a fifth.
+A hardened surface yields at a third of its Vickers hardness as a pressure (Tabor); its case is taken to be deeper than
+the contacts press.
 """
 
 import math
@@ -75,6 +76,9 @@ def _entry(
 
 SOFTEST_METAL = 3e10
 """Young's modulus [Pa] below which a material counts as a plastic, and creeps: magnesium has 45 GPa."""
+
+LIGHTEST_MODULUS = 9e10
+"""Young's modulus [Pa] below which an unnamed metal counts as aluminium: bronze has 95 GPa, aluminium 70."""
 
 DEFAULT = "alloy steel"
 
@@ -165,6 +169,65 @@ MATERIALS = {
 """Materials by name."""
 
 MATERIALS["PA-CF"] = replace(MATERIALS["Onyx"], source="as Onyx, PA6 with chopped carbon fibre, printed")
+
+
+@dataclass(frozen=True)
+class WarmCurve:
+    """Modulus and strengths at temperatures [°C], relative to those at 20 °C [1]; constant beyond both ends."""
+
+    temperatures: tuple[float, ...]
+    modulus: tuple[float, ...]
+    strength: tuple[float, ...]
+    source: str
+
+
+WARM_CURVES = {
+    "steel": WarmCurve(
+        (20.0, 100.0, 200.0, 300.0),
+        (1.0, 0.98, 0.95, 0.915),
+        (1.0, 0.96, 0.88, 0.77),
+        "modulus ASME BPVC II-D, TM-1, carbon steel; strength 42CrMo4, EN 10269",
+    ),
+    "stainless": WarmCurve(
+        (20.0, 100.0, 200.0, 300.0), (1.0, 0.97, 0.93, 0.895), (1.0, 0.82, 0.67, 0.58), "1.4301, EN 10088-1 and -3"
+    ),
+    "aluminium": WarmCurve(
+        (20.0, 50.0, 100.0, 150.0, 200.0),
+        (1.0, 0.99, 0.97, 0.93, 0.86),
+        (1.0, 0.98, 0.95, 0.91, 0.79),
+        "EN 1999-1-2, EN AW-6061 T6; 7075 loses more above 100 °C",
+    ),
+    "POM": WarmCurve(
+        (20.0, 60.0, 80.0, 100.0), (1.0, 0.6, 0.45, 0.32), (1.0, 0.67, 0.54, 0.43), "usual of POM, within a fifth"
+    ),
+    "PA": WarmCurve(
+        (20.0, 60.0, 80.0, 100.0), (1.0, 0.45, 0.25, 0.18), (1.0, 0.62, 0.5, 0.42), "usual of dry PA 6, within a fifth"
+    ),
+    "PLA": WarmCurve(
+        (20.0, 50.0, 60.0), (1.0, 0.8, 0.1), (1.0, 0.6, 0.1), "glass transition near 58 °C, within a fifth up to 50 °C"
+    ),
+    "PETG": WarmCurve(
+        (20.0, 60.0, 80.0), (1.0, 0.8, 0.1), (1.0, 0.6, 0.1), "glass transition near 80 °C, within a fifth up to 60 °C"
+    ),
+}
+"""Curves of kinds of materials, rounded. Plastics differ by grade and moisture."""
+
+CURVE_OF_MATERIAL = {
+    **{"stainless steel": "stainless", "aluminium 6061": "aluminium", "aluminium 7075": "aluminium"},
+    **{"POM": "POM", "PA6": "PA", "PA12": "PA", "Onyx": "PA", "PA-CF": "PA", "PLA": "PLA", "resin": "PLA"},
+    "PETG": "PETG",
+}
+"""Material -> key of its curve; that of all other metals is "steel", and other plastics have none."""
+
+
+def warm_curve(name: str, modulus: float) -> WarmCurve | None:
+    """Return the curve of a material by its name, else of a metal by its Young's modulus [Pa]; None if unknown."""
+    if name in CURVE_OF_MATERIAL:
+        return WARM_CURVES[CURVE_OF_MATERIAL[name]]
+    if modulus < SOFTEST_METAL:
+        return None
+    return WARM_CURVES["aluminium" if modulus < LIGHTEST_MODULUS else "steel"]
+
 
 BY_CASEFOLD = {name.casefold(): name for name in MATERIALS}
 """Name in small letters -> name."""

@@ -1294,5 +1294,5 @@ def material_limits(design: Design) -> tuple[str, ...]:
         if material.is_plastic:
             what = f"{material.name or 'a plastic'} ({', '.join(parts_of)})"
             hottest = f" and is usable up to {entry.hottest:g} °C ({entry.source})" if entry else ""
-            limits.append(f"{what} creeps{hottest}: its stiffness and strength are those of a short load at 23 °C")
+            limits.append(f"{what} creeps{hottest}: its stiffness and strength are those of a short load")
     return tuple(limits)

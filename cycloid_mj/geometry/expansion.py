@@ -2,16 +2,18 @@
 
 Each part expands uniformly by 1 + alpha (T - 20 °C). Angles and clearances depend on the ratios of these factors only,
 so all lengths are divided by the factor of the ring: its pin circle and every nominal size stay as drawn, and the
-differences appear as clearances, as a modification of the flanks and as errors of eccentricity and holes. Forces and
-stiffnesses change by the neglected common factor, about 1e-3 at 100 K of steel.
+differences appear as clearances, as a modification of the flanks and as errors of eccentricity and holes. The common
+factor, about 1e-3 at 100 K of steel, is neglected. Printed parts expand differently along their axis, which changes
+no clearance of the planar mechanism. Moduli and strengths are those of the temperature of each part.
 """
 
 import math
 from collections.abc import Mapping
 
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.design import Design
-from cycloid_mj.design.model import PARTNERS, REFERENCE_TEMPERATURE
+from cycloid_mj.design import Design, Material
+from cycloid_mj.design.materials import warm_curve
+from cycloid_mj.design.model import PARTNERS, PARTS, REFERENCE_TEMPERATURE
 
 BODY_OF = {"gear": "disc", "pin": "ring", "housing": "ring", "output": "output", "shaft": "crank"}
 """Part of a material -> key of its temperature in ``[thermal]``."""
@@ -53,7 +55,7 @@ def warm_clearances(design: Design) -> dict[str, float]:
 
 
 def expand(design: Design) -> Design:
-    """Return the design with the clearances that its parts have at the temperatures of ``[thermal]``.
+    """Return the design with the clearances and materials that its parts have at the temperatures of ``[thermal]``.
 
     Without temperatures other than 20 °C the design itself is returned.
 
@@ -81,7 +83,28 @@ def expand(design: Design) -> Design:
             **_hole_errors(design, output.pin_circle_radius * (disc - strain(design, "output"))),
         },
         thermal={"applied": True},
+        **{f"{part}_material": warm_material(design, part).model_dump() for part in PARTS},
     )
+
+
+def warm_material(design: Design, part: str) -> Material:
+    """Return the material of a part of `design.PARTS` with modulus and strengths at its temperature.
+
+    Expansion, density and Poisson's ratio remain those at 20 °C, as do all values of an unnamed plastic.
+    """
+    import numpy as np
+
+    material, temperature = design.material_of(part), getattr(design.thermal, BODY_OF[part])
+    curve = warm_curve(material.name, material.youngs_modulus)
+    if curve is None or temperature == REFERENCE_TEMPERATURE:
+        return material
+    modulus, strength = (
+        float(np.interp(temperature, curve.temperatures, values)) for values in (curve.modulus, curve.strength)
+    )
+    softer = {"youngs_modulus": modulus * material.youngs_modulus}
+    for name in ("tensile_strength", "yield_strength", "surface_yield", "endurance_pressure"):
+        softer[name] = strength * getattr(material, name)
+    return material.model_copy(update=softer)
 
 
 def _hole_errors(design: Design, outward: float) -> Mapping[str, tuple[float, ...]]:

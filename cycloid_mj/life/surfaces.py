@@ -100,7 +100,7 @@ def _set(loadings: Sequence[Loading], kind: str, strength: float) -> RatedItem:
         None,
         1.0 / damage if damage else math.inf,
         "p0 = 4 k = 2.31 Y; Y decreases with the time under load as the creep modulus of POM (ISO 899-1)",
-        f"Y = {1e-6 * strength:.4g} MPa for a short load at 23 °C; the load is assumed to act on one place always",
+        f"Y = {1e-6 * strength:.4g} MPa for a short load; the load is assumed to act on one place always",
     )
 
 

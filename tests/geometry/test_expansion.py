@@ -114,3 +114,31 @@ def test_backlash_falls_in_a_disc_warmer_than_its_ring() -> None:
     )
     assert hot < cold
     assert "disc 22 °C" in cm.statics(warm("pin", "thermal.disc_c=22")).condition
+
+
+def test_warm_materials_are_softer_and_weaker() -> None:
+    """Steel at 100 °C has 0.98 of its modulus and 0.96 of its strengths; POM at 70 °C is between its 60 and 80 °C."""
+    steel = warm("pin", *(f"thermal.{part}_c=100" for part in ("disc", "ring", "crank", "output")))
+    for part in ("gear", "pin", "shaft"):
+        cold, hot = steel.material_of(part), Reducer(steel).design.material_of(part)
+        assert hot.youngs_modulus == pytest.approx(0.98 * cold.youngs_modulus)
+        assert hot.yield_strength == pytest.approx(0.96 * cold.yield_strength)
+        assert (hot.density, hot.expansion, hot.poisson) == (cold.density, cold.expansion, cold.poisson)
+    plastic = warm("pin", 'gear_material.name="POM"', "clearance.pin_gear_um=800", "thermal.disc_c=70")
+    disc = Reducer(plastic).design
+    assert disc.material_of("gear").youngs_modulus == pytest.approx(0.525 * 2850e6)
+    assert disc.material_of("pin").youngs_modulus == plastic.material_of("pin").youngs_modulus
+
+
+def test_a_warm_drive_of_steel_is_one_of_a_softer_steel() -> None:
+    """At 100 °C: the stiffness, pressures and yield of a drive of 0.98 of the modulus and 0.96 of the strength."""
+    hot = warm("pin", *(f"thermal.{part}_c=100" for part in ("disc", "ring", "crank", "output")))
+    steel = PRESETS["pin"].material
+    softer = PRESETS["pin"].but(
+        material={"youngs_modulus": 0.98 * steel.youngs_modulus, "yield_strength": 0.96 * steel.yield_strength}
+    )
+    cold = cm.statics("pin").quantities
+    for key in ("stiffness_ideal", "pin_gear_pressure", "capacity"):
+        values = [cm.statics(design).quantities[key].value for design in (hot, softer)]
+        assert values[0] == pytest.approx(values[1], rel=1e-6), key
+        assert values[0] < cold[key].value
