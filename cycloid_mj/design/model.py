@@ -752,6 +752,19 @@ class Bearing(Section):
     output_static_capacity: float = quantity(0.0, "of the same; 0: ISO 76, the same", u.NEWTON, ge=0.0, le=1e9)
     reliability: float = quantity(0.9, "share of bearings, and of parts, that last", ge=0.5, le=0.9999)
     service_factor: float = quantity(1.0, "factor on the loads of bearings, for shocks", ge=0.1, le=10.0)
+    viscosity: float = quantity(
+        0.0,
+        "kinematic viscosity of the (base) oil at the temperature of the bearings, for a_ISO of ISO 281; 0: L10 only",
+        u.VISCOSITY,
+        ge=0.0,
+        le=1e5,
+    )
+    cleanliness: float = quantity(
+        0.5,
+        "contamination factor e_C of ISO 281: 0.5 to 0.6 normal, 0.1 to 0.3 typical, 1 extremely clean",
+        ge=0.0,
+        le=1.0,
+    )
 
 
 class Service(Section):

@@ -71,6 +71,7 @@ KILOWATT = Unit("kw", multiplier=1e3)
 CELSIUS = Unit("c")
 FILM = Unit("w_m2_k")
 CONDUCTIVITY = Unit("w_m_k")
+VISCOSITY = Unit("mm2_s", divisor=1e6)
 WEAR = Unit("mm3_nm", divisor=1e9)
 HERTZ = Unit("hz")
 
@@ -151,6 +152,7 @@ UNITS = {
         CELSIUS,
         FILM,
         CONDUCTIVITY,
+        VISCOSITY,
         WEAR,
         HERTZ,
     )

@@ -8,10 +8,19 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import RPM
+from cycloid_mj.design.model import Bearing as BearingSettings
 from cycloid_mj.design.stock import StockBearing, ball_bearings
 from cycloid_mj.life import rolling
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import CAM, FAR, NEAR, Body, Loading, relative_speed
+from cycloid_mj.life.modified_life import (
+    MAX_FACTOR,
+    MIN_KAPPA,
+    fatigue_load_limit,
+    life_curve,
+    life_factor,
+    reference_viscosity,
+)
 from cycloid_mj.life.output_bearing import balls_of, output_bearing_forces
 from cycloid_mj.parts.crank import shaft_measures
 from cycloid_mj.parts.export import cam_bearing, shaft_bearing
@@ -55,12 +64,13 @@ class RollerRow:
 
 @dataclass(frozen=True)
 class Ratings:
-    """Dynamic and static load rating of a bearing [N], the source of each, and the exponent of its life."""
+    """Load ratings of a bearing [N] with their sources, its pitch diameter [m], and the exponent of its life."""
 
     dynamic: float
     static: float
     dynamic_source: str
     static_source: str
+    pitch: float
     exponent: float = rolling.EXPONENT
 
 
@@ -197,7 +207,8 @@ def _hub_ratings(reducer: Reducer) -> Ratings:
         f"; ISO 281 gives {by_balls:.4g} N for {row.balls} balls of {1e3 * row.diameter:.3g} mm (estimated), "
         f"{spread:.3g} times the life; manufacturers differ as much"
     )
-    return Ratings(bearing.dynamic, bearing.static, f"C {source}{other}", f"C0 {source}", rolling.BALL_EXPONENT)
+    sources = f"C {source}{other}", f"C0 {source}"
+    return Ratings(bearing.dynamic, bearing.static, *sources, row.pitch, rolling.BALL_EXPONENT)
 
 
 def _roller_ratings(reducer: Reducer) -> Ratings:
@@ -215,9 +226,10 @@ def _ratings(
     given: tuple[float, float], bought: tuple[StockBearing, int] | None, row: RollerRow, where: str
 ) -> Ratings:
     """Return the load ratings of the design file [N], else of bought bearings, else of a row of rollers."""
-    exponent = rolling.EXPONENT
+    exponent, pitch = rolling.EXPONENT, row.pitch
     if bought:
         bearing, count = bought
+        pitch = 0.5 * (bearing.bore + bearing.outside)
         dynamic, static = rolling.side_by_side(bearing.dynamic, count), count * bearing.static
         source = f"of the manufacturer's catalogue: {f'{count} x ' if count > 1 else ''}{bearing.designation}"
         sources = f"C {source}", f"C0 {source}"
@@ -234,6 +246,7 @@ def _ratings(
         static=given[1] or static,
         dynamic_source="C of the design file (bearing.*_capacity_n)" if given[0] else sources[0],
         static_source="C0 of the design file" if given[1] else sources[1],
+        pitch=pitch,
         exponent=exponent,
     )
 
@@ -256,6 +269,9 @@ def _rate_bearing(
         f"{float(turns.sum()) / RPM:.4g} rpm mean speed"
     )
     yield RatedItem(bearing.key, f"{bearing.name}, life", load, ratings.dynamic, "N", None, life, formula, note)
+    if settings.viscosity and turns.any():
+        speed = float(turns.sum()) / sum(load_case.point.share for load_case in loadings)
+        yield _modified_life(bearing, settings, load, life, speed)
     ratios = (
         float(force.max()) / abs(load_case.point.torque) for force, load_case in zip(forces, loadings, strict=True)
     )
@@ -270,6 +286,28 @@ def _rate_bearing(
         None,
         "s0 = C0/P0, ISO 76",
         f"{ratings.static_source}; at the peak torque of {peak:.4g} N m, forces in proportion to the torque",
+    )
+
+
+def _modified_life(bearing: Bearing, settings: BearingSettings, load: float, life: float, speed: float) -> RatedItem:
+    """Rate the life of a bearing modified for lubrication and contamination, from L10 [h] and its speed [rad/s]."""
+    ratings = bearing.ratings
+    curve = life_curve(ratings.exponent)
+    kappa = 1e6 * settings.viscosity / reference_viscosity(speed, ratings.pitch)
+    limit = fatigue_load_limit(ratings.static, ratings.pitch, curve)
+    factor = life_factor(kappa, settings.cleanliness, limit, load, curve) if load else MAX_FACTOR
+    outside = f"; kappa is below {MIN_KAPPA:g}, where ISO 281 has no value" if kappa < MIN_KAPPA else ""
+    return RatedItem(
+        f"{bearing.key}_modified",
+        f"{bearing.name}, modified life",
+        load,
+        ratings.dynamic,
+        "N",
+        None,
+        factor * life,
+        "L = a_ISO a1 L10, a_ISO by kappa and e_C C_u/P, ISO 281:2007",
+        f"a_ISO {factor:.3g}: kappa {kappa:.3g} = {1e6 * settings.viscosity:.3g} mm2/s over nu_1, "
+        f"e_C {settings.cleanliness:g}, C_u {limit:.4g} N by C0, d_m {1e3 * ratings.pitch:.3g} mm{outside}",
     )
 
 

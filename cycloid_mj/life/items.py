@@ -142,5 +142,6 @@ def _assumptions(reducer: Reducer, duty: Duty) -> Iterator[str]:
     yield f"reliability of bearings and parts: {reducer.design.bearing.reliability:.0%} (bearing.reliability)"
     yield f"peak torque: {duty.peak:.4g} N m{'' if duty.peak_given else ', twice the largest of the duty (--peak-nm)'}"
     yield "pitting is rated for steel only: no standard has a curve for other metals and plastics"
+    yield "micropitting is not rated: it needs the film thickness and roughness of each flank (ISO/TS 6336-22)"
     yield "contacts that fit too closely for Hertz, such as pins in sockets, have no pressure rating"
     yield from material_limits(reducer.design)

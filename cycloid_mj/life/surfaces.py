@@ -127,7 +127,7 @@ def _pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pressure:
     if damage > least_damage:
         note += f"; {format_number(1.0 / least_damage)} h by the upper branch of Z_N above 10^7 loads (general use)"
     if life * hourly < MIN_CYCLES:
-        note += "; below 10^4 loads the curve is extrapolated"
+        note += "; outside of AGMA's curve, which begins at 10^4 loads: the life is extrapolated"
     return RatedItem(
         f"{kind}_pitting",
         f"{NAMES[kind]}, pitting",

@@ -69,7 +69,8 @@ ASSUMED_HERE = {
         "max_penetration_um",
     },
     "bearing": {"dynamic_capacity_n", "static_capacity_n", "shaft_dynamic_capacity_n", "output_dynamic_capacity_n"}
-    | {"shaft_static_capacity_n", "output_static_capacity_n", "reliability", "service_factor"},
+    | {"shaft_static_capacity_n", "output_static_capacity_n", "reliability", "service_factor"}
+    | {"viscosity_mm2_s", "cleanliness"},
     "service": {
         "life_h",
         "surface",
@@ -225,7 +226,7 @@ def test_the_file_has_every_key_and_says_what_is_assumed() -> None:
 def test_a_key_states_its_unit() -> None:
     # Numbers without a unit in their key are counts, ratios and friction coefficients, and nothing else.
     bare = {"teeth", "pins", "bolts", "seed", "cam_rollers", "damping_ratio", "poisson", "reliability"}
-    bare |= {"service_factor", "notch_factor", "discs", "impact_exponent", "halves", "emissivity", "duty_share"}
+    bare |= {"service_factor", "notch_factor", "discs", "impact_exponent", "halves", "emissivity", "duty_share", "cleanliness"}
     for table, field in Design.model_fields.items():
         for name, inner in getattr(field.annotation, "model_fields", {}).items():
             if inner.annotation in (int, float) and table not in ("friction", "damping"):

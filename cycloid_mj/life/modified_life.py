@@ -1,0 +1,102 @@
+"""Modified rating life of rolling bearings: lubrication and contamination (ISO 281:2007, 9)."""
+
+import math
+from dataclasses import dataclass
+
+from cycloid_mj.base.units import RPM
+from cycloid_mj.life.rolling import BALL_EXPONENT
+
+MIN_KAPPA, MAX_KAPPA = 0.1, 4.0
+"""Range of viscosity ratios for which a_ISO is defined; a larger ratio counts as 4."""
+
+MIN_FACTOR, MAX_FACTOR = 0.1, 50.0
+"""Range of a_ISO; the least is used below `MIN_KAPPA`, where the standard has no value."""
+
+FULL_SIZE = 0.1
+"""Pitch diameter [m] up to which C_u follows from C0 alone (ISO 281:2007, B.3.3.3)."""
+
+
+@dataclass(frozen=True)
+class LifeCurve:
+    """Constants of a_ISO = 0.1 (1 - (a - b/kappa^c)^d (e_C C_u/P)^e)^f, of balls or rollers.
+
+    `ranges` has upper ends of kappa with b and c (ISO 281:2007, Eqs 31 to 36); `static_share` is C0/C_u of a small
+    bearing, and `size_exponent` the decrease of C_u with the pitch diameter beyond `FULL_SIZE`.
+    """
+
+    offset: float
+    ranges: tuple[tuple[float, float, float], ...]
+    film_exponent: float
+    load_exponent: float
+    exponent: float
+    static_share: float
+    size_exponent: float
+
+
+BALLS = LifeCurve(
+    2.5671,
+    ((0.4, 2.2649, 0.054381), (1.0, 1.9987, 0.19087), (MAX_KAPPA, 1.9987, 0.071739)),
+    0.83,
+    1.0 / 3.0,
+    -9.3,
+    22.0,
+    0.5,
+)
+ROLLERS = LifeCurve(
+    1.5859,
+    ((0.4, 1.3993, 0.054381), (1.0, 1.2348, 0.19087), (MAX_KAPPA, 1.2348, 0.071739)),
+    1.0,
+    0.4,
+    -9.185,
+    8.2,
+    0.3,
+)
+"""Radial bearings: Eqs 31 to 33 of balls, 34 to 36 of rollers."""
+
+
+def life_curve(exponent: float) -> LifeCurve:
+    """Return the constants of balls or rollers, by the exponent p of their life."""
+    return BALLS if exponent == BALL_EXPONENT else ROLLERS
+
+
+def reference_viscosity(speed: float, pitch: float) -> float:
+    """Compute the viscosity nu_1 [mm2/s] that separates the surfaces of a bearing (ISO 281:2007, Eqs 28 and 29).
+
+    Parameters
+    ----------
+    speed
+        Speed of the rings against each other [rad/s], not 0.
+    pitch
+        Pitch diameter [m].
+    """
+    rpm, millimetres = abs(speed) / RPM, 1e3 * pitch
+    factor = 45000.0 * rpm**-0.83 if rpm < 1000.0 else 4500.0 / math.sqrt(rpm)
+    return factor / math.sqrt(millimetres)
+
+
+def fatigue_load_limit(static: float, pitch: float, curve: LifeCurve) -> float:
+    """Compute the fatigue load limit C_u [N] from C0 [N] and the pitch diameter [m] (ISO 281:2007, B.3.3.3)."""
+    return static / curve.static_share * min(1.0, FULL_SIZE / pitch) ** curve.size_exponent
+
+
+def life_factor(kappa: float, cleanliness: float, limit: float, load: float, curve: LifeCurve) -> float:
+    """Compute a_ISO [1] of a radial bearing; below the viscosity ratio 0.1, where it is not defined, its least value.
+
+    Parameters
+    ----------
+    kappa
+        Viscosity ratio nu/nu_1.
+    cleanliness
+        Contamination factor e_C, from 0 to 1.
+    limit, load
+        Fatigue load limit C_u and equivalent load P [N].
+    curve
+        `BALLS` or `ROLLERS`.
+    """
+    if kappa < MIN_KAPPA:
+        return MIN_FACTOR
+    kappa = min(kappa, MAX_KAPPA)
+    factor, power = next((b, c) for end, b, c in curve.ranges if kappa < end or end == MAX_KAPPA)
+    film = (curve.offset - factor / kappa**power) ** curve.film_exponent
+    left = 1.0 - film * (cleanliness * limit / load) ** curve.load_exponent
+    return min(MAX_FACTOR, MIN_FACTOR * left**curve.exponent) if left > 0.0 else MAX_FACTOR
