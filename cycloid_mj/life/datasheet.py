@@ -1,7 +1,7 @@
 """The data sheet of a reducer as manufacturers publish it, each figure with its condition."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import count
@@ -29,6 +29,7 @@ from cycloid_mj.life.no_load import GREASE
 from cycloid_mj.life.output_bearing import USUAL_CLEARANCE, output_bearings
 from cycloid_mj.life.rated import is_bearing_life, is_momentary, is_strength, rated_torque, weakest_torque
 from cycloid_mj.life.sheet_rows import environment, hysteresis, mounting, no_load_curves, torques_without_load
+from cycloid_mj.life.thermal import thermal
 from cycloid_mj.parts import body_solids, mass_properties, moving_masses, parts, turning_inertia
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
 from cycloid_mj.parts.export.casing import casing
@@ -313,7 +314,24 @@ def _efficiency(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
         _figure(reducer, "no_load_torque_nm", "No-load running torque", f"{BARE}; on the crank, {_speed(reducer)}"),
         _figure(reducer, "starting_torque_nm", "Starting torque", f"{BARE}; on the crank"),
         Quantity("temperature_rise", "Temperature rise", housing.value - ambient, "K", note=f"{condition}, still air"),
+        *_thermal_limit(design),
     )
+
+
+def _thermal_limit(design: Design) -> Iterator[Quantity]:
+    """Yield the torque that the steady temperatures of all parts allow, and the disc's rise over the ring.
+
+    Nothing of a design whose sizes are those of warm parts.
+    """
+    if design.thermal.applied:
+        return
+    state = thermal(design)
+    condition = f"{state.condition}; conductances assumed"
+    if math.isfinite(state.torque):
+        limit = f"{condition}; limit: {state.limited_by}"
+        yield Quantity("thermal_torque", "Thermal torque limit", state.torque, "N m", note=limit)
+    jam = f"{condition}; {state.jam_difference:.3g} K close the teeth"
+    yield Quantity("disc_over_ring", "Disc warmer than the ring", state.difference, "K", note=jam)
 
 
 def _speeds(reducer: Reducer) -> tuple[Quantity, ...]:

@@ -13,7 +13,7 @@ from cycloid_mj.base.result import Table, plain
 from cycloid_mj.life.bearing_compliance import CamCompliance
 from cycloid_mj.life.duration import MAX_LIFE, finite_life, format_life, format_number
 
-INDICATIVE = ("_wear", "jam_difference")
+INDICATIVE = ("_wear", "jam_difference", "thermal_torque")
 """Endings of the keys of items that only warn: the coefficient of wear is known to within a factor of ten, and the
 conductances between warm parts are assumed."""
 

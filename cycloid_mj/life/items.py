@@ -20,7 +20,7 @@ from cycloid_mj.life.ranges import StressRange
 from cycloid_mj.life.rv import rate_rv
 from cycloid_mj.life.strength import rate_strength
 from cycloid_mj.life.surfaces import rate_surfaces
-from cycloid_mj.life.thermal import rate_jam_difference
+from cycloid_mj.life.thermal import rate_jam_difference, rate_thermal_torque
 from cycloid_mj.life.wear import rate_wear
 from cycloid_mj.reducer import Reducer, RvReducer, once, reducer_of
 
@@ -49,7 +49,8 @@ def rate(
     ranges
         Part -> stress range of disc or ring from a finite-element study.
     compliance
-        Whether the cam load is also computed over the stiffness of its bearing, see ``life.cam``.
+        Whether the cam load is also computed over the stiffness of its bearing, see ``life.cam``, and the torque that
+        the steady temperatures allow, see ``life.thermal``: half a second each.
     poses
         Number of crank angles: with a tenth of them margins differ by 0.5 %.
     stops
@@ -89,6 +90,8 @@ def rate(
         ratings = [rate(sample, duty, life, ranges, compliance, poses, stops) for sample in samples.designs]
         return _weakest_of(design.name, ratings, samples.words)
     items, work = _rated_items(reducer, duty, ranges, poses, stops)
+    if compliance and not design.thermal.applied:
+        items.append(replace(rate_thermal_torque(design, duty), kind=ItemKind.HEAT))
     by_key = {item.key: item for item in sorted(items, key=lambda item: item.margin(life))}
     spread = rate_cam_compliance(reducer, duty) if compliance else None
     assumptions = *_assumptions(reducer, duty), *([spread.words] if spread else [])

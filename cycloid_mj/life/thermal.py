@@ -407,6 +407,27 @@ def rate_jam_difference(reducer: Reducer, loadings: Sequence[Loading]) -> Iterat
     )
 
 
+def rate_thermal_torque(design: Design, duty: Duty) -> RatedItem:
+    """Rate the largest torque of a duty against the one that the steady temperatures of all parts allow.
+
+    Errors as `thermal`.
+    """
+    state = thermal(design, duty)
+    torque = max(abs(point.torque) for point in duty.points)
+    return RatedItem(
+        "thermal_torque",
+        "thermal torque limit",
+        torque,
+        state.torque,
+        "N m",
+        state.torque / torque,
+        None,
+        f"steady state of the thermal network; limit: {state.limited_by}",
+        f"disc {state.difference:.3g} K warmer than the ring, {state.jam_difference:.3g} K close the teeth; up to "
+        f"{state.speed / RPM:.4g} rpm at this torque; conductances are assumed ([thermal]): see `cycloid-mj thermal`",
+    )
+
+
 def conductance_between(network: Network, first: str, second: str) -> float:
     """Return the sum of the conductances between two nodes [W/K]."""
     links: Sequence[Conductance] = network.conductances

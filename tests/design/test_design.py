@@ -226,7 +226,16 @@ def test_the_file_has_every_key_and_says_what_is_assumed() -> None:
 def test_a_key_states_its_unit() -> None:
     # Numbers without a unit in their key are counts, ratios and friction coefficients, and nothing else.
     bare = {"teeth", "pins", "bolts", "seed", "cam_rollers", "damping_ratio", "poisson", "reliability"}
-    bare |= {"service_factor", "notch_factor", "discs", "impact_exponent", "halves", "emissivity", "duty_share", "cleanliness"}
+    bare |= {
+        "service_factor",
+        "notch_factor",
+        "discs",
+        "impact_exponent",
+        "halves",
+        "emissivity",
+        "duty_share",
+        "cleanliness",
+    }
     for table, field in Design.model_fields.items():
         for name, inner in getattr(field.annotation, "model_fields", {}).items():
             if inner.annotation in (int, float) and table not in ("friction", "damping"):

@@ -11,6 +11,7 @@ import cycloid_mj as cm
 from cycloid_mj.design import PRESETS, Material, override, presets_for
 from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.geometry.expansion import jam_difference, tooth_play
+from cycloid_mj.life import datasheet
 from cycloid_mj.life.duty import Duty, DutyPoint
 from cycloid_mj.life.heat import case_film, cooling_area
 from cycloid_mj.life.thermal import conductance_between, thermal
@@ -164,3 +165,16 @@ def test_rate_warns_of_the_jam_difference_and_takes_a_computed_film() -> None:
     film = case_film(0.1, 20.0 + rise, 20.0, 0.9)
     assert film * area * rise == pytest.approx(computed.items["power_lost"].value, rel=1e-6)
     assert "W/(m2 K)" in computed.items["temperature"].note
+
+
+def test_a_rating_and_a_sheet_state_the_thermal_torque() -> None:
+    """`pin` jams when warm above 27 N m: its rating at 36.68 N m states that, and the data sheet too."""
+    state = thermal("pin")
+    item = cm.rate("pin", compliance=True).items["thermal_torque"]
+    assert item.limit == pytest.approx(state.torque)
+    assert item.safety == pytest.approx(state.torque / PRESETS["pin"].rated_torque)
+    assert not item.decisive, "conductances are assumed"
+    assert "closes the teeth" in item.source
+    rows = {row.key: row for row in datasheet._thermal_limit(PRESETS["pin"])}
+    assert rows["thermal_torque"].value == pytest.approx(state.torque)
+    assert rows["disc_over_ring"].value == pytest.approx(state.difference)
