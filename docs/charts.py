@@ -189,6 +189,28 @@ def _claims() -> dict[str, Any]:
     return {claim["key"]: claim for claim in content["claims"]}
 
 
+def wear() -> Figure:
+    """Draw the growth of the lost motion of each preset over the hours, with its 5 to 95 % interval."""
+    rows = _read("wear")
+    presets = list(dict.fromkeys(row["preset"] for row in rows))
+    figure = Figure(figsize=(WIDTH, 4.2), layout="constrained")
+    for axes, preset in zip(figure.subplots(2, 2, sharex=True).flat, presets, strict=True):
+        courses = {}
+        for case in ("low", "typical", "high"):
+            of_case = [row for row in rows if (row["preset"], row["case"]) == (preset, case)]
+            hours, motion = (np.array([float(row[key]) for row in of_case]) for key in ("hours", "lost_motion_arcmin"))
+            courses[case] = hours, 100.0 * (motion / motion[0] - 1.0)
+        hours, high = courses["high"]
+        axes.fill_between(hours, np.interp(hours, *courses["low"]), high, color=BLUE, alpha=0.15, linewidth=0.0)
+        for case, (colour, width) in {"low": (GREY, 0.9), "high": (GREY, 0.9), "typical": (BLUE, 1.5)}.items():
+            axes.plot(*courses[case], color=colour, linewidth=width)
+        axes.axhline(100.0, color=VERMILION, linewidth=0.9, linestyle="--")
+        axes.set(title=preset, xlim=(0.0, 1000.0), ylim=(0.0, 120.0))
+    figure.supxlabel("time [h]", fontsize=FONT_SIZE)
+    figure.supylabel("growth of the lost motion [%]", fontsize=FONT_SIZE)
+    return figure
+
+
 def _read(name: str) -> list[dict[str, str]]:
     with (DATA / f"{name}.csv").open(encoding="utf-8", newline="") as file:
         return list(csv.DictReader(file))
@@ -198,6 +220,7 @@ CHARTS: dict[Callable[[], Figure], Path] = {
     validation: docs_validation.KEPT,
     solvers: DATA / "solvers.csv",
     cost: DATA / "cost.csv",
+    wear: DATA / "wear.csv",
     joint_losses: DATA / "joint_losses.csv",
     printed_drive: docs_bench.KEPT,
     verdicts: docs_results.KEPT,
