@@ -93,8 +93,14 @@ def crank_changes(requirement: Requirement, motor: MotorName) -> tuple[str, ...]
         return ()
     printed = Material(name=requirement.made_of).is_plastic
     wall = max(RULES.min_printed_wall if printed else RULES.min_wall, 0.5 * RULES.wall_share * requirement.diameter)
-    bore = min(one.bore for one in stock.ball_bearings() if one.bore >= 2.0 * (shaft + 2.0 * wall))
-    return (f"shaft.radius_mm={0.5 * MILLIMETRES * bore:.6g}",)
+    bores = {round(MILLIMETRES * one.bore, 3) for one in stock.ball_bearings()}
+    thick = [bore for bore in bores if bore >= 2.0 * MILLIMETRES * (shaft + 2.0 * wall) and _has_bore_code(bore)]
+    return (f"shaft.radius_mm={0.5 * min(thick):.6g}",)
+
+
+def _has_bore_code(bore_mm: float) -> bool:
+    """Return whether bearings of a bore [mm] have a bore code of ISO 15: 00 to 03, or a fifth of the bore."""
+    return bore_mm in (10.0, 12.0, 15.0, 17.0) or (bore_mm >= 20.0 and bore_mm % 5.0 == 0.0)
 
 
 def form_of(requirement: Requirement) -> dict[str, Any]:

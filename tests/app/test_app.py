@@ -588,7 +588,7 @@ def test_alternatives_arrive_one_by_one_and_are_valid_requirements(monkeypatch: 
 
 def test_a_motor_makes_the_crank_thick_enough_for_its_shaft() -> None:
     form = {"ratio": 15, "diameter_mm": 70, "torque_nm": 3, "process": "printed", "motor": "nema17"}
-    assert requirement.requirement_of(form).changes == ("shaft.radius_mm=4.5",)
+    assert requirement.requirement_of(form).changes == ("shaft.radius_mm=5",)
     assert requirement.requirement_of({**form, "motor": "nema34"}).changes == ("shaft.radius_mm=7.5",)
     assert requirement.requirement_of({**form, "motor": "circle"}).changes == ()
     with pytest.raises(UsageError, match="unknown motor"):
