@@ -21,8 +21,9 @@ from cycloid_mj.parts.export import (
     widen_clearances,
 )
 from cycloid_mj.parts.export.assembly import assembly_parts, places
-from cycloid_mj.parts.export.bill import consumables
-from cycloid_mj.parts.export.casing import Casing, casing_or_none, is_plastic, is_printed
+from cycloid_mj.parts.export.bill import consumables, describe_consumable
+from cycloid_mj.parts.export.casing import Casing, casing_or_none
+from cycloid_mj.parts.export.casing_rules import is_plastic, is_printed
 from cycloid_mj.parts.export.drive import BEARING_FILL
 from cycloid_mj.parts.export.motors import MOTORS, MotorName
 from cycloid_mj.parts.export.print_files import PrintSettings, print_files, stock_cam_seat
@@ -136,7 +137,7 @@ def describe_drive(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
         "reason": reason,
         "bill": rows,
         "mass_kg": sum(row["mass_g"] for row in rows) / 1000.0,
-        "consumables": list(consumables(reducer, sizes)) if sizes else [],
+        "consumables": [describe_consumable(line) for line in consumables(reducer, sizes)] if sizes else [],
         "order": list(assembly_order(reducer, sizes)) if sizes else [],
         "printed": is_plastic(reducer),
     }

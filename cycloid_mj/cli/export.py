@@ -67,8 +67,8 @@ PlateFlag = Annotated[
         negative=(),
         help="Also write plate.stl and plate.3mf, all plastic parts (all manufactured parts, if none is of "
         "plastic) next to each other and flat on z = 0 for a printer, in plate.3mf with their names; "
-        "and bom.csv, the bill of materials with item, count, size, material, made or bought, "
-        "designation and fit.",
+        "and bom.csv, the bill of materials with item, count, size, material, made or "
+        "bought, designation, fit and mass.",
     ),
 ]
 AssemblyFlag = Annotated[
@@ -244,7 +244,7 @@ def export(
 
     JSON: files, clearances (pair, asked, least, most [m]), offset [m]; with --plate also plate (file, size [m],
     parts: name -> count), plates (the same of each), bom (item, count, size, material, made_or_bought, designation,
-    fit) and consumables.
+    fit, mass_kg) and consumables.
     """
     from cycloid_mj.parts.export import drive_files, widen_clearances
     from cycloid_mj.parts.export import export as exported
@@ -370,7 +370,7 @@ def _plate(reducer: Reducer, sizes: "Casing | None", settings: "PrintSettings") 
     warn(reducer.design.name, printed.warnings)
     counts: Counter[str] = sum((Counter(one.counts) for one in printed.plates.values()), Counter())
     columns = ("item", "count", "size", "material", "made or bought", "designation")
-    lines = tuple(tuple(str(value) for value in asdict(item).values())[:-1] for item in printed.bill)
+    lines = tuple(tuple(str(value) for value in asdict(item).values())[:-2] for item in printed.bill)
     tables = (
         Table("parts on the plate", ("part", "count"), tuple((part, str(count)) for part, count in counts.items())),
         Table("bill of materials", columns, lines, words=(2, 3, 4, 5)),

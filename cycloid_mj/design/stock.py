@@ -201,6 +201,13 @@ _HEAD_BEARINGS = dict(
 )
 """ISO 4762:2004, table 1, d_w min: thread -> diameter of the bearing face under the head [mm]."""
 
+_WASHERS = """
+1.6 1.7 4 0.3   2 2.2 5 0.3   2.5 2.7 6 0.5   3 3.2 7 0.5   4 4.3 9 0.8   5 5.3 10 1   6 6.4 12 1.6   8 8.4 16 1.6
+10 10.5 20 2   12 13 24 2.5   16 17 30 3
+"""
+"""ISO 7089:2000, plain washers, product grade A: thread, bore d_1 min, outside d_2 max, thickness h [mm]; as in
+``FsData/iso7089def.csv`` of FreeCAD's Fasteners workbench."""
+
 _INSERTS = """
 2 3.2 4   2.5 4 5.7   3 4 5.7   4 5.6 8.1   5 6.4 9.5   6 8 12.7   8 9.6 12.7   10 12 12.7
 """
@@ -279,6 +286,16 @@ class Insert:
     thread: float
     hole: float
     length: float
+
+
+@dataclass(frozen=True)
+class Washer:
+    """A plain washer: designation, bore, outside diameter and thickness [m]."""
+
+    designation: str
+    bore: float
+    outside: float
+    thickness: float
 
 
 @cache
@@ -428,6 +445,12 @@ def head_bearing(thread: float) -> float:
 def bolts() -> tuple[Bolt, ...]:
     """List socket head screws, the thinnest first."""
     return tuple(Bolt(f"ISO 4762 - M{size:g}", *_si(size, head, high)) for size, head, high in _rows(_BOLTS, 3))
+
+
+def washer_of(thread: float) -> Washer:
+    """Return the plain washer of a thread [m]."""
+    sizes = next(rest for size, *rest in _rows(_WASHERS, 4) if abs(size * MM - thread) < ROUNDING)
+    return Washer(f"ISO 7089 - {thread / MM:g}", *_si(*sizes))
 
 
 @cache

@@ -21,15 +21,18 @@ from cycloid_mj.parts import sleeve_core_radius
 from cycloid_mj.parts.export.bearings import PIN_FIT, sleeve_pin_depth
 from cycloid_mj.parts.export.casing import (
     FLANGE,
+    FLANGE_WASHER,
     MOTOR_COVER,
     OUTPUT_COVER,
     Casing,
     casing,
+    motor_bore,
+)
+from cycloid_mj.parts.export.casing_rules import (
     core_radius,
     in_one_piece,
     insert_in,
     is_printed,
-    motor_bore,
 )
 from cycloid_mj.parts.export.drive import has_casing
 from cycloid_mj.parts.export.joint import BoughtPart, Joint, JointKind
@@ -243,19 +246,23 @@ def _face_limits(reducer: Reducer, each: ScrewedJoint, screw: BoughtPart | None)
     nominal, joint = each.thread.diameter, each.joint
     top = screw.origins[0][2] if screw else math.inf
     bottom = top - dict(screw.dimensions)["length"] if screw else -math.inf
+    washer = next((dict(part.dimensions)["length"] for part in joint.bought if part.item == FLANGE_WASHER), 0.0)
     for part, (_, radius, low, high) in joint.holes:
         material = _material(reducer, part)
-        if math.isclose(radius, 0.5 * stock.bolt_hole(nominal)) and math.isclose(high, top, abs_tol=1e-9):
-            yield _head_limit(each, part, material)
+        if math.isclose(radius, 0.5 * stock.bolt_hole(nominal)) and math.isclose(high, top - washer, abs_tol=1e-9):
+            yield _head_limit(each, part, material, washer)
         elif math.isclose(radius, core_radius(reducer, nominal)):
             insert = insert_in(reducer, nominal)
             engaged = min(high, top) - max(low, bottom)
             yield _thread_limit(each, part, material, insert, engaged)
 
 
-def _head_limit(each: ScrewedJoint, part: str, material: Material) -> ScrewLimit:
-    """Return the limit by the pressure under the heads."""
-    bearing, hole = stock.head_bearing(each.thread.diameter), stock.bolt_hole(each.thread.diameter)
+def _head_limit(each: ScrewedJoint, part: str, material: Material, washer: float) -> ScrewLimit:
+    """Return the limit by the pressure under the heads, or under washers of some thickness [m]."""
+    nominal = each.thread.diameter
+    bearing, hole = stock.head_bearing(nominal), stock.bolt_hole(nominal)
+    if washer:
+        bearing = strength.washer_bearing(bearing, washer, stock.washer_of(nominal).outside)
     allowed = _permanent(material) * material.tensile_strength
     preload = allowed / strength.head_pressure(1.0, bearing, hole)
     return ScrewLimit(
@@ -264,7 +271,8 @@ def _head_limit(each: ScrewedJoint, part: str, material: Material) -> ScrewLimit
         preload,
         strength.friction_torque(each.count, preload, each.radius),
         "p = F/A <= R_m (VDI 2230, R10/1 and A9), T = n F mu r",
-        f"{part} of {material.name or 'unnamed material'} withstands {1e-6 * allowed:.3g} MPa under a head, "
+        f"{part} of {material.name or 'unnamed material'} withstands {1e-6 * allowed:.3g} MPa under a "
+        f"{'washer' if washer else 'head'}, "
         f"{1e-3 * preload:.3g} kN{_creep_note(material)}",
     )
 

@@ -96,6 +96,11 @@ def head_pressure(preload: float, bearing: float, hole: float) -> float:
     return preload / (0.25 * math.pi * (bearing**2 - hole**2))
 
 
+def washer_bearing(head: float, thickness: float, outside: float) -> float:
+    """Return the effective diameter under a washer [m]: d_wa = d_w + 1.6 h, at most its outside (VDI 2230, 5.5.4)."""
+    return min(head + 1.6 * thickness, outside)
+
+
 def friction_torque(screws: int, preload: float, radius: float, friction: float = JOINTS.interface_friction) -> float:
     """Compute the torque [N m] at which a face clamped by screws on a circle [m] slips (R2/2)."""
     return screws * preload * friction * radius

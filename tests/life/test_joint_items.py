@@ -1,5 +1,7 @@
 """Joints as items of a rating, and the momentary torque that they limit."""
 
+import math
+
 import pytest
 from designs import cases
 
@@ -64,6 +66,20 @@ def test_plastics_limit_the_preload_by_inserts_and_heads() -> None:
     pulled = 0.5 * 3.14159 * insert.hole * insert.length * strength / 3.0**0.5
     assert by_mechanism["threads"] == pytest.approx(pulled, rel=1e-3)
     assert each.tightening_torque < 0.5, "N m; 2.7 N m would strip the inserts"
+
+
+def test_washers_spread_the_force_of_the_flange_screws_on_a_plastic() -> None:
+    """M4 on ISO 7089: 6.53 + 1.6 x 0.8 = 7.81 mm instead of 6.53 mm around the hole of 4.5 mm, 1.82 times the area."""
+    reducer = Reducer(resolve("printed"))
+    each = next(each for each in screwed_joints(reducer) if "output flange" in each.joint.name)
+    heads = next(limit for limit in each.limits if limit.mechanism == "heads")
+    allowed = 0.5 * reducer.design.material_of("housing").tensile_strength
+    assert heads.preload == pytest.approx(allowed * 0.25 * math.pi * (7.81e-3**2 - 4.5e-3**2), rel=1e-3)
+    washers = next(part for part in each.joint.bought if part.item == "flange_washer")
+    assert washers.designation == "ISO 7089 - 4"
+    assert len(washers.origins) == each.count
+    metal = screwed_joints(Reducer(resolve("pin")))
+    assert not any(part.item == "flange_washer" for each in metal for part in each.joint.bought)
 
 
 def test_torques_of_carrier_ring_and_crank_balance() -> None:

@@ -72,6 +72,9 @@ def sizes_in_stock(designation: str) -> dict[str, float]:
         assert in_stock
         assert in_stock[0].designation == designation
         return {"diameter": diameter, "length": length}
+    if washer := re.fullmatch(r"ISO 7089 - ([\d.]+)", designation):
+        one = stock.washer_of(1e-3 * float(washer[1]))
+        return {"outside diameter": 1e3 * one.outside, "bore": 1e3 * one.bore, "length": 1e3 * one.thickness}
     if key := re.fullmatch(r"DIN 6885 - B ([\d.]+) x ([\d.]+) x ([\d.]+)", designation):
         width, height, length = map(float, key.groups())
         return {"width": width, "height": height, "length": length}

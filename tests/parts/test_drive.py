@@ -9,8 +9,10 @@ from cycloid_mj.base.names import HOUSING
 from cycloid_mj.design import PRESETS
 from cycloid_mj.figures import figure
 from cycloid_mj.life.figures import input_inertia
+from cycloid_mj.parts import crank_stretches
 from cycloid_mj.parts.export import casing, drive
-from cycloid_mj.parts.export.assembly import assembly_sections
+from cycloid_mj.parts.export.assembly import assembly_parts, assembly_sections
+from cycloid_mj.parts.export.casing import motor_bore
 from cycloid_mj.parts.export.joint import PRESSED_PIN
 from cycloid_mj.parts.export.printing import separate_parts
 from cycloid_mj.reducer import Reducer
@@ -47,3 +49,26 @@ def test_a_ring_in_two_halves_is_cased_as_one(kind: str) -> None:
     assert drive.drive_mass(split) == pytest.approx(drive.drive_mass(whole), rel=1e-3)
     assert len(separate_parts(split)[HOUSING].stretches) == 2
     assert (PRESSED_PIN in separate_parts(split)) == (kind == "pin")
+
+
+@pytest.mark.parametrize(
+    ("name", "mass", "length"), [("pin", 2.0, 87.5), ("twodisc", 5.7, 107.0), ("printed", 1.0, 85.0)]
+)
+def test_pockets_and_a_short_crank_keep_drives_light_and_short(name: str, mass: float, length: float) -> None:
+    """With solid covers and hubs, and the whole journal, they had 2.57, 7.48 and 1.41 kg, and 87.5, 134 and 113 mm."""
+    reducer = Reducer(PRESETS[name])
+    assert drive.drive_mass(reducer) < mass
+    assert 1e3 * drive.drive_length(reducer) == pytest.approx(length, abs=0.5)
+
+
+@pytest.mark.parametrize("name", ["twodisc", "printed"])
+def test_a_straddled_crank_ends_at_its_bearing_and_holds_the_motor_shaft(name: str) -> None:
+    reducer = Reducer(PRESETS[name])
+    sizes = casing(reducer)
+    shaft = assembly_parts(reducer, sizes)["shaft"].stretches
+    assert min(stretch.z0 for stretch in shaft) == pytest.approx(sizes.near[0])
+    radius, start, end = motor_bore(reducer, sizes)
+    assert start == pytest.approx(sizes.near[0])
+    assert min(end, sizes.face + sizes.motor.shaft_length) - start >= 1.5 * 2.0 * radius
+    coupled = casing(reducer, "circle")
+    assert coupled.journal == pytest.approx(crank_stretches(reducer)["journal"].z0), "its end stays for a coupling"

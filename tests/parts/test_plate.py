@@ -41,7 +41,12 @@ from cycloid_mj.parts.export import (
     threemf_bytes,
     widen_clearances,
 )
-from cycloid_mj.parts.export.casing import RULES, casing
+from cycloid_mj.parts.export.casing import (
+    casing,
+)
+from cycloid_mj.parts.export.casing_rules import (
+    RULES,
+)
 from cycloid_mj.parts.export.clearance import flank_distance
 from cycloid_mj.parts.export.plate import GAP, shelves
 from cycloid_mj.parts.export.printable import COUPON, coupon, print_warnings, thinnest_wall
@@ -292,8 +297,9 @@ def test_the_command_writes_plate_and_bill(tmp_path: Path, capsys: pytest.Captur
     for one in told["clearances"]:
         assert one["least"] == pytest.approx(one["asked"] + told["offset"], abs=2e-8)
     rows = list(csv.DictReader(io.StringIO((out / "bom.csv").read_text())))
-    assert [{**row, "count": int(row["count"])} for row in rows] == told["bom"]
-    assert Counter(row["made_or_bought"] for row in rows) == {"made": 8, "bought": 9}
+    read = [{**row, "count": int(row["count"]), "mass_kg": float(row["mass_kg"])} for row in rows]
+    assert read == told["bom"]
+    assert Counter(row["made_or_bought"] for row in rows) == {"made": 8, "bought": 9, "consumable": 2}
     assert {str(path) for path in out.iterdir()} == set(told["files"])
     assert main([*arguments, "--out", str(out), "--force", "--all"]) == 0
     shown = capsys.readouterr().out
@@ -321,7 +327,7 @@ def test_the_command_without_a_plate_writes_parts_alone(tmp_path: Path, capsys: 
 def test_a_bill_is_csv_of_its_lines() -> None:
     items = bill(Reducer(DESIGNS["sleeved"]))
     rows = list(csv.reader(io.StringIO(bill_csv(items).decode())))
-    assert rows[0] == ["item", "count", "size", "material", "made_or_bought", "designation", "fit"]
+    assert rows[0] == ["item", "count", "size", "material", "made_or_bought", "designation", "fit", "mass_kg"]
     assert len(rows) == 1 + len(items)
     assert all(len(one) == len(other) for one, other in pairwise(rows))
 

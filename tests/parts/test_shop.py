@@ -21,6 +21,7 @@ from cycloid_mj.parts.export import drive_files as files_of
 from cycloid_mj.parts.export.assembly import assembly_parts, places
 from cycloid_mj.parts.export.bill import consumables, out_of_stock
 from cycloid_mj.parts.export.drawing import part_drawings
+from cycloid_mj.parts.export.drive import drive_mass
 from cycloid_mj.parts.export.rules import broken_rules
 from cycloid_mj.reducer import Reducer
 
@@ -122,11 +123,13 @@ def test_counts_of_the_bill_are_those_of_the_solids(name):
 
 
 def test_grease_and_adhesive_are_listed():
-    needed = consumables(PRINTED, casing(PRINTED))
-    volume = float(re.search(r"grease .*: ([\d.]+) cm3", needed[0])[1])
+    grease, adhesive = consumables(PRINTED, casing(PRINTED))
+    volume = float(grease.size.removesuffix(" cm3"))
     inside = 1e6 * np.pi * PRINTED.design.ring_root_radius**2 * PRINTED.design.gear.face_width
     assert 0.02 * inside < volume < inside
-    assert any("ring pins" in text for text in needed)
+    assert 1e3 * grease.mass_kg == pytest.approx(0.95 * volume, rel=0.05)
+    assert "ring pins" in adhesive.fit
+    assert 0.0 < float(adhesive.size.removesuffix(" cm3")) < 0.1 * volume
 
 
 def test_rules_report_a_motor_that_turns_with_the_ring():
@@ -152,6 +155,7 @@ def test_the_command_writes_plates_materials_and_torques(tmp_path: Path, capsys,
     screw = next(line for line in told["bom"] if line["item"] == "screw")
     assert re.fullmatch(r"tighten with [\d.]+ N m", screw["fit"])
     assert told["consumables"]
+    assert [line["item"] for line in told["bom"] if line["made_or_bought"] == "consumable"] == ["grease", "adhesive"]
 
 
 @pytest.mark.parametrize("bed", ["220", "0x200", "axb", "1x2x3", "infx2"])
@@ -196,3 +200,15 @@ def test_drawings_are_files(tmp_path: Path):
     dimensions = drawing.modelspace().query("DIMENSION")
     assert any("%%c22.4 H7" in one.dxf.text for one in dimensions)
     assert {"section", "front", "dimensions", "text"} <= {layer.dxf.name for layer in drawing.layers}
+
+
+@pytest.mark.parametrize("name", ["pin", "printed", "twodisc"])
+def test_the_bill_weighs_as_much_as_the_solids(name):
+    """The bill counts cylinders, and manufactured parts by themselves; the drive the solids in their places."""
+    reducer = Reducer(PRESETS[name])
+    lines = bill(reducer, 0.0, casing(reducer))
+    assert sum(line.mass_kg for line in lines) == pytest.approx(drive_mass(reducer), rel=1e-3)
+    bearing = next(line for line in lines if line.item == "output_bearing")
+    outside, bore, width = (float(value) for value in re.findall(r"[\d.]+", bearing.size))
+    ring = 0.25e-9 * np.pi * (outside**2 - bore**2) * width * 7850.0
+    assert bearing.mass_kg == pytest.approx(2.0 * 0.67 * ring, rel=1e-3)

@@ -21,8 +21,16 @@ from cycloid_mj.parts.curve import Arc, Circle, Curve, LineSegment, Spline
 from cycloid_mj.parts.export.assembly import assembly_parts, assembly_sections, assembly_step, places
 from cycloid_mj.parts.export.bearings import shaft_bearing
 from cycloid_mj.parts.export.bill import BillLine, bill, bill_csv
-from cycloid_mj.parts.export.casing import Casing, Motor, casing, casing_or_none, core_radius
+from cycloid_mj.parts.export.casing import (
+    Casing,
+    Motor,
+    casing,
+    casing_or_none,
+)
 from cycloid_mj.parts.export.casing_parts import bored_shaft
+from cycloid_mj.parts.export.casing_rules import (
+    core_radius,
+)
 from cycloid_mj.parts.export.clearance import OutlineClearance, measure_all
 from cycloid_mj.parts.export.dxf import DrilledThread, dxf_bytes
 from cycloid_mj.parts.export.joint import PRESSED_PIN

@@ -16,6 +16,7 @@ from cycloid_mj.parts.export.casing import (
     FLANGE,
     FLANGE_INSERT,
     FLANGE_SCREW,
+    FLANGE_WASHER,
     LOAD_INSERT,
     MOTOR_COVER,
     MOTOR_INSERT,
@@ -26,9 +27,11 @@ from cycloid_mj.parts.export.casing import (
     SCREW_INSERT,
     SHAFT_BEARING,
     Casing,
-    in_one_piece,
 )
 from cycloid_mj.parts.export.casing_parts import casing_places
+from cycloid_mj.parts.export.casing_rules import (
+    in_one_piece,
+)
 from cycloid_mj.parts.export.crank_joints import KEY
 from cycloid_mj.parts.export.crank_rings import CRANK_RING
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT
@@ -57,6 +60,7 @@ COLOURS: Mapping[str, Colour] = {
     FLANGE: (0.35, 0.55, 0.4, 1.0),
     SCREW: (0.2, 0.2, 0.22, 1.0),
     FLANGE_SCREW: (0.2, 0.2, 0.22, 1.0),
+    FLANGE_WASHER: (0.7, 0.7, 0.72, 1.0),
     MOTOR_SCREW: (0.2, 0.2, 0.22, 1.0),
     DOWEL: (0.45, 0.45, 0.45, 1.0),
     **dict.fromkeys((SCREW_INSERT, FLANGE_INSERT, LOAD_INSERT, MOTOR_INSERT), (0.8, 0.65, 0.3, 1.0)),

@@ -6,7 +6,13 @@ from cycloid_mj.base import names
 from cycloid_mj.design import fits, stock
 from cycloid_mj.parts import sleeve_core_radius
 from cycloid_mj.parts.cam_bearing import cam_bearing
-from cycloid_mj.parts.export.casing import axial_play, bearing_width_of, ring_end
+from cycloid_mj.parts.export.casing import (
+    bearing_width_of,
+)
+from cycloid_mj.parts.export.casing_rules import (
+    axial_play,
+    ring_end,
+)
 from cycloid_mj.reducer import Reducer
 
 DOWEL_FIT, PIN_FIT = "m6 in H7", "m6 in N7"

@@ -3,6 +3,7 @@
 import csv
 import io
 import math
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from typing import Literal
@@ -13,8 +14,8 @@ from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.design import Material, stock
-from cycloid_mj.parts import Part, parts, sleeve_core_radius
-from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
+from cycloid_mj.parts import Part, mass_properties, sleeve_core_radius
+from cycloid_mj.parts.accuracy import EXPORT_CHORD_ERROR, VISUAL_CHORD_ERROR
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.contour import Contour, circle_of
 from cycloid_mj.parts.export.assembly import assembly_parts, places
@@ -40,15 +41,20 @@ from cycloid_mj.parts.export.casing import (
     SHAFT_BEARING,
     Casing,
     bearing_width_of,
-    in_one_piece,
-    is_printed,
     motor_bore,
     seat_radius,
 )
+from cycloid_mj.parts.export.casing_parts import bored_shaft
+from cycloid_mj.parts.export.casing_rules import (
+    in_one_piece,
+    is_printed,
+)
 from cycloid_mj.parts.export.crank_joints import cam_key
+from cycloid_mj.parts.export.drive import filling
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, Joint, JointKind, TappedHole
-from cycloid_mj.parts.export.joints import ITEMS, bearing_dimensions, bought_parts, drive_joints
-from cycloid_mj.parts.export.printing import manufactured_parts, output_pin_length, part_material
+from cycloid_mj.parts.export.joints import ITEMS, bought_parts, drive_joints
+from cycloid_mj.parts.export.printing import STEEL, manufactured_parts, output_pin_length, part_material
+from cycloid_mj.parts.export.round_part import with_holes
 from cycloid_mj.parts.inertia import region_moments
 from cycloid_mj.reducer import Reducer
 
@@ -56,20 +62,29 @@ GREASE_FILL = 1.0 / 3.0
 """Share of the free space that is filled with grease (SKF, Rolling bearings, 2018: 30 to 50 %)."""
 
 
+ADHESIVE_FILM = 0.1e-3
+"""Thickness of the adhesive in a joint, with what is wiped off [m] (assumed: gaps of H7/g6 take half of it)."""
+
+CONSUMABLE_DENSITY = 0.95e3
+"""Density of grease and adhesive [kg/m3] (0.9 and 1.1, SKF and Loctite data sheets)."""
+
+
 @dataclass(frozen=True)
 class BillLine:
-    """A line of the bill of materials, with named dimensions in mm.
+    """A line of the bill of materials, with named dimensions in mm, and the mass of all its parts.
 
     Bought parts have a designation if they are in stock (``design.stock``), and the fit of their seat (ISO 286-1).
+    Rolling bearings are filled by `BEARING_FILL`.
     """
 
     item: str
     count: int
     size: str
     material: str
-    made_or_bought: Literal["made", "bought"]
+    made_or_bought: Literal["made", "bought", "consumable"]
     designation: str = ""
     fit: str = ""
+    mass_kg: float = 0.0
 
 
 def bill(
@@ -102,8 +117,8 @@ def bill(
     )
 
 
-def consumables(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
-    """Describe what a drive needs in addition to its parts: grease for a third of its free space, and adhesive."""
+def consumables(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
+    """Yield what a drive needs in addition to its parts: grease for a third of its free space, and adhesive."""
     parts, placed = assembly_parts(reducer, sizes), places(reducer, 0.0, sizes)
     inside = [place for place in placed if place.body != names.HOUSING and sizes.floor <= place.origin[2] <= sizes.top]
     solid = sum(_inner_volume(parts[place.part], place.origin[2], sizes) for place in inside)
@@ -114,11 +129,28 @@ def consumables(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
         + (sizes.bearings[0][0] - sizes.end) * sizes.output_cavity**2
     )
     grease = GREASE_FILL * max(room - solid, 0.0)
-    lines = [f"grease NLGI 1 with EP additives: {1e6 * grease:.2g} cm3, a third of the free space"]
-    glued = [joint.name for joint in drive_joints(reducer, sizes) if joint.kind is JointKind.GLUED]
-    if sizes.motor.shaft:
-        glued.append("motor shaft in the crank")
-    return (*lines, *(f"retaining compound (ISO 10123, 25 MPa): {name}" for name in glued))
+    designation = "NLGI 1 with EP additives"
+    yield _consumable("grease", grease, "lithium soap", designation, "a third of the free space")
+    glued = [joint for joint in drive_joints(reducer, sizes) if joint.kind is JointKind.GLUED]
+    area = sum(math.pi * joint.count * joint.diameter * joint.length for joint in glued)
+    where = [joint.name for joint in glued]
+    if bore := motor_bore(reducer, sizes):
+        radius, start, end = bore
+        area += 2.0 * math.pi * radius * (end - start)
+        where.append("motor shaft in the crank")
+    if where:
+        volume = ADHESIVE_FILM * area
+        yield _consumable("adhesive", volume, "retaining compound", "ISO 10123, 25 MPa", "; ".join(where))
+
+
+def describe_consumable(line: BillLine) -> str:
+    """Describe a consumable: what, how much, and where."""
+    return f"{line.item}, {line.material} {line.designation}: {line.size}; {line.fit}"
+
+
+def _consumable(item: str, volume: float, material: str, designation: str, use: str) -> BillLine:
+    size, mass = f"{1e6 * volume:.2g} cm3", CONSUMABLE_DENSITY * volume
+    return BillLine(item, 1, size, material, "consumable", designation, use, mass)
 
 
 def _inner_volume(part: Part, z: float, sizes: Casing) -> float:
@@ -148,10 +180,14 @@ def out_of_stock(items: Iterable[BillLine]) -> Iterator[str]:
 
 def _manufactured_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> Iterator[BillLine]:
     joints = drive_joints(reducer, sizes) if sizes else ()
+    assembled = assembly_parts(reducer, sizes) if sizes and not cam_seat else {}
     for name, part in manufactured_parts(reducer, VISUAL_CHORD_ERROR, cam_seat, sizes).items():
         bored = _format_bore(reducer, sizes) if name == names.SHAFT else ""
         material = _material_name(part_material(reducer, name, sizes))
-        yield BillLine(name, part.count, _extent(part.drawn) + bored, material, "made", fit=_machining(joints, name))
+        drawn = assembled.get(name, part.drawn)
+        mass = part.count * mass_properties(drawn.solid(EXPORT_CHORD_ERROR)).mass
+        size, fit = _extent(drawn) + bored, _machining(joints, name)
+        yield BillLine(name, part.count, size, material, "made", fit=fit, mass_kg=mass)
 
 
 def _machining(joints: Iterable[Joint], part: str) -> str:
@@ -188,27 +224,29 @@ def _bought_lines(reducer: Reducer, cam_seat: float, sizes: Casing | None) -> It
 
 def _of_casing(reducer: Reducer, sizes: Casing) -> Iterator[BillLine]:
     """List the bought parts of the joints: bearings of the output first, then screws, inserts and dowels."""
-    counts: dict[str, int] = {}
+    counts: Counter[str] = Counter()
     parts = {}
     for part in bought_parts(drive_joints(reducer, sizes)):
-        counts[part.item] = counts.get(part.item, 0) + len(part.origins)
+        counts[part.item] += len(part.origins)
         parts[part.item] = part
     for item in sorted(parts.keys() - {SHAFT_BEARING}, key=lambda item: (item != OUTPUT_BEARING, ITEMS.index(item))):
         part = parts[item]
-        size = _size(part.dimensions)
-        yield BillLine(item, counts[item], size, part.material, "bought", part.designation, part.fit)
+        size, solid = _size(part.dimensions), Part(item, with_holes(item, part.solid), STEEL).solid(EXPORT_CHORD_ERROR)
+        mass = counts[item] * filling(item) * mass_properties(solid).mass
+        yield BillLine(item, counts[item], size, part.material, "bought", part.designation, part.fit, mass)
 
 
 def _pins(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLine]:
     """List ring pins, output pins and the shaft of several discs, which are round bars."""
     design = reducer.design
-    ring, output, gear, shaft = design.ring, design.output, design.gear, design.shaft
+    ring, output, gear = design.ring, design.output, design.gear
     if ring.kind == "pin" and not is_printed(reducer, names.PIN):
-        material = _material(reducer, names.PIN)
+        material = design.material_of(names.PIN)
         if ring.has_sleeves:
+            count, length = pin_pieces(reducer)
             diameters = ("outside diameter", ring.pin_radius), ("bore", ring.sleeve_bore_radius)
-            size = _cylinder_size(*diameters, length=pin_pieces(reducer)[1])
-            yield BillLine(names.PIN, ring.teeth, size, material, "bought", "sleeve to measure", "F7 on its pin")
+            sleeve = _round_line(names.PIN, count * ring.teeth, diameters, length, material)
+            yield replace(sleeve, designation="sleeve to measure", fit="F7 on its pin")
             core = sleeve_core_radius(reducer)
             reach = 2.0 * (sizes.end + sleeve_pin_depth(reducer)) if sizes else gear.stack_width
             yield _pin(PRESSED_PIN, ring.teeth, core, reach, material, PIN_FIT)
@@ -221,16 +259,23 @@ def _pins(reducer: Reducer, sizes: Casing | None) -> Iterator[BillLine]:
             yield replace(line, fit=line.fit.replace(FREE_FIT.rpartition(", ")[2], "glued: its socket is open"))
     if not in_one_piece(reducer) and not is_printed(reducer, names.OUTPUT):
         length = output_pin_length(reducer)
-        yield _pin(OUTPUT_PIN, output.pins, output.root_radius, length, _material(reducer, names.OUTPUT), PIN_FIT)
+        yield _pin(OUTPUT_PIN, output.pins, output.root_radius, length, design.material_of(names.OUTPUT), PIN_FIT)
     if gear.discs > 1 and not is_printed(reducer, names.SHAFT):
-        (drawn,) = parts(reducer)[names.SHAFT].prisms
-        size = _cylinder_size(("diameter", shaft.radius), length=drawn.height) + _format_bore(reducer, sizes)
-        key = cam_key(reducer, sizes) if sizes else None
-        fit = (
-            f"keyway {_mm(key.bought.width)} x {_mm(key.bought.in_shaft)} x {_mm(key.bought.length)} mm" if key else ""
-        )
-        bar = f"ground bar {_mm(2.0 * shaft.radius)} h6" if 2.0 * shaft.radius in stock.bar_diameters() else ""
-        yield BillLine(names.SHAFT, 1, size, _material(reducer, names.SHAFT), "bought", bar, fit)
+        yield _bar(reducer, sizes)
+
+
+def _bar(reducer: Reducer, sizes: Casing | None) -> BillLine:
+    """Return the line of the shaft of several discs."""
+    diameter = 2.0 * reducer.design.shaft.radius
+    shaft, material = bored_shaft(reducer, sizes), reducer.design.material_of(names.SHAFT)
+    length = max(stretch.z1 for stretch in shaft.stretches) - min(stretch.z0 for stretch in shaft.stretches)
+    key = cam_key(reducer, sizes) if sizes else None
+    line = _round_line(names.SHAFT, 1, (("diameter", 0.5 * diameter),), length, material)
+    keyway = f"keyway {_mm(key.bought.width)} x {_mm(key.bought.in_shaft)} x {_mm(key.bought.length)} mm" if key else ""
+    bar = f"ground bar {_mm(diameter)} h6" if diameter in stock.bar_diameters() else ""
+    mass = mass_properties(shaft.solid(EXPORT_CHORD_ERROR)).mass
+    size = line.size + _format_bore(reducer, sizes)
+    return replace(line, size=size, designation=bar, fit=keyway, mass_kg=mass)
 
 
 def _format_bore(reducer: Reducer, sizes: Casing | None) -> str:
@@ -242,66 +287,85 @@ def _format_bore(reducer: Reducer, sizes: Casing | None) -> str:
     return f", bored {_mm(2.0 * radius)} x {_mm(end - start)} mm"
 
 
-def _pin(item: str, count: int, radius: float, reach: float, material: str, fit: str) -> BillLine:
+def _pin(item: str, count: int, radius: float, reach: float, material: Material, fit: str) -> BillLine:
     """Return the line of round pins: pins in stock, several in line or cut to length, or of their own size."""
-    in_stock = stock.pins(2.0 * radius, reach)
+    in_stock, diameter = stock.pins(2.0 * radius, reach), (("diameter", radius),)
     if not in_stock:
-        return BillLine(item, count, _cylinder_size(("diameter", radius), length=reach), material, "bought")
+        return _round_line(item, count, diameter, reach, material)
     pin, in_line = in_stock
-    size = _cylinder_size(("diameter", radius), length=pin.length)
-    if in_line * pin.length > reach + stock.ROUNDING:
-        fit += f", cut to {_mm(reach / in_line)} mm"
-    return BillLine(item, count * in_line, size, material, "bought", pin.designation, fit)
+    cut = reach / in_line if in_line * pin.length > reach + stock.ROUNDING else 0.0
+    line = _round_line(item, count * in_line, diameter, pin.length, material, cut)
+    return replace(line, designation=pin.designation, fit=fit + (f", cut to {_mm(cut)} mm" if cut else ""))
 
 
-def _free_pin(reducer: Reducer, material: str) -> BillLine:
+def _free_pin(reducer: Reducer, material: Material) -> BillLine:
     """Return the line of ring pins that move in their sockets: needle rollers, gauges, or ground to their size."""
     ring, roller = reducer.design.ring, free_pin(reducer)
+    diameter = (("diameter", ring.pin_radius),)
     if not roller:
-        size = _cylinder_size(("diameter", ring.pin_radius), length=reducer.design.gear.stack_width)
-        return BillLine(names.PIN, ring.teeth, size, material, "bought", fit=f"ground {FREE_FIT}")
+        line = _round_line(names.PIN, ring.teeth, diameter, reducer.design.gear.stack_width, material)
+        return replace(line, fit=f"ground {FREE_FIT}")
+    line = _round_line(names.PIN, ring.teeth * roller.count, diameter, roller.length, material, roller.cut)
     fit = f"{roller.tolerance}, free in its socket" + (f", cut to {_mm(roller.cut)} mm" if roller.cut else "")
-    size = _cylinder_size(("diameter", ring.pin_radius), length=roller.length)
-    return BillLine(names.PIN, ring.teeth * roller.count, size, material, "bought", roller.designation, fit)
+    return replace(line, designation=roller.designation, fit=fit)
 
 
 def _rollers(reducer: Reducer) -> Iterator[BillLine]:
     """List the rollers of the output pins: manufactured if they turn on a core of their own, as none is in stock."""
     output, gear = reducer.design.output, reducer.design.gear
     if output.rollers:
-        sizes = ("outside diameter", output.pin_radius), ("bore", output.root_radius)
-        size, count = _cylinder_size(*sizes, length=gear.face_width), output.pins * gear.discs
-        material = _material(reducer, names.OUTPUT) if output.has_roller_parts else ""
-        made: Literal["made", "bought"] = "made" if output.has_roller_parts else "bought"
-        yield BillLine(names.ROLLER, count, size, material, made, fit=ROLLER_FIT)
+        diameters = ("outside diameter", output.pin_radius), ("bore", output.root_radius)
+        material = reducer.design.material_of(names.OUTPUT)
+        line = _round_line(names.ROLLER, output.pins * gear.discs, diameters, gear.face_width, material)
+        yield replace(
+            line,
+            material=line.material if output.has_roller_parts else "",
+            made_or_bought="made" if output.has_roller_parts else "bought",
+            fit=ROLLER_FIT,
+        )
 
 
 def _bearings(reducer: Reducer, cam_seat: float) -> Iterator[BillLine]:
     """List the bearings of the cams and of the shaft."""
-    design = reducer.design
-    gear, shaft = design.gear, design.shaft
+    gear, shaft = reducer.design.gear, reducer.design.shaft
     if gear.bearing == "rolling":
         in_stock = cam_bearing(reducer)
         if in_stock and cam_seat in (0.0, round(0.5 * in_stock[0].bore, 9)):
             bearing, count = in_stock
-            size, fit = _size(bearing_dimensions(bearing)), fit_of(reducer, bearing, names.GEAR)
-            yield BillLine(CAM_BEARING, gear.discs * count, size, "", "bought", bearing.designation, fit)
+            yield _stock_bearing(CAM_BEARING, gear.discs * count, bearing, fit_of(reducer, bearing, names.GEAR))
         else:
-            bore = "bore", cam_seat or full_cam_seat(reducer)
-            size = _cylinder_size(("outside diameter", gear.bore_radius), bore, length=gear.face_width)
-            yield BillLine(CAM_BEARING, gear.discs, size, "", "bought", fit="rollers in the bore of the disc")
+            diameters = ("outside diameter", gear.bore_radius), ("bore", cam_seat or full_cam_seat(reducer))
+            line = _round_line(CAM_BEARING, gear.discs, diameters, gear.face_width)
+            yield replace(line, fit="rollers in the bore of the disc")
     on_shaft, fit = shaft_bearing(reducer), shaft_bearing_fit(reducer)
     if on_shaft:
-        size = _size(bearing_dimensions(on_shaft))
-        yield BillLine(SHAFT_BEARING, SHAFT_BEARINGS, size, "", "bought", on_shaft.designation, fit)
+        yield _stock_bearing(SHAFT_BEARING, SHAFT_BEARINGS, on_shaft, fit)
     else:
         width = bearing_width_of(reducer)
         diameters = ("outside diameter", seat_radius(reducer, width)), ("bore", shaft.radius)
-        yield BillLine(SHAFT_BEARING, SHAFT_BEARINGS, _cylinder_size(*diameters, length=width), "", "bought", fit=fit)
+        yield replace(_round_line(SHAFT_BEARING, SHAFT_BEARINGS, diameters, width), fit=fit)
 
 
-def _material(reducer: Reducer, part: str) -> str:
-    return _material_name(reducer.design.material_of(part))
+def _stock_bearing(item: str, count: int, bearing: stock.StockBearing, fit: str) -> BillLine:
+    diameters = ("outside diameter", 0.5 * bearing.outside), ("bore", 0.5 * bearing.bore)
+    line = _round_line(item, count, diameters, bearing.width)
+    return replace(line, designation=bearing.designation, fit=fit)
+
+
+def _round_line(
+    item: str,
+    count: int,
+    radii: tuple[tuple[str, float], ...],
+    length: float,
+    material: Material | None = None,
+    cut: float = 0.0,
+) -> BillLine:
+    """Return the line of bought cylinders: named radii, the outer one first, and length [m], perhaps `cut` shorter."""
+    outer, inner = radii[0][1], radii[1][1] if len(radii) > 1 else 0.0
+    volume = math.pi * (outer**2 - inner**2) * (cut or length)
+    mass = count * volume * (material.density if material else STEEL * filling(item))
+    name = _material_name(material) if material else ""
+    return BillLine(item, count, _cylinder_size(*radii, length=length), name, "bought", mass_kg=mass)
 
 
 def _material_name(material: Material) -> str:

@@ -17,7 +17,22 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import Material, stock
 from cycloid_mj.design.materials import MATERIALS, material_name
 from cycloid_mj.geometry.profile import unit
-from cycloid_mj.parts import crank_stretches
+from cycloid_mj.parts import crank_stretches, sleeve_core_radius
+from cycloid_mj.parts.export.casing_rules import (
+    RULES,
+    axial_play,
+    counterbore,
+    flange_washer,
+    hole_depth,
+    is_plastic,
+    least_wall,
+    min_grip,
+    ring_end,
+    shoulder_radius,
+    stock_screw_length,
+    thickest_bolt,
+    thread_radius,
+)
 from cycloid_mj.parts.export.motors import MOTORS, MotorFlange, MotorName, frames_for
 from cycloid_mj.parts.output import RIM
 from cycloid_mj.parts.shaft import bearing_seats
@@ -27,6 +42,7 @@ from cycloid_mj.reducer.sockets import wall_radius
 
 MOTOR_COVER, OUTPUT_COVER, FLANGE = "motor_cover", "output_cover", "output_flange"
 SCREW, FLANGE_SCREW, MOTOR_SCREW, DOWEL = "screw", "flange_screw", "motor_screw", "dowel"
+FLANGE_WASHER = "flange_washer"
 SCREW_INSERT, FLANGE_INSERT = "screw_insert", "flange_screw_insert"
 LOAD_INSERT, MOTOR_INSERT = "load_screw_insert", "motor_screw_insert"
 CAM_BEARING, SHAFT_BEARING, OUTPUT_BEARING = "cam_bearing", "shaft_bearing", "output_bearing"
@@ -36,60 +52,6 @@ Motor = MotorName | MotorFlange
 
 LIGHT_METAL = "aluminium 6061"
 """Material of covers on a ring of a heavier metal, unless another is chosen: a third of the mass of steel."""
-
-
-@dataclass(frozen=True)
-class CasingRules:
-    """Proportions of the casing that no standard prescribes; lengths in metres, all assumed unless a source is stated.
-
-    Attributes
-    ----------
-    wall_share, min_wall, min_printed_wall
-        Minimum wall around holes: share of the outer radius, and limits in metal and plastic (two lines of 0.4 mm).
-    bearing_ratio
-        Outside diameter of a shaft bearing relative to its bore, if none in stock fits (as its rollers are rated).
-    pilot_depth
-        Depth of the recess for the pilot of a motor.
-    thread_share, max_screws
-        Largest thread of the cover screws relative to the outer radius, and their number.
-    engagement
-        Engaged length of a thread in thread diameters.
-    head_play
-        Radial play of a screw head in its counterbore (DIN 974-1 has 0.5 mm, for which walls are too thin).
-    flange_screws, flange_circle, flange_thread
-        Numbers of screws of the output flange, of which the first that fits is taken; their circle radius and thread
-        relative to the radius of the hub.
-    axial_play, printed_axial_play
-        Least distance of parts that move against each other, in metal and in plastic: above the flatness of a cover
-        and the unevenness of a layer.
-    blind_room
-        Depth of the bore of the crank beyond the motor shaft: those of NEMA 17 are up to 24 instead of 22 mm long.
-    collar
-        Length of the collar of the crank between counterweight and bearing, and depth of recesses next to bearings.
-    shoulder_share
-        Height of a shoulder relative to the section of its bearing.
-    """
-
-    wall_share: float = 0.02
-    min_wall: float = 0.5e-3
-    min_printed_wall: float = 0.8e-3
-    bearing_ratio: float = 1.4
-    pilot_depth: float = 2.5e-3
-    thread_share: float = 0.09
-    max_screws: int = 8
-    engagement: float = 1.5
-    head_play: float = 0.2e-3
-    flange_screws: tuple[int, ...] = (8, 6)
-    flange_circle: float = 0.8
-    flange_thread: float = 0.16
-    axial_play: float = 0.1e-3
-    printed_axial_play: float = 0.2e-3
-    blind_room: float = 3e-3
-    collar: float = 0.5 * AXIAL_GAP
-    shoulder_share: float = 0.3
-
-
-RULES = CasingRules()
 
 
 @dataclass(frozen=True)
@@ -128,10 +90,16 @@ class Casing:
         radius of their circle.
     motor, face
         Interface of the motor, and its plane.
+    journal
+        Start of the crank on the side of the motor.
     near, far, seat
         Ends of the shaft bearings in the motor cover and in the hub (None without), and the radius of their seats.
-    cavity, floor
-        Radius and bottom of the cavity for the crank in the motor cover.
+    cavity, floor, pocket
+        Radius and bottom of the cavity for the crank in the motor cover; bottom of the pocket around its bearing, at
+        `floor` without a pocket.
+    step, slim
+        Height below which the motor cover is slimmer, behind the threads of its screws, and its radius there; at `face`
+        without a step.
     hub, hub_floor, spacing
         Bearing of the output (two of it), start of the first one, and the distance between them.
     rim
@@ -153,11 +121,15 @@ class Casing:
     dowel_circle: float
     motor: MotorFlange
     face: float
+    journal: float
     near: tuple[float, float]
     far: tuple[float, float] | None
     seat: float
     cavity: float
     floor: float
+    pocket: float
+    step: float
+    slim: float
     hub: stock.StockBearing
     hub_floor: float
     spacing: float
@@ -182,6 +154,14 @@ class Casing:
         return self.hub_floor + 2.0 * self.hub.width + self.spacing
 
     @property
+    def boss(self) -> float:
+        """Radius of the boss around the bearing in the motor cover [m]; heads of screws into the motor are outside."""
+        radius = self.seat + max(RULES.boss_share * self.seat, 2.0 * self.wall)
+        if not self.motor.tapped:
+            return radius
+        return min(radius, self.motor.circle - counterbore(thickest_bolt(self.motor.thread)))
+
+    @property
     def flange_radius(self) -> float:
         """Radius of the output flange, which clamps the inner rings [m]."""
         return shoulder_radius(0.5 * self.hub.bore, 0.5 * self.hub.outside)
@@ -194,7 +174,7 @@ class Casing:
     @property
     def grip(self) -> float:
         """Thickness of the output cover below the heads of its screws [m], less what the ring is wider than discs."""
-        return _grip(self.screws.bolt, self.wall) - 2.0 * self.play
+        return min_grip(self.screws.bolt, self.wall) - 2.0 * self.play
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -232,11 +212,9 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
     under = _floor_thickness(reducer, flange, wall)
     first = near[0] if straddles else far[0]
     end = ring_end(reducer)
-    through = _grip(screws.bolt, wall) + 2.0 * ((0.0 if screws.outside else end) - axial_play(reducer))
+    through = min_grip(screws.bolt, wall) + 2.0 * ((0.0 if screws.outside else end) - axial_play(reducer))
     tip = (end if screws.outside else -end) - hole_depth(reducer, screws.bolt.thread, screws.length - through) - wall
-    bored = _bore_end(reducer) - flange.shaft_length - RULES.blind_room
-    journal = prisms["journal"].z0 - axial_play(reducer)
-    face = min(min(journal, first - wall) - RULES.pilot_depth, floor - under, tip - under, bored)
+    face, journal = _input_side(reducer, flange, first, wall, min(floor, tip) - under)
     dowel, dowel_angles, dowel_circle = _dowel(reducer, screws, wall)
     room = screws.circle - counterbore(screws.bolt) - 2.0 * wall
     hub = _hub(min(room, design.ring_root_radius), rim - wall, seat + 2.0 * wall if straddles else 0.0)
@@ -255,11 +233,15 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
         dowel_circle=dowel_circle,
         motor=flange,
         face=face,
+        journal=journal,
         near=(first, near[1]),
         far=far if straddles else None,
         seat=seat,
         cavity=cavity,
         floor=floor,
+        pocket=min(face + under, floor),
+        step=max(min(tip, -end - min_grip(screws.bolt, wall), _pins_end(reducer, dowel, end) - wall), face),
+        slim=max(cavity, flange.circle + thread_radius(reducer, flange.thread)) + 2.0 * wall,
         hub=hub,
         hub_floor=hub_floor,
         spacing=max(0.5 * hub.width, deepest - hub_floor - 2.0 * hub.width),
@@ -267,11 +249,29 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
         play=axial_play(reducer),
         end=end,
         flange_bolt=bolt,
-        flange_thickness=hole_depth(reducer, bolt.thread, bolt.head_height + max(bolt.thread, wall)),
+        flange_thickness=hole_depth(
+            reducer, bolt.thread, bolt.head_height + flange_washer(reducer, bolt)[1] + max(bolt.thread, wall)
+        ),
         flange_screws=flange_screws,
         flange_circle=flange_circle,
         cover_material=_cover_material(reducer, cover_material),
     )
+
+
+def _input_side(reducer: Reducer, motor: MotorFlange, first: float, wall: float, most: float) -> tuple[float, float]:
+    """Return the plane of the motor, at `most` as far up as that, and the start of the crank there [m].
+
+    A straddled crank with a bore for the motor shaft starts at its bearing (`first`); one to be coupled, or overhung,
+    keeps its journal.
+    """
+    journal = crank_stretches(reducer)["journal"].z0
+    bored = _bore_end(reducer) - motor.shaft_length - RULES.blind_room
+    shortened = reducer.design.shaft.mounting == "straddle" and motor.shaft > 0.0
+    start = first if shortened else journal
+    face = min(min(start - axial_play(reducer), first - wall) - RULES.pilot_depth, most, bored)
+    if shortened:
+        journal = max(journal, min(first, face + motor.shaft_length - 2.0 * RULES.engagement * motor.shaft))
+    return face, journal
 
 
 def _cover_material(reducer: Reducer, asked: str) -> str:
@@ -294,16 +294,6 @@ def _cover_material(reducer: Reducer, asked: str) -> str:
     return name
 
 
-def ring_end(reducer: Reducer) -> float:
-    """Compute half the width of the ring between the covers [m]."""
-    return reducer.design.gear.stack_width / 2.0 + axial_play(reducer)
-
-
-def axial_play(reducer: Reducer) -> float:
-    """Return the least distance of parts that move against each other [m]."""
-    return RULES.printed_axial_play if is_plastic(reducer) else RULES.axial_play
-
-
 def casing_or_none(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto") -> tuple[Casing | None, str]:
     """Return the casing, or None and the reason why covers, bearings or screws do not fit.
 
@@ -320,12 +310,6 @@ def casing_or_none(reducer: Reducer, motor: Motor = "auto", cover_material: str 
         return None, str(error)
 
 
-def least_wall(reducer: Reducer) -> float:
-    """Compute the minimum wall around holes of a drive [m]."""
-    least = RULES.min_printed_wall if is_plastic(reducer) else RULES.min_wall
-    return max(least, RULES.wall_share * reducer.design.housing.outer_radius)
-
-
 def covers_fit(reducer: Reducer) -> bool:
     """Return whether the screws of the covers fit within the outer radius of the housing."""
     try:
@@ -339,16 +323,6 @@ def seat_radius(reducer: Reducer, width: float) -> float:
     radius = reducer.design.shaft.radius
     stocked = stock.bearings_on(2.0 * radius, width)
     return 0.5 * stocked[0].outside if stocked else RULES.bearing_ratio * radius
-
-
-def thickest_bolt(thread: float, *, inserted: bool = False) -> stock.Bolt:
-    """Return the thickest screw up to a thread [m], or the thinnest; `inserted`: of those with inserts in stock."""
-    bolts = [bolt for bolt in stock.bolts() if not inserted or stock.insert_of(bolt.thread)]
-    return max((bolt for bolt in bolts if bolt.thread <= thread), key=lambda bolt: bolt.thread, default=bolts[0])
-
-
-def _grip(bolt: stock.Bolt, wall: float) -> float:
-    return max(bolt.thread, 2.0 * wall)
 
 
 def _screws(reducer: Reducer, wall: float) -> Screws:
@@ -396,7 +370,7 @@ def _lands(teeth: int) -> tuple[float, ...]:
 
 def _min_screw_length(bolt: stock.Bolt, wall: float, through: float) -> float:
     """Compute the minimum length of a screw through a cover and a ring, wide as the discs, into the other cover [m]."""
-    return _grip(bolt, wall) + through + RULES.engagement * bolt.thread
+    return min_grip(bolt, wall) + through + RULES.engagement * bolt.thread
 
 
 def _screws_of_length(
@@ -429,9 +403,10 @@ def _dowel(reducer: Reducer, screws: Screws, wall: float) -> tuple[stock.Dowel |
     return pin, tuple(2.0 * math.pi * (land + 0.5) / teeth for land in (free[0], other)), screws.circle
 
 
-def counterbore(bolt: stock.Bolt) -> float:
-    """Compute the radius of the counterbore of a screw head [m]."""
-    return 0.5 * bolt.head + RULES.head_play
+def _pins_end(reducer: Reducer, dowel: stock.Dowel | None, end: float) -> float:
+    """Return the end of the dowels, and of pins in sleeves, in the motor cover [m]."""
+    pressed = 2.0 * sleeve_core_radius(reducer) if reducer.design.ring.has_sleeves else 0.0
+    return -end - max(0.5 * dowel.length if dowel else 0.0, pressed)
 
 
 def _cavity(reducer: Reducer, screws: Screws, second: float, wall: float) -> tuple[float, float]:
@@ -507,7 +482,7 @@ def output_cover_step(sizes: Casing) -> float | None:
 def motor_screw(motor: MotorFlange, wall: float) -> tuple[stock.Bolt, float]:
     """Return bolt and length [m] of screws from within the cover into a tapped motor, by one thread diameter."""
     bolt = thickest_bolt(motor.thread)
-    return bolt, stock_screw_length(bolt, _grip(bolt, wall) + motor.thread)
+    return bolt, stock_screw_length(bolt, min_grip(bolt, wall) + motor.thread)
 
 
 def _heads_end(motor: MotorFlange) -> float:
@@ -539,45 +514,6 @@ def _bore_end(reducer: Reducer) -> float:
     return prisms[names.CAM].z0 if reducer.design.gear.discs == 1 else max(one.z1 for one in prisms.values())
 
 
-def insert_in(reducer: Reducer, thread: float) -> stock.Insert | None:
-    """Return the heat-set insert of a thread [m] in covers and hub; None in a metal, or if none is in stock."""
-    return stock.insert_of(thread) if is_plastic(reducer) else None
-
-
-def is_plastic(reducer: Reducer) -> bool:
-    """Return whether covers and hub are of a plastic, as the housing."""
-    return reducer.design.material_of(names.HOUSING).is_plastic
-
-
-def is_printed(reducer: Reducer, part: str) -> bool:
-    """Return whether plain round parts of the material of a part are printed (plastic) rather than bought (metal)."""
-    return reducer.design.material_of(part).is_plastic
-
-
-def in_one_piece(reducer: Reducer) -> bool:
-    """Return whether the output pins are printed with their disc: plastic, without rollers, supported at one end."""
-    output = reducer.design.output
-    return is_printed(reducer, names.OUTPUT) and not output.rollers and output.support == "cantilever"
-
-
-def core_radius(reducer: Reducer, thread: float) -> float:
-    """Compute the radius of the drilled hole of a thread, d - P, or of its insert [m]."""
-    insert = insert_in(reducer, thread)
-    return 0.5 * (insert.hole if insert else thread - stock.pitch(thread))
-
-
-def thread_radius(reducer: Reducer, thread: float) -> float:
-    """Compute the outer radius of a thread, or of its insert [m], around which a wall stays."""
-    insert = insert_in(reducer, thread)
-    return 0.5 * (insert.hole if insert else thread)
-
-
-def hole_depth(reducer: Reducer, thread: float, reach: float) -> float:
-    """Compute the depth of the hole of a thread or its insert, for a screw of some reach [m]."""
-    insert = insert_in(reducer, thread)
-    return max(reach, insert.length) if insert else reach
-
-
 def _hub(room: float, most: float, least: float) -> stock.StockBearing:
     """Return the largest bearing of the hub within a radius [m], with a bore between two radii [m]."""
     for bearing in reversed(stock.thin_ball_bearings()):
@@ -603,30 +539,8 @@ def flange_screw_length(sizes: Casing) -> float:
 
 def motor_bore(reducer: Reducer, sizes: Casing) -> tuple[float, float, float] | None:
     """Return radius, start and end [m] of the bore of the crank for the motor shaft; None if that is unknown."""
-    motor, start = sizes.motor, crank_stretches(reducer)["journal"].z0
-    return (motor.shaft, start, sizes.face + motor.shaft_length + RULES.blind_room) if motor.shaft else None
-
-
-def stock_screw_length(bolt: stock.Bolt, reach: float) -> float:
-    """Return the length in stock [m] of a screw of some minimum length [m].
-
-    Raises
-    ------
-    DesignError
-        All in stock are shorter.
-    """
-    length = stock.bolt_length(bolt.thread, reach)
-    if length is None:
-        raise DesignError(
-            f"the casing needs {bolt.designation} screws {1e3 * reach:.4g} mm long, but the longest in stock is "
-            "shorter; reduce housing.outer_radius_mm"
-        )
-    return length
-
-
-def shoulder_radius(ring: float, other: float) -> float:
-    """Compute the radius of a shoulder [m] that touches the ring of a bearing with the first radius only."""
-    return ring + RULES.shoulder_share * (other - ring)
+    motor, end = sizes.motor, sizes.face + sizes.motor.shaft_length + RULES.blind_room
+    return (motor.shaft, sizes.journal, end) if motor.shaft else None
 
 
 def flange_centres(sizes: Casing) -> Array:
@@ -637,7 +551,7 @@ def flange_centres(sizes: Casing) -> Array:
 
 def _flange_pattern(reducer: Reducer, hub: stock.StockBearing, bolt: stock.Bolt, wall: float) -> tuple[float, int]:
     """Return circle radius [m] and number of the flange screws in a hub, with walls around all holes."""
-    radius, hole, head = 0.5 * hub.bore, thread_radius(reducer, bolt.thread), counterbore(bolt)
+    radius, hole, head = 0.5 * hub.bore, thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
     flange = shoulder_radius(radius, 0.5 * hub.outside)
     circle = min(RULES.flange_circle * radius, radius - hole - wall, flange - head - wall)
     fitting = (one for one in RULES.flange_screws if 2.0 * circle * math.sin(0.5 * math.pi / one) >= head + hole + wall)

@@ -15,6 +15,8 @@ from cycloid_mj.parts.export.casing import (
     Casing,
     motor_bore,
     output_cover_step,
+)
+from cycloid_mj.parts.export.casing_rules import (
     shoulder_radius,
 )
 from cycloid_mj.parts.export.crank_joints import cam_key
@@ -22,10 +24,13 @@ from cycloid_mj.parts.export.crank_rings import counterweight_shift, crank_rings
 from cycloid_mj.parts.export.joint import PRESSED_PIN, Point
 from cycloid_mj.parts.export.joints import bought_parts, drive_joints
 from cycloid_mj.parts.export.keyway import KeywayContour
-from cycloid_mj.parts.export.round_part import AXIS, Round, RoundPart, with_holes
+from cycloid_mj.parts.export.round_part import AXIS, Pocket, Round, RoundPart, with_holes
 from cycloid_mj.parts.shaft import COUNTERWEIGHT, INNER, JOURNAL
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP
+
+MIN_POCKET = 3e-3
+"""Least width and depth of a pocket [m], for a cutter (assumed)."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +61,8 @@ def casing_parts(reducer: Reducer, sizes: Casing) -> dict[str, RoundPart]:
     for name, (material, rounds) in bodies.items():
         holes = tuple(hole for joint in joints for hole in joint.holes_in(name))
         if holes or rounds:
-            parts[name] = RoundPart(material, rounds, holes)
+            pockets = _motor_pocket(sizes) if name == MOTOR_COVER else ()
+            parts[name] = RoundPart(material, rounds, holes, pockets=pockets)
     return parts | {part.item: part.solid for part in bought_parts(joints)}
 
 
@@ -118,7 +124,9 @@ def _wider(stretch: Stretch, by: float, below: bool, above: bool) -> Stretch:
 
 
 def _on_crank(reducer: Reducer, sizes: Casing, family: str, drawn: Sequence[Stretch]) -> Iterator[Stretch]:
-    """Yield the stretches of shaft, cam or spacer with keyways and axial clearances."""
+    """Yield the stretches of shaft, cam or spacer with keyways and axial clearances, the shaft from its bearing on."""
+    if family == names.SHAFT:
+        drawn = (replace(drawn[0], z0=sizes.journal), *drawn[1:])
     if reducer.design.gear.discs == 1:
         back = counterweight_shift(reducer)
         for stretch in drawn:
@@ -149,8 +157,21 @@ def _with_hub(reducer: Reducer, sizes: Casing, drawn: Sequence[Stretch]) -> tupl
 
 
 def _motor_cover(sizes: Casing) -> tuple[Round, ...]:
-    """Return the cover: up to the ring, or around it, its rim lower than the ring, which the other cover clamps."""
-    return ((sizes.outer, sizes.face, sizes.end - sizes.play if sizes.screws.outside else -sizes.end),)
+    """Return the cover: slimmer next to the motor, and up to the ring, or around it.
+
+    The rim around a ring is lower than the ring, which the other cover clamps.
+    """
+    top = sizes.end - sizes.play if sizes.screws.outside else -sizes.end
+    if sizes.step - sizes.face > 2.0 * sizes.wall and sizes.slim + sizes.wall < sizes.outer:
+        return (sizes.slim, sizes.face, sizes.step), (sizes.outer, sizes.step, top)
+    return ((sizes.outer, sizes.face, top),)
+
+
+def _motor_pocket(sizes: Casing) -> tuple[Pocket, ...]:
+    """Return the pocket around the boss of the bearing in the motor cover, if there is room for a cutter."""
+    if min(sizes.cavity - sizes.boss, sizes.floor - sizes.pocket) < MIN_POCKET:
+        return ()
+    return ((sizes.cavity, sizes.boss, sizes.pocket, sizes.floor),)
 
 
 def _output_cover(sizes: Casing) -> tuple[Round, ...]:

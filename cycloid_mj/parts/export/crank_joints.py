@@ -25,10 +25,12 @@ from cycloid_mj.parts.export.casing import (
     CAM_BEARING,
     MOTOR_COVER,
     OUTPUT_COVER,
-    RULES,
     Casing,
-    in_one_piece,
     motor_bore,
+)
+from cycloid_mj.parts.export.casing_rules import (
+    RULES,
+    in_one_piece,
 )
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT, BoughtPart, Joint, JointKind
 from cycloid_mj.parts.export.keyway import KeyContour

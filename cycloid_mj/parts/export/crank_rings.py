@@ -10,7 +10,13 @@ from cycloid_mj.base import names
 from cycloid_mj.design import stock
 from cycloid_mj.parts import crank_stretches
 from cycloid_mj.parts.export.bearings import cam_radius, shaft_bearing
-from cycloid_mj.parts.export.casing import RULES, Casing, shoulder_radius
+from cycloid_mj.parts.export.casing import (
+    Casing,
+)
+from cycloid_mj.parts.export.casing_rules import (
+    RULES,
+    shoulder_radius,
+)
 from cycloid_mj.parts.shaft import COUNTERWEIGHT
 from cycloid_mj.reducer import Reducer
 

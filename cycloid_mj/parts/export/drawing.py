@@ -22,7 +22,12 @@ from cycloid_mj.parts.contour import circle_of
 from cycloid_mj.parts.cut import cut
 from cycloid_mj.parts.export.assembly import assembly_parts
 from cycloid_mj.parts.export.bearings import cam_radius
-from cycloid_mj.parts.export.casing import Casing, is_printed
+from cycloid_mj.parts.export.casing import (
+    Casing,
+)
+from cycloid_mj.parts.export.casing_rules import (
+    is_printed,
+)
 from cycloid_mj.parts.export.dxf import fixed_metadata
 from cycloid_mj.parts.export.joint import Joint, JointKind
 from cycloid_mj.parts.export.joints import drive_joints

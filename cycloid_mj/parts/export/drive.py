@@ -32,9 +32,13 @@ def drive_mass(reducer: Reducer) -> float:
     with_one_ring = reducer.but(ring={"halves": 1, "preload": 0.0}) if reducer.design.ring.halves > 1 else reducer
     sizes = casing(with_one_ring)
     parts = assembly_parts(with_one_ring, sizes)
-    share = {name: BEARING_FILL if name.endswith("_bearing") else 1.0 for name in parts}
-    mass = {name: share[name] * mass_properties(part.solid(EXPORT_CHORD_ERROR)).mass for name, part in parts.items()}
+    mass = {name: filling(name) * mass_properties(part.solid(EXPORT_CHORD_ERROR)).mass for name, part in parts.items()}
     return sum(mass[place.part] for place in places(with_one_ring, 0.0, sizes))
+
+
+def filling(part: str) -> float:
+    """Return the mass of a part relative to that of its solid: less than 1 for rolling bearings."""
+    return BEARING_FILL if part.endswith("_bearing") else 1.0
 
 
 def casing_inertia(reducer: Reducer) -> float:

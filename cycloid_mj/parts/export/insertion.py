@@ -21,6 +21,7 @@ from cycloid_mj.parts.export.casing import (
     FLANGE,
     FLANGE_INSERT,
     FLANGE_SCREW,
+    FLANGE_WASHER,
     LOAD_INSERT,
     MOTOR_COVER,
     MOTOR_INSERT,
@@ -164,6 +165,7 @@ def _output_moves(sizes: Casing, placed: tuple[Place, ...]) -> Iterator[Move]:
     yield Move((FLANGE,), "flange")
     yield Move(_names_of_family(placed, LOAD_INSERT), "flange", DOWN)
     yield Move(("flange",), DRIVE, DOWN)
+    yield Move(_names_of_family(placed, FLANGE_WASHER), DRIVE, DOWN)
     yield Move(_names_of_family(placed, FLANGE_SCREW), DRIVE, DOWN)
     yield Move(_names_of_family(placed, DOWEL, UP), DRIVE, UP)
     yield Move((names.HOUSING,), DRIVE, UP)

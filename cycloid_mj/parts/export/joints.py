@@ -16,32 +16,37 @@ from cycloid_mj.parts.export.casing import (
     FLANGE,
     FLANGE_INSERT,
     FLANGE_SCREW,
+    FLANGE_WASHER,
     LOAD_INSERT,
     MOTOR_COVER,
     MOTOR_INSERT,
     MOTOR_SCREW,
     OUTPUT_BEARING,
     OUTPUT_COVER,
-    RULES,
     SCREW,
     SCREW_INSERT,
     SHAFT_BEARING,
     Casing,
     bearing_width_of,
-    core_radius,
-    counterbore,
     dowel_centres,
     flange_centres,
     flange_screw_length,
-    hole_depth,
-    insert_in,
     motor_bore,
     motor_centres,
     motor_grip,
     motor_screw,
     output_cover_step,
+)
+from cycloid_mj.parts.export.casing_rules import (
+    RULES,
+    core_radius,
+    counterbore,
+    flange_washer,
+    hole_depth,
+    insert_in,
     shoulder_radius,
     thickest_bolt,
+    thread_radius,
 )
 from cycloid_mj.parts.export.crank_joints import KEY, crank_joints
 from cycloid_mj.parts.export.joint import BoughtPart, Joint, JointKind, Point, TappedHole
@@ -51,7 +56,7 @@ from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.reducer.bending import AXIAL_GAP
 
 ITEMS = (
-    *(SCREW, FLANGE_SCREW, MOTOR_SCREW, OUTPUT_BEARING, SHAFT_BEARING),
+    *(SCREW, FLANGE_SCREW, FLANGE_WASHER, MOTOR_SCREW, OUTPUT_BEARING, SHAFT_BEARING),
     *(SCREW_INSERT, FLANGE_INSERT, LOAD_INSERT, MOTOR_INSERT, DOWEL, KEY),
 )
 """Bought parts of joints, in the order of solids and places."""
@@ -79,6 +84,7 @@ def drive_joints(reducer: Reducer, sizes: Casing) -> tuple[Joint, ...]:
         _motor_screws(reducer, sizes),
         *_ring_seat(reducer, sizes),
         _flange_screws(reducer, sizes),
+        *_hub_bore(reducer, sizes),
         *_hub_shaft_bearing(reducer, sizes),
         _load_threads(reducer, sizes),
         *_dowels(reducer, sizes),
@@ -247,18 +253,34 @@ def _flange_screws(reducer: Reducer, sizes: Casing) -> Joint:
     bolt, top, end = sizes.flange_bolt, sizes.top, sizes.top + sizes.flange_thickness
     centres, length, under_head = flange_centres(sizes)[::2], flange_screw_length(sizes), end - bolt.head_height
     depth = hole_depth(reducer, bolt.thread, length - sizes.flange_thickness + bolt.head_height)
+    bore, washer = flange_washer(reducer, bolt)
     holes: tuple[tuple[str, Hole], ...] = (
         (names.OUTPUT, (centres, core_radius(reducer, bolt.thread), top - depth, top)),
-        (FLANGE, (centres, 0.5 * stock.bolt_hole(bolt.thread), top, under_head)),
-        (FLANGE, (centres, counterbore(bolt), under_head, end)),
+        (FLANGE, (centres, 0.5 * stock.bolt_hole(bolt.thread), top, under_head - washer)),
+        (FLANGE, (centres, bore, under_head - washer, end)),
     )
     bought = (
         _screws(FLANGE_SCREW, bolt, length, names.OUTPUT, centres, under_head, FLANGE_CLASS),
+        *(_washers(bolt, centres, under_head) if washer else ()),
         *_inserts(reducer, FLANGE_INSERT, bolt.thread, names.OUTPUT, centres, top, -1.0),
     )
     threads = (_tapped_hole(reducer, names.OUTPUT, centres, bolt.thread, depth),)
     parts = (names.OUTPUT, FLANGE)
     return Joint("screws of the output flange", JointKind.SCREWED, parts, holes, bought, threads=threads)
+
+
+def _hub_bore(reducer: Reducer, sizes: Casing) -> Iterator[Joint]:
+    """Yield the bore of hub and flange inside of their screws: it saves mass, and centres a load."""
+    bolt, top, wall = sizes.flange_bolt, sizes.top, sizes.wall
+    bottom = max(sizes.hub_floor, sizes.far[1] + RULES.collar if sizes.far else 0.0) + 2.0 * wall
+    around = thread_radius(reducer, bolt.thread), flange_washer(reducer, bolt)[0]
+    in_hub, in_flange = (sizes.flange_circle - radius - wall for radius in around)
+    if min(in_flange, top - bottom) > 2.0 * wall:
+        holes = (
+            (names.OUTPUT, (AXIS, in_hub, bottom, top)),
+            (FLANGE, (AXIS, in_flange, top, top + sizes.flange_thickness)),
+        )
+        yield Joint("bore of hub and flange", JointKind.CLEARANCE, (names.OUTPUT, FLANGE), holes)
 
 
 def _load_threads(reducer: Reducer, sizes: Casing) -> Joint:
@@ -331,6 +353,21 @@ def _screws(
         (("thread", bolt.thread), ("length", length)),
         f"steel {property_class}",
         f"{bolt.designation} x {1e3 * length:.5g}",
+    )
+
+
+def _washers(bolt: stock.Bolt, centres: Array, under_head: float) -> Iterator[BoughtPart]:
+    """Yield the washers under the heads of the screws of the flange, on a plane [m]."""
+    washer = stock.washer_of(bolt.thread)
+    yield BoughtPart(
+        FLANGE_WASHER,
+        tube(0.5 * washer.bore, 0.5 * washer.outside, washer.thickness),
+        names.OUTPUT,
+        tuple(_point(centre, under_head - 0.5 * washer.thickness) for centre in centres),
+        (("outside diameter", washer.outside), ("bore", washer.bore), ("length", washer.thickness)),
+        "steel, 200 HV",
+        washer.designation,
+        "loose",
     )
 
 

@@ -8,6 +8,7 @@ from cycloid_mj.parts.export.casing import (
     FLANGE,
     FLANGE_INSERT,
     FLANGE_SCREW,
+    FLANGE_WASHER,
     LOAD_INSERT,
     MOTOR_COVER,
     MOTOR_INSERT,
@@ -18,9 +19,11 @@ from cycloid_mj.parts.export.casing import (
     SCREW_INSERT,
     SHAFT_BEARING,
     Casing,
+    motor_screw,
+)
+from cycloid_mj.parts.export.casing_rules import (
     in_one_piece,
     is_plastic,
-    motor_screw,
 )
 from cycloid_mj.parts.export.crank_joints import KEY, cam_key
 from cycloid_mj.parts.export.crank_rings import CRANK_RING, crank_rings
@@ -53,6 +56,7 @@ ALONG = (
     SCREW,
     FLANGE,
     LOAD_INSERT,
+    FLANGE_WASHER,
     FLANGE_SCREW,
 )
 """Families of parts from motor to load; the second disc of the output belongs to the first."""
@@ -69,8 +73,8 @@ def assembly_order(reducer: Reducer, sizes: Casing) -> tuple[str, ...]:
         _output_pins(reducer),
         f"Press one {OUTPUT_BEARING} ({hub}) into the {OUTPUT_COVER} from within, the other one from outside.",
         f"{f'Press a {SHAFT_BEARING} into the hub of the {names.OUTPUT}; push' if sizes.far else 'Push'} the hub "
-        f"through both, and screw the {FLANGE} on ({sizes.flange_screws} x {sizes.flange_bolt.designation}): it clamps "
-        "them.",
+        f"through both, and screw the {FLANGE} on ({sizes.flange_screws} x {sizes.flange_bolt.designation}"
+        f"{', with washers' if printed else ''}): it clamps them.",
         f"Lay the {names.HOUSING} on it{dowels.rstrip(',')}{_ring_pins(reducer)}.",
         _discs(reducer, sizes),
         _crank(reducer, sizes),

@@ -10,7 +10,12 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import Mesh, Prism, Solid, mesh
 from cycloid_mj.parts.accuracy import RELATIVE_ROUNDING
-from cycloid_mj.parts.export.casing import Casing, is_printed
+from cycloid_mj.parts.export.casing import (
+    Casing,
+)
+from cycloid_mj.parts.export.casing_rules import (
+    is_printed,
+)
 from cycloid_mj.parts.export.printing import material_part, printed_parts
 from cycloid_mj.parts.export.supports import overhangs, support
 from cycloid_mj.parts.inertia import region_moments

@@ -7,8 +7,9 @@ from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import mesh
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.export.assembly import printed_materials
-from cycloid_mj.parts.export.bill import BillLine, bill, bill_csv, consumables, out_of_stock
-from cycloid_mj.parts.export.casing import Casing, is_plastic
+from cycloid_mj.parts.export.bill import BillLine, bill, bill_csv, consumables, describe_consumable, out_of_stock
+from cycloid_mj.parts.export.casing import Casing
+from cycloid_mj.parts.export.casing_rules import is_plastic
 from cycloid_mj.parts.export.plate import PrintPlate, plates
 from cycloid_mj.parts.export.printable import coupon, coupon_words, print_warnings
 from cycloid_mj.parts.export.printing import widen_clearances
@@ -22,7 +23,7 @@ PLATE, BILL = "plate", "bom.csv"
 
 @dataclass(frozen=True)
 class PrintFiles:
-    """Plates by the stem of their files, files by name, bill, consumables, notes, and warnings."""
+    """Plates by the stem of their files, files by name, bill with consumables, these in words, notes, and warnings."""
 
     plates: Mapping[str, PrintPlate]
     files: Mapping[str, bytes]
@@ -81,18 +82,18 @@ def print_files(
     laid = plates(widen_clearances(reducer, settings.offset), error, seat, sizes, settings.bed)
     stems = [PLATE] if len(laid) == 1 else [f"{PLATE}_{number}" for number in range(1, len(laid) + 1)]
     by_stem = dict(zip(stems, laid, strict=True))
-    items = bill(reducer, seat, sizes, torques)
+    items, needed = bill(reducer, seat, sizes, torques), tuple(consumables(reducer, sizes)) if sizes else ()
     materials = printed_materials(reducer, sizes, {part for one in laid for part in one.counts})
-    files, warnings = {BILL: bill_csv(items)}, [*out_of_stock(items)]
+    files, warnings = {BILL: bill_csv((*items, *needed))}, [*out_of_stock(items)]
     for stem, one in by_stem.items():
         files |= {f"{stem}.stl": stl_bytes(one.mesh, MILLIMETRES), f"{stem}.3mf": threemf_bytes(one, materials)}
-    needed = consumables(reducer, sizes) if sizes else ()
     if is_plastic(reducer):
         files |= {f"{name}.stl": stl_bytes(mesh(one), MILLIMETRES) for name, one in coupon(error).items()}
         hanging = {name: faces for one in laid for name, faces in one.hanging.items()}
         warnings += print_warnings(reducer, hanging, error, sizes)
-    notes = _notes(by_stem, needed, coupon_words() if is_plastic(reducer) else "")
-    return PrintFiles(by_stem, files, items, needed, notes, tuple(warnings))
+    described = tuple(describe_consumable(line) for line in needed)
+    notes = _notes(by_stem, described, coupon_words() if is_plastic(reducer) else "")
+    return PrintFiles(by_stem, files, (*items, *needed), described, notes, tuple(warnings))
 
 
 def _notes(by_stem: Mapping[str, PrintPlate], needed: tuple[str, ...], coupon_note: str) -> tuple[str, ...]:

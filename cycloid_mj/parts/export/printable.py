@@ -10,7 +10,13 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts import Prism, Solid, circle
 from cycloid_mj.parts.accuracy import SAME_LENGTH
-from cycloid_mj.parts.export.casing import RULES, Casing, is_printed
+from cycloid_mj.parts.export.casing import (
+    Casing,
+)
+from cycloid_mj.parts.export.casing_rules import (
+    RULES,
+    is_printed,
+)
 from cycloid_mj.parts.export.printing import material_part, printed_parts
 from cycloid_mj.reducer import Reducer
 

@@ -10,8 +10,17 @@ from cycloid_mj.design import Material
 from cycloid_mj.parts import Part, Solid, Stretch, lay_out_parts, output_centres, parts, sleeve_core_radius
 from cycloid_mj.parts.contour import CircleContour, Contour, TurnedContour
 from cycloid_mj.parts.export.bearings import cam_radius
-from cycloid_mj.parts.export.casing import FLANGE, MOTOR_COVER, OUTPUT_COVER, Casing, in_one_piece, is_printed
+from cycloid_mj.parts.export.casing import (
+    FLANGE,
+    MOTOR_COVER,
+    OUTPUT_COVER,
+    Casing,
+)
 from cycloid_mj.parts.export.casing_parts import casing_parts, fit_part
+from cycloid_mj.parts.export.casing_rules import (
+    in_one_piece,
+    is_printed,
+)
 from cycloid_mj.parts.export.crank_rings import CRANK_RING
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT
 from cycloid_mj.parts.export.round_part import RoundPart, with_holes

@@ -1,7 +1,8 @@
 """Parts of coaxial cylinders with round holes: covers, screws, dowels, bearings, and holes added to other parts."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -11,13 +12,17 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.design import stock
 from cycloid_mj.parts import Stretch
 from cycloid_mj.parts.accuracy import SAME_LENGTH
-from cycloid_mj.parts.contour import CircleContour, Contour, circles_at
+from cycloid_mj.parts.contour import CircleContour, Contour, circle_of, circles_at
+from cycloid_mj.parts.curve import Circle
 
 Round = tuple[float, float, float]
 """Radius about the axis of the part, lower and upper end along z [m]."""
 
 Hole = tuple[Array, float, float, float]
 """Centres (n, 2), radius, lower and upper end along z [m]."""
+
+Pocket = tuple[float, float, float, float]
+"""An annular pocket about the axis: outer and inner radius, lower and upper end along z [m]."""
 
 AXIS = np.zeros((1, 2))
 """Centre of a hole on the axis [m]."""
@@ -35,6 +40,8 @@ class RoundPart:
         Its cylinders about its axis.
     holes
         Its holes, with axes along z.
+    pockets
+        Its annular pockets, around a boss; a hole is in the boss or in the wall.
     blocks
         Its sections of other outlines: contour, lower and upper end along z [m].
     bought
@@ -46,6 +53,7 @@ class RoundPart:
     holes: tuple[Hole, ...] = ()
     blocks: tuple[tuple[Contour, float, float], ...] = ()
     bought: bool = False
+    pockets: tuple[Pocket, ...] = ()
 
 
 def tube(bore: float, outside: float, width: float) -> RoundPart:
@@ -69,13 +77,14 @@ def dowel_body(dowel: stock.Dowel) -> RoundPart:
 def with_holes(name: str, part: RoundPart, base: Sequence[Stretch] = ()) -> tuple[Stretch, ...]:
     """Return the stretches of a round part, after those of a `base` part; its holes are cut into both.
 
-    The stretches end at all faces of the part and of its holes.
+    The stretches end at all faces of the part, of its holes and of its pockets.
     """
     rounds = ((CircleContour(radius), z0, z1) for radius, z0, z1 in part.rounds)
     shells = [*base, *(Stretch(name, contour, (), z0, z1) for contour, z0, z1 in (*rounds, *part.blocks))]
-    ends = [(shell.z0, shell.z1) for shell in shells] + [(start, end) for _, _, start, end in part.holes]
+    ends = [(shell.z0, shell.z1) for shell in shells]
+    ends += [(start, end) for *_, start, end in (*part.holes, *part.pockets)]
     faces = sorted({z for pair in ends for z in pair})
-    stretches = []
+    stretches: list[Stretch] = []
     for shell in shells:
         inner_faces = [z for z in faces if shell.z0 + SAME_LENGTH < z < shell.z1 - SAME_LENGTH]
         for low, high in pairwise([shell.z0, *inner_faces, shell.z1]):
@@ -87,5 +96,21 @@ def with_holes(name: str, part: RoundPart, base: Sequence[Stretch] = ()) -> tupl
                 if start < 0.5 * (low + high) < end
                 for hole in circles_at(radius, centres)
             ]
-            stretches.append(Stretch(shell.name, shell.outline, (*shell.holes, *through), low, high))
+            whole = Stretch(shell.name, shell.outline, (*shell.holes, *through), low, high)
+            pocket = next((one for one in part.pockets if one[2] < 0.5 * (low + high) < one[3]), None)
+            stretches += _wall_and_boss(whole, pocket) if pocket else [whole]
     return tuple(stretches)
+
+
+def _wall_and_boss(whole: Stretch, pocket: Pocket) -> Iterator[Stretch]:
+    """Yield what an annular pocket leaves of a stretch: the wall outside of it, and the boss inside."""
+    outer, inner, *_ = pocket
+    circles = [circle for hole in whole.holes if (circle := circle_of(hole))]
+    in_wall = [one for one in circles if math.hypot(*one.centre) - one.radius > outer]
+    in_boss = [one for one in circles if math.hypot(*one.centre) + one.radius < inner]
+    yield replace(whole, holes=(*_contours(in_wall), CircleContour(outer)))
+    yield replace(whole, outline=CircleContour(inner), holes=_contours(in_boss))
+
+
+def _contours(circles: Iterable[Circle]) -> tuple[CircleContour, ...]:
+    return tuple(CircleContour(circle.radius, circle.centre) for circle in circles)

@@ -4,7 +4,12 @@ from collections.abc import Iterator
 
 from cycloid_mj.base import names
 from cycloid_mj.base.units import MILLIMETRES
-from cycloid_mj.parts.export.casing import Casing, is_plastic
+from cycloid_mj.parts.export.casing import (
+    Casing,
+)
+from cycloid_mj.parts.export.casing_rules import (
+    is_plastic,
+)
 from cycloid_mj.parts.export.insertion import blockages
 from cycloid_mj.parts.export.joint import JointKind
 from cycloid_mj.parts.export.joints import drive_joints

@@ -21,7 +21,15 @@ from cycloid_mj.parts.accuracy import SAME_LENGTH, VISUAL_CHORD_ERROR
 from cycloid_mj.parts.contour import Contour, circle_of
 from cycloid_mj.parts.export.assembly import assembly_parts, places
 from cycloid_mj.parts.export.bearings import shaft_bearing
-from cycloid_mj.parts.export.casing import CAM_BEARING, OUTPUT_BEARING, SHAFT_BEARING, Casing, shoulder_radius
+from cycloid_mj.parts.export.casing import (
+    CAM_BEARING,
+    OUTPUT_BEARING,
+    SHAFT_BEARING,
+    Casing,
+)
+from cycloid_mj.parts.export.casing_rules import (
+    shoulder_radius,
+)
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN
 from cycloid_mj.parts.export.joints import MOTOR
 from cycloid_mj.parts.export.step import Place
