@@ -201,15 +201,20 @@ def _list(shapes: Sequence[Any]) -> Any:
 
 def _extrude(section: PartSection) -> Any:
     """Return the solid of a section."""
-    z = section.z0 * MILLIMETRES
+    height = occ.gp_Vec(0.0, 0.0, (section.z1 - section.z0) * MILLIMETRES)
+    return occ.BRepPrimAPI_MakePrism(planar_face(section, section.z0), height).Shape()
+
+
+def planar_face(section: PartSection, height: float = 0.0) -> Any:
+    """Return a section as a face of OpenCASCADE [mm] at a height along z [m]."""
+    z = height * MILLIMETRES
     outline, *holes = [_wire(loop, z) for loop in section.loops]
     plane = occ.gp_Pln(occ.gp_Pnt(0.0, 0.0, z), occ.gp_Dir(0.0, 0.0, 1.0))
     face = occ.BRepBuilderAPI_MakeFace(plane, outline, True)
     for hole in holes:
         hole.Reverse()
         face.Add(hole)
-    height = occ.gp_Vec(0.0, 0.0, (section.z1 - section.z0) * MILLIMETRES)
-    return occ.BRepPrimAPI_MakePrism(face.Face(), height).Shape()
+    return face.Face()
 
 
 def _wire(loop: Sequence[Curve], z: float) -> Any:

@@ -1,0 +1,87 @@
+"""Check that drives can be exported, turn without contact, and that their bills list what is drawn.
+
+For each design: `export` of solids, outlines, plates, assembly and drawings; the smallest distance of each two kinds
+of parts that move against each other, by OpenCASCADE at 12 crank angles; number and mass of each line of the bill
+against the solids in place. Arguments: names of presets, or design files; without, the presets. Half a minute to some
+minutes a design.
+"""
+
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import redirect_stderr, redirect_stdout
+from io import StringIO
+from pathlib import Path
+
+import numpy as np
+from drive_distances import smallest_distances
+
+from cycloid_mj.cli import main
+from cycloid_mj.design import PRESETS, resolve
+from cycloid_mj.parts.export import Casing, bill, casing, places
+from cycloid_mj.parts.export.drive import drive_mass
+from cycloid_mj.reducer import Reducer
+
+CRANK_ANGLES = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
+
+EXPORTS = "--format step --plate --assembly --drawings", "--format dxf --plate"
+"""Options of the exports: with solids, drawings and plates (STL, 3MF and bill), and with outlines."""
+
+MASS_TOLERANCE = 0.01
+"""Largest difference of the masses of bill and solids."""
+
+
+def faults(name: str) -> Iterator[str]:
+    """Yield each fault of a design by its name or file."""
+    reducer = Reducer(resolve(name))
+    sizes = casing(reducer)
+    yield from touching_parts(reducer, sizes)
+    yield from bill_differences(reducer, sizes)
+    yield from failed_exports(name)
+
+
+def touching_parts(reducer: Reducer, sizes: Casing) -> Iterator[str]:
+    """Yield the kinds of parts that touch at some crank angle, or are closer than the axial play."""
+    for distance in smallest_distances(reducer, sizes, CRANK_ANGLES):
+        if not distance.keeps(sizes.play):
+            yield f"{distance.part} and {distance.other} are {1e6 * distance.value:.4g} um apart"
+
+
+def bill_differences(reducer: Reducer, sizes: Casing) -> Iterator[str]:
+    """Yield the lines of the bill whose number differs from that of the solids, and a difference of the masses."""
+    lines = [line for line in bill(reducer, 0.0, sizes) if line.made_or_bought != "consumable"]
+    listed = {line.item: line.count for line in lines}
+    drawn = Counter(place.part for place in places(reducer, 0.0, sizes))
+    for item in sorted(listed.keys() | drawn.keys()):
+        if listed.get(item, 0) != drawn[item]:
+            yield f"{item}: {listed.get(item, 0)} in the bill, {drawn[item]} in the assembly"
+    masses = sum(line.mass_kg for line in lines), drive_mass(reducer)
+    if not abs(masses[0] / masses[1] - 1.0) <= MASS_TOLERANCE:
+        yield f"mass {masses[0]:.4g} kg in the bill, {masses[1]:.4g} kg of the solids"
+
+
+def failed_exports(name: str) -> Iterator[str]:
+    """Yield each export that fails, with the last line of its messages."""
+    for flags in EXPORTS:
+        with tempfile.TemporaryDirectory() as folder:
+            command = ["export", *flags.split(), "--design", name, "--out", str(Path(folder) / "parts")]
+            messages = StringIO()
+            with redirect_stderr(messages), redirect_stdout(StringIO()):
+                code = main(command)
+            if code:
+                yield f"export {flags} ends with {code}: {messages.getvalue().strip().splitlines()[-1:]}"
+
+
+def run(names: list[str]) -> int:
+    """Print the faults of designs; return 1 if there are any."""
+    count = 0
+    for name in names or PRESETS:
+        found = list(faults(name))
+        count += len(found)
+        print(f"{name}: {'; '.join(found) or 'good'}", flush=True)
+    return int(count > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(run(sys.argv[1:]))

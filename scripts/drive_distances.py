@@ -1,0 +1,202 @@
+"""Distances of the parts of a drive that move against each other, by OpenCASCADE, at any crank angle.
+
+All parts are stacks of prisms along z. The distance of two prisms is the hypotenuse of that of their ends along z and
+that of their sections in the plane, which OpenCASCADE measures on the curves of STEP files.
+"""
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from cycloid_mj.base import names
+from cycloid_mj.base.array import Array
+from cycloid_mj.base.units import MILLIMETRES
+from cycloid_mj.design import stock
+from cycloid_mj.parts import PartSection
+from cycloid_mj.parts.accuracy import SAME_LENGTH
+from cycloid_mj.parts.curve import Circle
+from cycloid_mj.parts.export import Casing, Place, places
+from cycloid_mj.parts.export.assembly import assembly_sections
+from cycloid_mj.parts.export.bearings import shaft_bearing
+from cycloid_mj.parts.export.casing import (
+    CAM_BEARING,
+    OUTPUT_BEARING,
+    SHAFT_BEARING,
+)
+from cycloid_mj.parts.export.casing_rules import (
+    shoulder_radius,
+)
+from cycloid_mj.parts.export.step import occ, planar_face
+from cycloid_mj.parts.polygon import rotate_points
+from cycloid_mj.reducer import Reducer
+
+NEEDLES_ON = {names.SHAFT, names.CAM}
+"""Families of parts on which needles roll: the bearing is drawn down to them, without a gap."""
+
+SPACING = 1e-4
+"""Largest distance of points along a curve, for bounds of a distance [m]: a wider one leaves more to OpenCASCADE."""
+
+
+@dataclass(frozen=True)
+class Distance:
+    """The smallest distance of two parts [m], and whether it is along the axis."""
+
+    part: str
+    other: str
+    value: float
+    axial: bool
+
+    def keeps(self, play: float) -> bool:
+        """Return whether the parts are apart, along the axis by at least the axial play [m]."""
+        return self.value >= (play if self.axial else 0.0) - SAME_LENGTH and self.value > 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Face:
+    """A plane face: its edges, points along them (n, 2) [mm], and the number of the edge that each is on (n,)."""
+
+    shape: Any
+    edges: tuple[Any, ...]
+    points: Array
+    owners: Array
+
+    def moved(self, place: Place) -> "Face":
+        """Return it at a place of its part."""
+        motion = occ.gp_Trsf()
+        motion.SetRotation(occ.gp_Ax1(occ.gp_Pnt(), occ.gp_Dir(0.0, 0.0, 1.0)), place.angle)
+        at = MILLIMETRES * np.array(place.origin[:2])
+        motion.SetTranslationPart(occ.gp_Vec(*at.tolist(), 0.0))
+        where = occ.TopLoc_Location(motion)
+        edges = tuple(edge.Moved(where) for edge in self.edges)
+        points = rotate_points(self.points, place.angle) + at
+        return Face(occ.TopoDS.Face(self.shape.Moved(where)), edges, points, self.owners)
+
+    @cached_property
+    def box(self) -> tuple[Array, Array]:
+        """Corners of a box around it [mm]."""
+        margin = MILLIMETRES * SPACING
+        return self.points.min(axis=0) - margin, self.points.max(axis=0) + margin
+
+    @cached_property
+    def tree(self) -> cKDTree:
+        """Tree of its points."""
+        return cKDTree(self.points)
+
+    def covers(self, point: Array) -> bool:
+        """Return whether it covers a point [mm]."""
+        position = occ.gp_Pnt(*point.tolist(), 0.0)
+        state = occ.BRepClass_FaceClassifier(self.shape, position, MILLIMETRES * SAME_LENGTH).State()
+        return bool(state == occ.TopAbs_State.TopAbs_IN)
+
+
+@dataclass(frozen=True, eq=False)
+class Prism:
+    """A prism of a part in place: its part and body, face, and ends along z [m]."""
+
+    part: str
+    body: str
+    face: Face
+    low: float
+    high: float
+
+
+def smallest_distances(reducer: Reducer, sizes: Casing, cranks: Iterable[float]) -> tuple[Distance, ...]:
+    """Measure the smallest distance of each two kinds of parts of different bodies over crank angles [rad].
+
+    Of parts that are apart along the axis by the axial play, the distance is that along the axis: a lower bound.
+    """
+    smallest: dict[tuple[str, ...], Distance] = {}
+    faces = {part: [(face_of(one), one) for one in stack] for part, stack in assembly_sections(reducer, sizes).items()}
+    for crank in cranks:
+        for one, other in combinations(_prisms(reducer, sizes, crank, faces), 2):
+            key = tuple(sorted((names.family(one.part), names.family(other.part))))
+            if one.body == other.body or one.part == other.part or _is_raceway(key):
+                continue
+            gap = max(one.low - other.high, other.low - one.high)
+            limit = smallest[key].value if key in smallest else math.inf
+            if gap >= limit:
+                continue
+            aside = 0.0 if gap >= sizes.play - SAME_LENGTH else planar_distance(one.face, other.face, limit)
+            distance = math.hypot(max(gap, 0.0), aside)
+            if distance < limit:
+                smallest[key] = Distance(one.part, other.part, distance, aside < gap)
+    return tuple(smallest.values())
+
+
+def planar_distance(one: Face, other: Face, limit: float = math.inf) -> float:
+    """Compute the distance of plane faces [m], 0 where they overlap; inf if it is larger than a limit [m]."""
+    (low, high), (other_low, other_high) = one.box, other.box
+    if np.hypot(*np.maximum(np.maximum(low - other_high, other_low - high), 0.0)) >= MILLIMETRES * limit:
+        return math.inf
+    if one.covers(other.points[0]) or other.covers(one.points[0]):
+        return 0.0
+    upper = min(float(one.tree.query(other.points)[0].min()), MILLIMETRES * limit)
+    near = one.tree.sparse_distance_matrix(other.tree, upper + MILLIMETRES * SPACING, output_type="ndarray")
+    pairs = {*zip(one.owners[near["i"]].tolist(), other.owners[near["j"]].tolist(), strict=True)}
+    values = [occ.BRepExtrema_DistShapeShape(one.edges[i], other.edges[j]).Value() for i, j in pairs]
+    return min(values, default=math.inf) / MILLIMETRES
+
+
+def _is_raceway(families: tuple[str, ...]) -> bool:
+    """Return whether needles of a bearing roll on a part, or a bearing is compared with its own elements."""
+    return bool({CAM_BEARING, SHAFT_BEARING} & {*families} and NEEDLES_ON & {*families})
+
+
+def face_of(section: PartSection) -> Face:
+    """Return the face of a section."""
+    shape = planar_face(section)
+    edges, points, owners = [], [], []
+    explorer = occ.TopExp_Explorer(shape, occ.TopAbs_ShapeEnum.TopAbs_EDGE)
+    while explorer.More():
+        edge = occ.TopoDS.Edge(explorer.Current())
+        curve = occ.BRepAdaptor_Curve(edge)
+        count = 2 + int(occ.GCPnts_AbscissaPoint.Length_s(curve) / (MILLIMETRES * SPACING))
+        along = occ.GCPnts_UniformAbscissa(curve, count)
+        values = [curve.Value(along.Parameter(number)) for number in range(1, along.NbPoints() + 1)]
+        points += [[value.X(), value.Y()] for value in values]
+        owners += [len(edges)] * len(values)
+        edges.append(edge)
+        explorer.Next()
+    return Face(shape, tuple(edges), np.array(points), np.array(owners))
+
+
+def _prisms(
+    reducer: Reducer, sizes: Casing, crank: float, faces: Mapping[str, Sequence[tuple[Face, PartSection]]]
+) -> Iterator[Prism]:
+    """Yield the prisms of all parts in place; bearings as their rings, each with the body that it moves with."""
+    for place in places(reducer, crank, sizes):
+        z = place.origin[2]
+        for face, section in faces[place.part]:
+            ends = section.z0 + z, section.z1 + z
+            if names.family(place.part) in (SHAFT_BEARING, OUTPUT_BEARING):
+                for body, ring in _rings(reducer, sizes, place, section):
+                    yield Prism(place.name, body, ring, *ends)
+            else:
+                yield Prism(place.name, place.body, face.moved(place), *ends)
+
+
+def _rings(reducer: Reducer, sizes: Casing, place: Place, drawn: PartSection) -> Iterator[tuple[str, Face]]:
+    """Yield the outer ring of a bearing with its body, and its inner ring unless it is a drawn cup."""
+    (outside,), (bore,) = drawn.loops
+    assert isinstance(outside, Circle)
+    assert isinstance(bore, Circle)
+    on_shaft = names.family(place.part) == SHAFT_BEARING
+    around = names.OUTPUT if on_shaft and sizes.far and place.origin[2] > 0.0 else names.HOUSING
+    if on_shaft and shaft_bearing(reducer) in stock.needle_bearings():
+        yield around, _annulus(outside.radius, bore.radius)
+        return
+    yield around, _annulus(outside.radius, shoulder_radius(outside.radius, bore.radius))
+    inside = names.SHAFT if on_shaft else names.OUTPUT
+    yield inside, _annulus(shoulder_radius(bore.radius, outside.radius), bore.radius)
+
+
+def _annulus(outer: float, inner: float) -> Face:
+    """Return the face of a ring about the axis by its radii [m]."""
+    loops = (Circle((0.0, 0.0), outer),), (Circle((0.0, 0.0), inner),)
+    return face_of(PartSection("ring", loops, 0.0, 1.0))
