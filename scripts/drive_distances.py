@@ -136,7 +136,7 @@ def planar_distance(one: Face, other: Face, limit: float = math.inf) -> float:
         return math.inf
     if one.covers(other.points[0]) or other.covers(one.points[0]):
         return 0.0
-    upper = min(float(one.tree.query(other.points)[0].min()), MILLIMETRES * limit)
+    upper = min(float(np.min(one.tree.query(other.points)[0])), MILLIMETRES * limit)
     near = one.tree.sparse_distance_matrix(other.tree, upper + MILLIMETRES * SPACING, output_type="ndarray")
     pairs = {*zip(one.owners[near["i"]].tolist(), other.owners[near["j"]].tolist(), strict=True)}
     values = [occ.BRepExtrema_DistShapeShape(one.edges[i], other.edges[j]).Value() for i, j in pairs]
@@ -151,7 +151,9 @@ def _is_raceway(families: tuple[str, ...]) -> bool:
 def face_of(section: PartSection) -> Face:
     """Return the face of a section."""
     shape = planar_face(section)
-    edges, points, owners = [], [], []
+    edges: list[Any] = []
+    points: list[list[float]] = []
+    owners: list[int] = []
     explorer = occ.TopExp_Explorer(shape, occ.TopAbs_ShapeEnum.TopAbs_EDGE)
     while explorer.More():
         edge = occ.TopoDS.Edge(explorer.Current())

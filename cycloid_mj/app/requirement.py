@@ -14,7 +14,7 @@ from cycloid_mj.base.judgement import Judgement, gravest
 from cycloid_mj.base.units import MICROMETRES, MILLIMETRES, RPM
 from cycloid_mj.design import Material, stock
 from cycloid_mj.life.duration import format_life
-from cycloid_mj.parts.export.casing import RULES
+from cycloid_mj.parts.export.casing_rules import RULES
 from cycloid_mj.parts.export.motors import MOTORS, MotorName
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.answer import Answer, SizedDrive

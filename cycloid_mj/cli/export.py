@@ -370,7 +370,8 @@ def _plate(reducer: Reducer, sizes: "Casing | None", settings: "PrintSettings") 
     warn(reducer.design.name, printed.warnings)
     counts: Counter[str] = sum((Counter(one.counts) for one in printed.plates.values()), Counter())
     columns = ("item", "count", "size", "material", "made or bought", "designation")
-    lines = tuple(tuple(str(value) for value in asdict(item).values())[:-2] for item in printed.bill)
+    parts = (item for item in printed.bill if item.made_or_bought != "consumable")  # these are notes
+    lines = tuple(tuple(str(value) for value in asdict(item).values())[:-2] for item in parts)
     tables = (
         Table("parts on the plate", ("part", "count"), tuple((part, str(count)) for part, count in counts.items())),
         Table("bill of materials", columns, lines, words=(2, 3, 4, 5)),
