@@ -89,9 +89,9 @@ def test_the_order_of_keys_is_that_on_the_screen(page: Tab) -> None:
     )
     assert tops == sorted(tops)
     page.screen(1400, SIZES[1400])
-    assert page.run(
-        "!!(document.querySelector('#parameters').compareDocumentPosition(document.querySelector('#crank')) & 4)"
-    )
+    first = "document.querySelector('#parameters').compareDocumentPosition(document.querySelector('#crank'))"
+    page.wait(f"{first} & Node.DOCUMENT_POSITION_FOLLOWING", "the parameters come first on a wide screen")
+    page.wait("document.querySelector('#parameters-open').open", "and are open")
 
 
 def test_results_are_announced_once_and_not_each_step(page: Tab) -> None:
@@ -104,7 +104,7 @@ def test_results_are_announced_once_and_not_each_step(page: Tab) -> None:
     for _ in range(5):
         page.key("ArrowRight")
     wait_for_result(page)
-    page.wait("said.length", "the results are announced")
+    page.wait("said.length", "the results are announced", 180.0)
     page.listen(1.0)
     assert page.run("said.length") <= 2
     assert "rated torque" in page.run("said.at(-1)")
