@@ -15,17 +15,17 @@ SIGMAS = 3.0
 def tolerance_checks(reducer: Reducer) -> Iterator[Check]:
     """Yield the checks of all manufacturing errors of the design that are not 0; all are warnings."""
     design = reducer.design
-    errors, clearance, pair = design.errors, design.clearance, design.tooth_pair
+    errors, measured, clearance, pair = design.errors, design.measured, design.clearance, design.tooth_pair
     mesh = getattr(clearance, pair) + design.modification.equidistant + design.pin_play
     position, radius = (
-        _tolerance_of(errors.pin_position, errors.pin_x, errors.pin_y),
-        _tolerance_of(errors.pin_radius, errors.pin_dr),
+        _tolerance_of(errors.pin_position, errors.pin_x, errors.pin_y, measured.pins_radial, measured.pins_tangential),
+        _tolerance_of(errors.pin_radius, errors.pin_dr, measured.pins_radius),
     )
     pins = math.hypot(position, radius)
     yield from _tolerance_check(reducer, "pin_tolerance", "position and radius of a ring pin", pins, pair, mesh)
     holes = _tolerance_of(errors.hole_position, errors.hole_x, errors.hole_y)
     yield from _tolerance_check(reducer, "hole_tolerance", "the position of a hole", holes, "output", clearance.output)
-    flanks = _tolerance_of(errors.disc_size, errors.disc_dr)
+    flanks = _tolerance_of(errors.disc_size, errors.disc_dr, measured.gear_deviation)
     yield from _tolerance_check(reducer, "disc_tolerance", "the flanks of a disc", flanks, pair, mesh)
     cams = _tolerance_of(errors.cam_position, errors.cam_x, errors.cam_y)
     yield from _tolerance_check(reducer, "cam_tolerance", "the position of a cam", cams, "cam", clearance.cam + mesh)

@@ -129,7 +129,7 @@ def _outcome(
         warnings=list(map(str, checks.warnings)),
         passes=list(map(str, checks.passes)),
         summary=[
-            *(f"      {line}" for line in (_lines(summed, rating) if summed else [])),
+            *(f"      {line}" for line in (_lines(design, summed, rating) if summed else [])),
             f"{len(checks)} checks: {checks.counts}",
         ],
         frame=checks.frame,
@@ -195,8 +195,10 @@ def _in_file_units(summed: "Summary", rating: "Rating | None") -> dict[str, Any]
     }
 
 
-def _lines(summed: "Summary", rating: "Rating | None") -> list[str]:
+def _lines(design: Design, summed: "Summary", rating: "Rating | None") -> list[str]:
     """Return the summary of a design as lines of text."""
+    from cycloid_mj.geometry.measured import part_notes
+
     angle, play = degrees(summed.pressure_angle), 60.0 * degrees(summed.backlash)
     of = " of each disc" if summed.discs > 1 else ""
     part = "identical parts" if summed.one_part else "different parts"
@@ -207,5 +209,5 @@ def _lines(summed: "Summary", rating: "Rating | None") -> list[str]:
         f"carry load on average, mean pressure angle {angle:.1f} deg",
         f"backlash {play:.3g} arcmin; capacity {summed.capacity:.3g} N m (first yield at {summed.weakest})",
         *([f"weakest: {rating.weakest_line()}"] if rating else []),
-        *summed.material_limits,
+        *part_notes(design),
     ]

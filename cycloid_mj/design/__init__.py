@@ -4,6 +4,7 @@ This room owns every input of the project and is the only place where mm, rpm, d
 """
 
 from cycloid_mj.design.file import Named, declaration_of, dump, inherited_keys, load, loads, override, resolve, value_of
+from cycloid_mj.design.measured import Measured
 from cycloid_mj.design.model import (
     PARTNERS,
     PARTS,
@@ -52,6 +53,7 @@ __all__ = [
     "Housing",
     "Load",
     "Material",
+    "Measured",
     "Modification",
     "Named",
     "Output",

@@ -18,6 +18,7 @@ from cycloid_mj.base.errors import DesignError, UsageError, reason
 from cycloid_mj.base.overwrite_guard import note_input
 from cycloid_mj.base.text import match_case
 from cycloid_mj.design.layouts import applies
+from cycloid_mj.design.measured import read_measurements
 from cycloid_mj.design.model import Design
 from cycloid_mj.design.presets import PRESETS
 from cycloid_mj.design.section import Section
@@ -116,14 +117,19 @@ def load(path: Path) -> Design:
         raise UsageError(f"{path} is a folder: choose a design file (TOML)") from error
     except (OSError, ValueError) as error:
         raise DesignError(f"cannot read the design file {path}: {reason(error)}; choose a TOML text file") from error
-    return loads(text, str(path))
+    return loads(text, str(path), path.parent)
 
 
-def loads(text: str, where: str = "the design") -> Design:
-    """Read the design of a TOML text; keys left out keep the values of the preset ``pin``."""
+def loads(text: str, where: str = "the design", folder: Path | None = None) -> Design:
+    """Read the design of a TOML text; keys left out keep the values of the preset ``pin``.
+
+    Measurements are read from files in the `folder`. A text without one, such as that of a log, lists their values.
+    """
     tables = parse_toml(text, where)
     if not tables:
         raise DesignError(f"{where} is empty: `cycloid-mj design new my` writes a complete design file to start from")
+    if folder is not None and isinstance(tables.get("measured"), Mapping):
+        tables["measured"] = read_measurements(tables["measured"], folder)
     return _validate(Design, _expand_sparse_lists(_to_si(Design, tables, where), where), where)
 
 
@@ -188,6 +194,8 @@ def override(design: Design, changes: Sequence[str] | Mapping[str, Any]) -> Desi
     for name, change in changed.items():
         section = section_of(field) if (field := Design.model_fields.get(name)) else None
         tables[name] = (section or Section).merge_change(tables.get(name, {}), change)
+    if "measured" in changed:
+        tables["measured"] = read_measurements(tables["measured"], Path())
     if not pairs:
         return design
     values = _values_except(design, named) | _to_si(Design, tables, where)

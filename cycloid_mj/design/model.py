@@ -14,6 +14,7 @@ from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.design import units as u
 from cycloid_mj.design.layouts import RV_TABLES, applies
 from cycloid_mj.design.materials import BY_CASEFOLD, DEFAULT, MATERIALS, SOFTEST_METAL, material_name
+from cycloid_mj.design.measured import Measured
 from cycloid_mj.design.rv import CrankErrors, Cranks, CrankTolerance, Planet
 from cycloid_mj.design.section import Offsets, Section
 from cycloid_mj.design.units import (
@@ -953,6 +954,7 @@ class Design(Section, Presented):
     housing: Housing = Housing()
     clearance: Clearance = Clearance()
     errors: Errors = Errors()
+    measured: Measured = Measured()
     tolerance: Tolerance = Tolerance()
     modification: Modification = Modification()
     friction: Friction = Friction()
@@ -1289,6 +1291,21 @@ def _keys_without_use(design: Design) -> Iterator[tuple[str, bool]]:
         for key, inner in table.model_fields.items() if values is not None else ():
             if not applies(design.layout, name, key):
                 yield f"{name}.{file_key(key, inner)}", getattr(values, key) == inner.default
+
+    @model_validator(mode="after")
+    def _measurements_fit_the_parts(self) -> Self:
+        """Refuse measured pins of an internal gear, or of another number of pins."""
+        count, teeth = len(self.measured.pins_radial), self.ring.teeth
+        if count and self.ring.kind == "nonpin":
+            raise ValueError(
+                f'measured.pins = "{self.measured.pins}" has pins, but an internal gear (ring.kind = "nonpin") has '
+                "none: remove it, or set ring.kind = 'pin'"
+            )
+        if count not in (0, teeth):
+            raise ValueError(
+                f'measured.pins = "{self.measured.pins}" has {count} pins, but ring.teeth is {teeth}: list each once'
+            )
+        return self
 
 
 def _as_tuple(value: Any) -> Any:

@@ -56,6 +56,7 @@ from cycloid_mj.dynamics.regime import pace
 from cycloid_mj.dynamics.settling import penetration_limit
 from cycloid_mj.dynamics.timestep import MUJOCO_RULE, TimeStep, describe_accuracy, timestep
 from cycloid_mj.geometry.kinematics import carried_point
+from cycloid_mj.geometry.measured import measurement_notes
 from cycloid_mj.reducer import Reducer
 
 Groups = dict[str, dict[str, str]]
@@ -298,6 +299,7 @@ def provenance(
         "timestep_for": describe_accuracy(
             stiffened if chosen.seconds == seconds else stiffened.but(settings={"timestep": seconds}), rule.accuracy
         ),
+        **({"measured": "; ".join(measurement_notes(reducer.design))} if not reducer.design.measured.is_empty else {}),
         "working_forces": stiffened.contacts.working_forces_text(reducer.mechanism.kinds),
         "cycloid_mj": __version__,
         "mujoco": mujoco.__version__,

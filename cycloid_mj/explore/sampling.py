@@ -11,6 +11,7 @@ from cycloid_mj.base.units import MICROMETRES
 from cycloid_mj.design import Design
 from cycloid_mj.explore.zone import Zone, wave_zones, zone
 from cycloid_mj.geometry import profile
+from cycloid_mj.geometry.measured import measured_deviations
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.samples import Samples, identical_samples
 
@@ -246,20 +247,22 @@ def unchecked_design_of_sample(reducer: Reducer, samples: Samples, row: int) -> 
 
 
 def _parts(reducer: Reducer, samples: Samples, row: int) -> tuple[dict[str, float], dict[str, Any]]:
-    """Return the clearances and the errors of a sample, by their keys in the design's tables."""
-    design = reducer.design
-    pins, holes = samples.pin_place[row], samples.hole_place[row].reshape(-1, 2)
-    cams, waves = samples.cam_place[row], samples.waves[row]
+    """Return the clearances and the errors of a sample, by their keys in the design; measured parts stay apart."""
+    design, measured = reducer.design, measured_deviations(reducer.design)
+    pins, holes = samples.pin_place[row] - measured.pin_place, samples.hole_place[row].reshape(-1, 2)
+    cams, waves = samples.cam_place[row], np.array(samples.waves[row])
+    waves[: len(measured.waves)] -= measured.waves
+    waves = waves[: design.ring.teeth]
     clearance = {design.tooth_pair: samples.mesh[row], "cam": samples.cam[row], "output": samples.output[row]}
     if design.seat_pair:
         clearance[design.seat_pair] = samples.seat[row]
     errors = {
         "pin_x": pins[:, 0],
         "pin_y": pins[:, 1],
-        "pin_dr": samples.pin_radius[row],
+        "pin_dr": samples.pin_radius[row] - measured.pin_radius,
         "hole_x": holes[:, 0],
         "hole_y": holes[:, 1],
-        "disc_dr": samples.disc_radius[row],
+        "disc_dr": samples.disc_radius[row] - measured.disc_radius,
         "cam_x": cams[:, 0],
         "cam_y": cams[:, 1],
         "profile_cos": waves[:, 0],

@@ -1,4 +1,4 @@
-"""Manufacturing errors of the parts, listed in the design or drawn at random with a seed.
+"""Manufacturing errors of the parts: measured, listed in the design, or drawn at random with a seed.
 
 The one place where manufacturing errors are drawn. Each kind has a random stream of its own, so that one kind switched
 on leaves the others as they were. Pins, lobes and holes are counted from 0 on +y, clockwise; lengths in metres.
@@ -10,6 +10,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.design import Design
+from cycloid_mj.geometry.measured import measured_deviations
 
 _STREAMS = {"pin_x": 0, "pin_y": 1, "pin_dr": 2, "hole_x": 3, "hole_y": 4, "disc_dr": 5, "cam_x": 6, "cam_y": 7}
 """Random stream of each list of errors; numbers must not change, or the same seed would produce other parts."""
@@ -34,8 +35,8 @@ class Deviations:
     eccentricity
         Difference of the cams' eccentricity from that of the teeth [m].
     waves
-        Inward offset of the flanks of all discs: amplitudes of cosine and sine of each order from 1 on
-        [m], shape (N, 2); see `profile_error`.
+        Inward offset of the flanks of all discs: amplitudes of cosine and sine of each order from 1 on [m], shape
+        (N, 2), or of more orders if the profile is measured; see `profile_error`.
     """
 
     pin_place: Array
@@ -61,17 +62,28 @@ class Deviations:
 
 
 def deviations(design: Design) -> Deviations:
-    """Compute the manufacturing errors of a design's parts; equal designs have equal errors."""
+    """Compute the errors of a design's parts, listed or drawn, plus those measured; equal designs have equal errors.
+
+    Raises
+    ------
+    DesignError
+        A profile is measured, but that of the drawing is undercut.
+    """
     errors, pins, holes = design.errors, design.ring.teeth, design.output.pins
     pin, radius, hole, cam = errors.pin_position, errors.pin_radius, errors.hole_position, errors.cam_position
+    measured = measured_deviations(design)
+    listed = np.stack([_each(design, name, 0.0, pins) for name in ("profile_cos", "profile_sin")], axis=1)
+    waves = np.pad(listed, ((0, max(0, len(measured.waves) - pins)), (0, 0)))
+    waves[: len(measured.waves)] += measured.waves
     return Deviations(
-        pin_place=np.stack([_each(design, axis, pin, pins) for axis in ("pin_x", "pin_y")], axis=1),
-        pin_radius=_each(design, "pin_dr", radius, pins),
+        pin_place=np.stack([_each(design, axis, pin, pins) for axis in ("pin_x", "pin_y")], axis=1)
+        + measured.pin_place,
+        pin_radius=_each(design, "pin_dr", radius, pins) + measured.pin_radius,
         hole_place=np.stack([_of_discs(design, axis, hole, holes) for axis in ("hole_x", "hole_y")], axis=2),
-        disc_radius=_of_discs(design, "disc_dr", errors.disc_size, 1)[:, 0],
+        disc_radius=_of_discs(design, "disc_dr", errors.disc_size, 1)[:, 0] + measured.disc_radius,
         cam_place=np.stack([_of_discs(design, axis, cam, 1)[:, 0] for axis in ("cam_x", "cam_y")], axis=1),
         eccentricity=errors.eccentricity,
-        waves=np.stack([_each(design, name, 0.0, pins) for name in ("profile_cos", "profile_sin")], axis=1),
+        waves=waves,
     )
 
 

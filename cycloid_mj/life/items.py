@@ -6,7 +6,8 @@ from dataclasses import replace
 from itertools import chain
 
 from cycloid_mj.base.errors import CycloidWarning, DesignError, UsageError
-from cycloid_mj.design import Named, material_limits, resolve
+from cycloid_mj.design import Named, resolve
+from cycloid_mj.geometry.measured import part_notes
 from cycloid_mj.life.as_built import Parts, rated_samples
 from cycloid_mj.life.bearings import rate_bearings
 from cycloid_mj.life.cam import rate_cam_compliance
@@ -147,4 +148,4 @@ def _assumptions(reducer: Reducer, duty: Duty) -> Iterator[str]:
     yield "pitting is rated for steel only: no standard has a curve for other metals and plastics"
     yield "micropitting is not rated: it needs the film thickness and roughness of each flank (ISO/TS 6336-22)"
     yield "contacts that fit too closely for Hertz, such as pins in sockets, have no pressure rating"
-    yield from material_limits(reducer.design)
+    yield from part_notes(reducer.design)

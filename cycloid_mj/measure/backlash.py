@@ -21,7 +21,7 @@ from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Curve, Quantity, by_key
 from cycloid_mj.base.units import ARCMINUTE
-from cycloid_mj.design import Errors, Modification, Named, resolve
+from cycloid_mj.design import Errors, Measured, Modification, Named, resolve
 from cycloid_mj.dynamics.massless import assumptions, massless
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.dynamics.settling import rotation_time
@@ -165,7 +165,8 @@ def with_single_clearance(reducer: Reducer, kind: str) -> Reducer:
     others = {other: PRESS.no_clearance for other in design.pair_kinds if other != kind}
     clearance = design.clearance.model_copy(update=others)
     output = design.output.model_copy(update={"hole_radius": design.output.pin_radius + design.gear.eccentricity})
-    exact = {"clearance": clearance, "errors": Errors(), "modification": Modification(), "output": output}
+    ideal = {"errors": Errors(), "measured": Measured(), "modification": Modification()}
+    exact = {"clearance": clearance, "output": output, **ideal}
     return bench.without_friction(Reducer(design.model_copy(update=exact)))
 
 

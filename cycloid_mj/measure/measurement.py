@@ -9,8 +9,9 @@ from cycloid_mj.base.frame import Frame
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.result import Curve, Quantity, Table, quantity_frame
-from cycloid_mj.design import Design, material_limits
+from cycloid_mj.design import Design
 from cycloid_mj.figures import of_measure, values_json
+from cycloid_mj.geometry.measured import part_notes
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -30,7 +31,7 @@ class Measurement(Presented):
     tables
         Further tables.
     assumptions
-        Assumptions, a sentence each; the limits of the materials are appended.
+        Assumptions, a sentence each; notes on measured parts and materials are appended.
     runs
         Name -> run, for the logs.
     details
@@ -50,8 +51,8 @@ class Measurement(Presented):
     condition: str = ""
 
     def __post_init__(self) -> None:
-        """Append temperatures to the condition, and the limits of the design's materials to the assumptions."""
-        sentences = dict.fromkeys((*self.assumptions, *material_limits(self.design)))
+        """Append temperatures to the condition, and notes on the parts to the assumptions."""
+        sentences = dict.fromkeys((*self.assumptions, *part_notes(self.design)))
         object.__setattr__(self, "assumptions", tuple(sentences))
         if self.design.thermal.words:
             object.__setattr__(self, "condition", f"{self.condition}, {self.design.thermal.words}")

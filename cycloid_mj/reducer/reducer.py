@@ -33,7 +33,7 @@ SLICES_CREEP = 0.02
 v0."""
 
 SHAPING_NOTHING = (
-    *("name", "errors", "friction", "drag", "contact", "stiffness", "damping", "working_force"),
+    *("name", "errors", "measured", "friction", "drag", "contact", "stiffness", "damping", "working_force"),
     *("drive", "load", "environment", "settings"),
 )
 """Design tables that no part depends on: runs at other loads and speeds share the same parts."""
@@ -189,6 +189,8 @@ class Reducer:
     @property
     def parts_text(self) -> str:
         """Manufacturing errors of the parts in words, for figures that depend on them."""
+        if not self.design.measured.is_empty:
+            return "as measured, with the errors of the design"
         return "with the errors of the design" if self.deviations.largest else "perfect"
 
     @property

@@ -15,9 +15,11 @@ import numpy as np
 from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.compiling import announce_compilation
 from cycloid_mj.base.interrupt import check_interrupt
-from cycloid_mj.design import Errors, Modification
+from cycloid_mj.design import Errors, Measured, Modification
 from cycloid_mj.geometry import profile
+from cycloid_mj.geometry.deviations import profile_error
 from cycloid_mj.geometry.kinematics import gear_rotation
+from cycloid_mj.geometry.measured import measured_deviations
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import cam_places
 from cycloid_mj.statics import kernel
@@ -56,7 +58,7 @@ class Samples:
     eccentricity
         Error of the eccentricity of all cams, shape (s,).
     waves
-        Waviness of the disc's profile, shape (s, N, 2).
+        Waviness of the disc's profile, shape (s, N, 2), or of more orders if it is measured.
     mesh, seat, cam, output
         Clearances, shape (s,): between disc and ring, of pins or sleeves in their seats (0 if fixed), of the cam and of
         the output pins.
@@ -102,24 +104,29 @@ def identical_samples(reducer: Reducer, count: int) -> Samples:
 def draw_samples(reducer: Reducer, count: int, seed: int) -> Samples:
     """Draw samples with the standard deviations of the design's `errors`: normal, with a random stream per kind.
 
-    Errors that the design lists part by part, and that of the eccentricity, are the same in all samples.
+    Errors that the design lists part by part, measured deviations, and the error of the eccentricity are the same in
+    all samples.
     """
     errors, same = reducer.design.errors, identical_samples(reducer, count)
+    measured = measured_deviations(reducer.design)
 
-    def normal(stream: int, sigma: float, listed: Sequence[float], nominal: Array) -> Array:
+    def normal(stream: int, sigma: float, listed: Sequence[float], nominal: Array, mean: Array | float) -> Array:
         draws = np.random.default_rng([seed, stream]).standard_normal(nominal.shape)
-        return nominal if listed else sigma * draws
+        return nominal if listed else mean + sigma * draws
 
-    def places(stream: int, sigma: float, lists: Sequence[Sequence[float]], nominal: Array) -> Array:
-        axes = [normal(stream + axis, sigma, lists[axis], nominal[..., axis]) for axis in (0, 1)]
+    def places(
+        stream: int, sigma: float, lists: Sequence[Sequence[float]], nominal: Array, mean: Array | float = 0.0
+    ) -> Array:
+        means = np.broadcast_to(mean, nominal.shape[1:])
+        axes = [normal(stream + axis, sigma, lists[axis], nominal[..., axis], means[..., axis]) for axis in (0, 1)]
         return np.stack(axes, axis=-1)
 
     return replace(
         same,
-        pin_place=places(0, errors.pin_position, (errors.pin_x, errors.pin_y), same.pin_place),
-        pin_radius=normal(2, errors.pin_radius, errors.pin_dr, same.pin_radius),
+        pin_place=places(0, errors.pin_position, (errors.pin_x, errors.pin_y), same.pin_place, measured.pin_place),
+        pin_radius=normal(2, errors.pin_radius, errors.pin_dr, same.pin_radius, measured.pin_radius),
         hole_place=places(3, errors.hole_position, (errors.hole_x, errors.hole_y), same.hole_place),
-        disc_radius=normal(5, errors.disc_size, errors.disc_dr, same.disc_radius),
+        disc_radius=normal(5, errors.disc_size, errors.disc_dr, same.disc_radius, measured.disc_radius),
         cam_place=places(6, errors.cam_position, (errors.cam_x, errors.cam_y), same.cam_place),
     )
 
@@ -183,7 +190,8 @@ def solve_samples(
     list of SampleFigures
         Figures under each torque; NaN for samples without equilibrium, for example because errors jam the parts.
     """
-    bare = Reducer(reducer.design.model_copy(update={"errors": Errors(), "modification": Modification()}))
+    ideal = {"errors": Errors(), "measured": Measured(), "modification": Modification()}
+    bare = Reducer(reducer.design.model_copy(update=ideal))
     springs = springs_of(bare, np.linspace(0.0, reducer.mesh_turn, angles, endpoint=False), friction)
     out = _solve(bare, springs, samples, reducer.share * np.array(torques), threads)
     out[~(out[..., -1] <= RESIDUAL_RTOL)] = np.nan
@@ -197,8 +205,11 @@ def solve_samples(
 
 def _solve(bare: Reducer, springs: Springs, samples: Samples, torques: Array, threads: int) -> Array:
     """Return the kernel's figures of samples of a reducer without errors, shape (torques, samples, `FIGURES`)."""
-    orders = np.flatnonzero(np.any(samples.waves != 0.0, axis=(0, 2))) + 1
-    effects, deviations = _effects(bare, springs, orders), _sample_deviations(bare, springs, samples, orders)
+    orders = np.flatnonzero(np.any(np.ptp(samples.waves, axis=0) != 0.0, axis=1)) + 1
+    common = np.array(samples.waves[0])
+    common[orders - 1] = 0.0
+    effects = _effects(bare, springs, orders, common)
+    deviations = _sample_deviations(bare, springs, samples, orders)
     load = np.array([springs.load(torque) for torque in torques])
     out = np.zeros((len(torques), len(samples), FIGURES))
     # samples take different times, and a job can be stopped between chunks
@@ -228,8 +239,12 @@ def backlash(counter_clockwise: SampleFigures, clockwise: SampleFigures) -> Arra
     return counter_clockwise.output_mean - clockwise.output_mean
 
 
-def _effects(reducer: Reducer, springs: Springs, orders: Integers) -> Effects:
-    """Compute the effects of errors on the contacts of ideal parts; they equal those of displacements of their disc."""
+def _effects(reducer: Reducer, springs: Springs, orders: Integers, common: Array) -> Effects:
+    """Compute the effects of errors on the contacts of ideal parts; they equal those of displacements of their disc.
+
+    The waves of all samples, `common` (N, 2) [m], have one effect [m]; those of `orders` have one each for the cosine
+    and the sine.
+    """
     contacts, teeth, gear, discs = springs.contacts, springs.teeth, reducer.tooth_profile, reducer.design.gear.discs
     turned = gear_rotation(gear, springs.crank)
     along = np.stack([np.cos(turned), np.sin(turned)], axis=-1), np.stack([-np.sin(turned), np.cos(turned)], axis=-1)
@@ -247,9 +262,11 @@ def _effects(reducer: Reducer, springs: Springs, orders: Integers) -> Effects:
         moved[:, :teeth, 3] = slope[:, :teeth, 2] * side * contacts.radius
         return moved
 
-    turns = contacts.phase[:, :teeth, np.newaxis] / gear.lobes * orders
-    waves = np.zeros((*contacts.phase.shape, 2 * orders.size))
-    waves[:, :teeth] = np.concatenate([np.cos(turns), np.sin(turns)], axis=2)
+    foot = contacts.phase[:, :teeth, np.newaxis] / gear.lobes
+    waves = np.zeros((*contacts.phase.shape, 1 + 2 * orders.size))
+    waves[:, :teeth] = np.concatenate(
+        [profile_error(common, foot), np.cos(foot * orders), np.sin(foot * orders)], axis=2
+    )
     unit = reducer.but(errors={"eccentricity": 1e-6})
     return Effects(
         effect(contacts.slope),
@@ -280,7 +297,7 @@ def _sample_deviations(reducer: Reducer, springs: Springs, samples: Samples, ord
     return SampleDeviations(
         room=springs.contacts.room + np.concatenate([on_discs, output], axis=1),
         place=np.concatenate([np.tile(samples.pin_place, (1, discs * halves, 1)), holes], axis=1),
-        waves=np.concatenate([samples.waves[:, orders - 1, 0], samples.waves[:, orders - 1, 1]], axis=1),
+        waves=np.concatenate([np.ones((count, 1)), *np.moveaxis(samples.waves[:, orders - 1], 2, 0)], axis=1),
         # copies: read-only arrays have another type in numba, which would compile everything again
         **{name: np.array(getattr(samples, name)) for name in SampleDeviations._fields[3:]},
     )

@@ -16,8 +16,8 @@ from cycloid_mj.base.powers import Powers
 from cycloid_mj.base.result import Quantity, by_key, quantity_frame
 from cycloid_mj.base.statistics import peak_to_peak, rms_about_mean
 from cycloid_mj.base.units import ARCMINUTE, ARCSECOND, RPM
-from cycloid_mj.design import material_limits
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
+from cycloid_mj.geometry.measured import part_notes
 from cycloid_mj.reducer import Reducer, RvReducer, once
 from cycloid_mj.statics import rv_sheet
 from cycloid_mj.statics.balance import Loads, loads, powers
@@ -493,5 +493,5 @@ def _assumptions(reducer: Reducer) -> tuple[str, ...]:
         f"forces and losses cover {_angles(reducer).size} crank angles, the transmission error "
         f"{SETTINGS.angles_per_mesh_period} per mesh period, unloaded under {CASES['unloaded']:.0%} of the load; "
         "the bearings of the shafts are not included",
-        *material_limits(design),
+        *part_notes(design),
     )

@@ -8,8 +8,21 @@ import pytest
 from pydantic import ValidationError
 
 from cycloid_mj.base.errors import DesignError, UsageError
-from cycloid_mj.design import PARTS, PRESETS, Design, Gear, Ring, Tolerance, dump, load, loads, override, resolve
-from cycloid_mj.design.units import DEGREE, RPM, UNITS, unit_of
+from cycloid_mj.design import (
+    PARTS,
+    PRESETS,
+    Design,
+    Gear,
+    Measured,
+    Ring,
+    Tolerance,
+    dump,
+    load,
+    loads,
+    override,
+    resolve,
+)
+from cycloid_mj.design.units import DEGREE, RPM, UNITS, file_key, unit_of
 
 # What the paper gives and what it leaves open (Hsieh 2014, section 3.1 and Table 1).
 FROM_PAPER = {
@@ -210,6 +223,7 @@ def test_the_file_has_every_key_and_says_what_is_assumed() -> None:
     kinds = (
         *kinds,
         {"tolerance": set(Tolerance.model_fields)},
+        {"measured": {file_key(name, field) for name, field in Measured.model_fields.items()}},
         {"material": {"name"}},
         {"thermal": lines_noted(text, "ISO 1")["thermal"] | lines_noted(text, "mineral oil greases")["thermal"]},
     )  # of an entry of the library, which says where each is from

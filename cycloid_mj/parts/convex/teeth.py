@@ -37,8 +37,8 @@ def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Con
     errors = reducer.deviations
     if errors.waves.any():
         raise DesignError(
-            "errors.profile_cos_um and errors.profile_sin_um have no convex slices, which are the same on every lobe: "
-            "waves of the profile meet by its exact form only; set them to 0, or use the contact profile"
+            "waves of the profile (errors.profile_cos_um and profile_sin_um, or measured.gear) have no convex slices, "
+            "which are the same on every lobe: remove them, or use the contact profile"
         )
     gear, depth = reducer.gear_profile, gear_depth(reducer, settings)
     offset = reducer.profile_offset - float(errors.disc_radius[disc])

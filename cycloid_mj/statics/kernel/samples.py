@@ -25,8 +25,8 @@ class Effects(NamedTuple):
 
     `distance` and `shift`, shape (k, n, 4), as in ``kernel.KernelSprings``: by the position of its pin or hole in x and
     y, the disc's pin circle, and the rotation of its flanks. `cam_place` (k, D, 2) [1] is the displacement of the cams
-    by the eccentricity, `turned` (k, 2) are cosine and sine of the crank angle, and `waves` (k, n, w) [1] is the effect
-    of the profile's waves on `distance`.
+    by the eccentricity, `turned` (k, 2) are cosine and sine of the crank angle, and `waves` (k, n, w) is the effect
+    of the profile's waves on `distance`: first those of all samples [m], then that of each amplitude [1].
     """
 
     distance: Array
@@ -39,7 +39,8 @@ class Effects(NamedTuple):
 class SampleDeviations(NamedTuple):
     """Deviations of s samples: `room` (s, n) and `place` (s, n, 2) of each contact, and `cam_place` (s, D, 2) [m].
 
-    `waves` (s, w) [m] are those of the profile. The others have shape (s,): `pin_circle` [m], `rotation` [rad],
+    `waves` (s, w) [m] are those of the profile, after a 1 for the
+    waves of all samples. The others have shape (s,): `pin_circle` [m], `rotation` [rad],
     `eccentricity` [m], and the clearance of the `cam` [m].
     """
 

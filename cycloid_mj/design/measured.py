@@ -1,0 +1,231 @@
+"""Measured parts: the table ``[measured]`` of the design file, and the CSV files that it names.
+
+The values of a file are read into the table. A design is complete without the file, so that a log that records it can
+be reviewed elsewhere.
+"""
+
+import math
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+from pydantic import Field, model_validator
+
+from cycloid_mj.base.errors import DesignError, reason
+from cycloid_mj.base.overwrite_guard import note_input
+from cycloid_mj.design import units as u
+from cycloid_mj.design.section import Section
+from cycloid_mj.design.units import choice, list_quantity
+
+MAX_ROWS = 10_000
+"""Largest number of rows of a file: as many as a list of the design file may have values."""
+
+MAX_SIZE = 5_000_000
+"""Largest size of a file [bytes], ten times that of as many rows."""
+
+Angles = tuple[Annotated[float, Field(ge=-100.0, le=100.0, allow_inf_nan=False)], ...]
+Lengths = tuple[Annotated[float, Field(ge=-5.0, le=5.0, allow_inf_nan=False)], ...]
+Deviations = tuple[Annotated[float, Field(ge=-1e-3, le=1e-3, allow_inf_nan=False)], ...]
+
+Columns = dict[str, tuple[float, ...]]
+"""Columns of a file by name."""
+
+ANGLES = ("angle_deg", "deviation_um")
+POINTS = ("x_mm", "y_mm")
+PINS = ("pin", "radial_um", "tangential_um", "radius_um")
+
+
+def _column(text: str, unit: u.Unit) -> Any:
+    return list_quantity(f"{text}; from the file", unit, "", source="")
+
+
+class Measured(Section):
+    """Measured parts, from CSV files; their deviations are added to the errors.
+
+    A path is relative to the folder of the design file. Lists hold the values of a file: where they are set, the file
+    is not read.
+    """
+
+    gear: str = choice(
+        "",
+        "CSV of the profile of all discs: angle_deg,deviation_um, or points x_mm,y_mm, which are aligned by least "
+        "squares",
+        source="",
+        max_length=4096,
+    )
+    pins: str = choice("", f"CSV of the ring pins: {','.join(PINS)}", source="", max_length=4096)
+    gear_angle: Angles = _column("angle about the disc's axis, clockwise from the valley on +y", u.DEGREE)
+    gear_deviation: Deviations = _column(
+        "deviation along the outward normal, positive where material is added", u.MICROMETRE
+    )
+    gear_x: Lengths = _column("points of the profile along x, in the frame of the measurement", u.MILLIMETRE)
+    gear_y: Lengths = _column("points of the profile along y", u.MILLIMETRE)
+    pins_radial: Deviations = _column("displacement of each ring pin outwards, pin 1 on +y, clockwise", u.MICROMETRE)
+    pins_tangential: Deviations = _column("displacement of each ring pin clockwise", u.MICROMETRE)
+    pins_radius: Deviations = _column("radius of each ring pin minus ring.pin_radius_mm", u.MICROMETRE)
+
+    @classmethod
+    def merge_change(cls, values: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the values of the table with some of them changed; a new file replaces the lists of the old one."""
+        replaced = [key for part in READERS if part in change for key in values if key.startswith(f"{part}_")]
+        return {**{key: value for key, value in values.items() if key not in replaced}, **change}
+
+    @model_validator(mode="after")
+    def _lists_belong_together(self) -> Self:
+        """Refuse lists of different lengths, and two descriptions of one profile."""
+        groups = {
+            "gear_angle_deg and gear_deviation_um": (self.gear_angle, self.gear_deviation),
+            "gear_x_mm and gear_y_mm": (self.gear_x, self.gear_y),
+            "pins_radial_um, pins_tangential_um and pins_radius_um": (
+                self.pins_radial,
+                self.pins_tangential,
+                self.pins_radius,
+            ),
+        }
+        for keys, lists in groups.items():
+            if len({len(values) for values in lists}) > 1:
+                counts = ", ".join(str(len(values)) for values in lists)
+                raise ValueError(f"measured.{keys} must have equal lengths, but have {counts} values")
+        for part, values in (("gear", self.gear_angle or self.gear_x), ("pins", self.pins_radial)):
+            if (name := getattr(self, part)) and not values:
+                raise ValueError(
+                    f'measured.{part} = "{name}" was not read: load the design from its file, or override the key'
+                )
+        if self.gear_x and self.gear_angle:
+            raise ValueError("measured.gear_angle_deg and measured.gear_x_mm both describe the profile: remove one")
+        return self
+
+    @property
+    def is_empty(self) -> bool:
+        """True if no part is measured."""
+        return not (self.gear_angle or self.gear_x or self.pins_radial)
+
+
+def read_measurements(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Return the table ``[measured]``, in the units of the file, with the values of the files that it names.
+
+    Parameters
+    ----------
+    table
+        The table; a file whose values it lists is not read.
+    folder
+        Folder of relative paths.
+
+    Raises
+    ------
+    DesignError
+        A file cannot be read, or a line of it is wrong.
+    """
+    values: dict[str, Any] = {}
+    for part, read in READERS.items():
+        name = table.get(part)
+        is_listed = any(key.startswith(f"{part}_") and value for key, value in table.items())
+        if isinstance(name, str) and name and not is_listed:
+            values |= {f"{part}_{key}": list(column) for key, column in read(folder / name).items()}
+    return {**table, **values}
+
+
+def _read_gear(path: Path) -> Columns:
+    """Read a measured profile: columns `ANGLES` or `POINTS`; without a header, two or three numbers are x, y (, z)."""
+    lines = list(_lines(path))
+    number, first = lines[0]
+    header = tuple(cell.lower() for cell in first)
+    if all(_number(cell) is not None for cell in first) and len(first) in (2, 3):
+        names = POINTS
+    elif header == ANGLES:
+        names, lines = ANGLES, lines[1:]
+    elif header[:2] in (POINTS, ("x", "y")) and len(header) in (2, 3):
+        names, lines = POINTS, lines[1:]
+    else:
+        raise _wrong_header(path, number, first, [ANGLES, POINTS])
+    return _columns(path, names, lines)
+
+
+def _read_pins(path: Path) -> Columns:
+    """Read measured ring pins, each once and in any order."""
+    lines = list(_lines(path))
+    number, first = lines[0]
+    if tuple(cell.lower() for cell in first) != PINS:
+        raise _wrong_header(path, number, first, [PINS])
+    columns = _columns(path, PINS, lines[1:])
+    order = {pin: index for index, pin in enumerate(columns["pin"])}
+    for pin in range(1, len(columns["pin"]) + 1):
+        if pin not in order:
+            raise DesignError(
+                f"{path}: pin {pin} is missing, or another pin is listed twice; list each pin once, pin 1 on +y"
+            )
+    return {name: tuple(columns[name][order[pin]] for pin in sorted(order)) for name in PINS[1:]}
+
+
+READERS = {"gear": _read_gear, "pins": _read_pins}
+"""Reader of each file by its key; the lists that it returns have the key as a prefix."""
+
+
+def _lines(path: Path) -> Iterator[tuple[int, list[str]]]:
+    """Yield number and cells of each line that is neither empty nor a comment (#)."""
+    try:
+        if note_input(path).stat().st_size > MAX_SIZE:
+            raise DesignError(f"{path} has more than {MAX_SIZE:,} bytes: thin it to at most {MAX_ROWS:,} rows")
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, ValueError) as error:
+        raise DesignError(
+            f"cannot read the measurements {path}: {reason(error)}; a path is relative to the design file, or to the "
+            "current folder in --set"
+        ) from error
+    lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), 1)]
+    lines = [(number, line) for number, line in lines if line and not line.startswith("#")]
+    if len(lines) < 2:
+        raise DesignError(f"{path} has no rows of measurements: write a header and a row for each point")
+    if len(lines) > MAX_ROWS + 1:
+        raise DesignError(f"{path} has {len(lines):,} rows: thin it to at most {MAX_ROWS:,}")
+    for number, line in lines:
+        yield number, _cells(line)
+
+
+def _cells(line: str) -> list[str]:
+    """Split a line at its semicolons, tabs, commas or spaces; next to the first two, a comma is a decimal sign."""
+    for separator in (";", "\t"):
+        if separator in line:
+            return [cell.strip().replace(",", ".") for cell in line.split(separator)]
+    return [cell.strip() for cell in (line.split(",") if "," in line else re.split(r"\s+", line))]
+
+
+def _columns(path: Path, names: tuple[str, ...], lines: Iterable[tuple[int, list[str]]]) -> Columns:
+    """Convert lines to columns of numbers; further cells of points (z) are left out."""
+    rows = []
+    for number, cells in lines:
+        most = len(names) + (names == POINTS)
+        values = [value for cell in cells if (value := _number(cell)) is not None]
+        if len(values) != len(cells) or not len(names) <= len(cells) <= most:
+            raise DesignError(
+                f"{path}, line {number}: {','.join(cells)[:60]!r} must be {len(names)} numbers: {','.join(names)}"
+            )
+        if (wrong := _out_of_range(dict(zip(names, values, strict=False)))) is not None:
+            raise DesignError(f"{path}, line {number}: {wrong}")
+        rows.append(values[: len(names)])
+    return dict(zip(names, zip(*rows, strict=True), strict=True))
+
+
+def _out_of_range(row: Mapping[str, float]) -> str | None:
+    """Describe a value of a row that the table does not allow; None if all are allowed."""
+    limits = {"um": 1000.0, "mm": 5000.0, "deg": 3600.0}
+    for name, value in row.items():
+        limit = limits.get(name.rsplit("_", 1)[-1], MAX_ROWS)
+        if abs(value) > limit:
+            return f"{name} is {value:g}, must be from {-limit:g} to {limit:g}; are the units right?"
+    return None
+
+
+def _number(cell: str) -> float | None:
+    """Return a finite number; None for any other text."""
+    try:
+        value = float(cell)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
+
+
+def _wrong_header(path: Path, number: int, cells: list[str], allowed: list[tuple[str, ...]]) -> DesignError:
+    headers = " or ".join(",".join(names) for names in allowed)
+    return DesignError(f"{path}, line {number}: the header is {','.join(cells)[:60]!r}, must be {headers}")

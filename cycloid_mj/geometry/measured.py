@@ -1,0 +1,252 @@
+"""Measured parts as deviations: waves of the disc's profile, displacements and radii of ring pins.
+
+A profile is measured as deviations at angles, or as points that are aligned with the drawing first. Its deviation is
+described by Fourier coefficients over the parameter t of the gear's trochoid, by which the mechanism finds its
+contacts.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from scipy.linalg import lstsq
+from scipy.spatial import cKDTree
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.design import Design, material_limits
+from cycloid_mj.design.measured import Measured
+from cycloid_mj.geometry import profile
+from cycloid_mj.geometry.modification import gear_profile, profile_offset
+from cycloid_mj.geometry.profile import CycloidGear
+
+
+@dataclass(frozen=True)
+class FitSettings:
+    """Settings of the fit of a measured profile."""
+
+    orders_per_lobe: int = 8  # highest order over the number of lobes: a lobe's own shape has few undulations
+    orders: int = 600  # highest order of any profile: the fit's cost grows with its square
+    tail: float = 1e-9  # rms of the highest orders that are left out [m]: a tenth of what a machine resolves
+    samples_per_lobe: int = 400  # samples of the drawing: by linear interpolation, angles are exact to 1e-6 of a lobe
+    steps: int = 30  # Gauss-Newton steps of the alignment; it needs about 5
+    step_size: float = 1e-12  # change at which the alignment ends [m]
+
+
+FIT = FitSettings()
+
+ROUNDING = 1e-9
+"""Relative rounding error of a gap between equally spaced points."""
+
+
+@dataclass(frozen=True)
+class Alignment:
+    """Displacement of measured points from the drawing that is removed before their deviations are computed.
+
+    Attributes
+    ----------
+    x, y
+        Position of the profile's centre in the frame of the measurement [m].
+    rotation
+        Clockwise rotation of the profile there [rad].
+    """
+
+    x: float
+    y: float
+    rotation: float
+
+
+@dataclass(frozen=True)
+class MeasuredProfile:
+    """A measured profile of a disc.
+
+    Attributes
+    ----------
+    mean
+        Mean deviation outwards [m].
+    waves
+        Inward offset by order, as ``Deviations.waves``, shape (orders, 2) [m].
+    points
+        Number of points.
+    left_out
+        Rms of the deviation that the waves do not describe [m].
+    alignment
+        Alignment of points; None for deviations at angles.
+    """
+
+    mean: float
+    waves: Array
+    points: int
+    left_out: float
+    alignment: Alignment | None
+
+    @property
+    def words(self) -> str:
+        """Number of points, mean, waves and alignment, for reports."""
+        waves = f"waves up to order {len(self.waves)}" if len(self.waves) else "no waves"
+        mean, left_out = round(1e6 * self.mean, 4), round(1e6 * self.left_out, 4)
+        text = f"{self.points} points, mean {mean:g} um, {waves}, {left_out:g} um rms left out"
+        if self.alignment is None:
+            return text
+        place, turned = self.alignment, math.degrees(self.alignment.rotation) * 3600.0
+        return f"{text}; aligned by {1e6 * place.x:.4g} um, {1e6 * place.y:.4g} um and {turned:.4g} arcsec"
+
+
+@dataclass(frozen=True)
+class MeasuredDeviations:
+    """The part of ``Deviations`` that is measured [m]; 0, and no waves, for parts that are not.
+
+    Attributes are `pin_place` (N, 2), `pin_radius` (N,), `disc_radius` of all discs, and `waves` (orders, 2).
+    """
+
+    pin_place: Array
+    pin_radius: Array
+    disc_radius: float
+    waves: Array
+
+
+def measurement_notes(design: Design) -> tuple[str, ...]:
+    """Describe the measurements of a design's parts, a sentence each; errors as in `measured_profile`."""
+    gear, measured = measured_profile(design), design.measured
+    pins = f"{len(measured.pins_radial)} pins" if measured.pins_radial else ""
+    described = {"gear": gear.words if gear else "", "pins": pins}
+    return tuple(
+        f"measured {part} ({getattr(measured, part) or 'values of the design file'}): {words}"
+        for part, words in described.items()
+        if words
+    )
+
+
+def part_notes(design: Design) -> tuple[str, ...]:
+    """Describe the measurements of a design's parts and the limits of their materials, a sentence each."""
+    return (*measurement_notes(design), *material_limits(design))
+
+
+def measured_deviations(design: Design) -> MeasuredDeviations:
+    """Compute the measured deviations of a design's parts; errors as in `measured_profile`."""
+    measured, teeth = design.measured, design.ring.teeth
+    place, radius = np.zeros((teeth, 2)), np.zeros(teeth)
+    if measured.pins_radial:
+        angles = 2.0 * np.pi * np.arange(teeth) / teeth
+        place += np.array(measured.pins_radial)[:, np.newaxis] * profile.unit(angles)
+        place += np.array(measured.pins_tangential)[:, np.newaxis] * profile.unit(angles + 0.5 * np.pi)
+        radius += measured.pins_radius
+    gear = measured_profile(design)
+    return MeasuredDeviations(place, radius, gear.mean if gear else 0.0, gear.waves if gear else np.zeros((0, 2)))
+
+
+def measured_profile(design: Design) -> MeasuredProfile | None:
+    """Return the measured profile of the discs of a design; None if it is not measured.
+
+    Raises
+    ------
+    DesignError
+        The profile of the drawing is undercut.
+    """
+    measured = design.measured
+    if not (measured.gear_angle or measured.gear_x):
+        return None
+    return _fit(measured, gear_profile(design), profile_offset(design))
+
+
+@lru_cache(maxsize=8)
+def _fit(measured: Measured, gear: CycloidGear, offset: float) -> MeasuredProfile:
+    """Fit waves to a measured profile, whose drawing is the parallel of a trochoid at an `offset` [m]."""
+    profile.require_no_undercut(gear, offset)
+    if measured.gear_x:
+        points = np.stack([measured.gear_x, measured.gear_y], axis=1)
+        t, deviation, alignment = align(gear, offset, points)
+    else:
+        angles = np.array(measured.gear_angle)
+        t, deviation, alignment = parameters_at(gear, offset, angles), np.array(measured.gear_deviation), None
+    return fit_waves(t, deviation, min(FIT.orders, FIT.orders_per_lobe * gear.lobes), alignment)
+
+
+def parameters_at(gear: CycloidGear, offset: float, angles: Array) -> Array:
+    """Compute the parameters t [rad] of the points of an outline at angles [rad], clockwise from +y about its centre.
+
+    The polar angle is a monotone function of t; it is inverted by linear interpolation.
+    """
+    t = np.linspace(0.0, 2.0 * np.pi, FIT.samples_per_lobe * gear.lobes + 1)
+    x, y = profile.outline(gear, t, offset).T
+    polar = np.unwrap(np.arctan2(x, y))
+    return np.interp(np.mod(angles, 2.0 * np.pi), polar - polar[0], t)
+
+
+def align(gear: CycloidGear, offset: float, points: Array) -> tuple[Array, Array, Alignment]:
+    """Align measured points (n, 2) [m] with an outline; return parameters t [rad], deviations [m] and alignment.
+
+    Least squares of the deviations from their mean, by Gauss-Newton steps in position and rotation with new foot
+    points in each. The rotation is at most half a pitch, as lobes are alike.
+    """
+    t = np.linspace(0.0, 2.0 * np.pi, FIT.samples_per_lobe * gear.lobes, endpoint=False)
+    nearest = cKDTree(profile.outline(gear, t, offset))
+    centre, rotation = _initial_alignment(gear, points)
+    for _ in range(FIT.steps):
+        local = _rotate(points - centre, rotation)
+        foot = _foot_points(gear, offset, local, t[nearest.query(local)[1]])
+        normals, here = profile.normals(gear, foot), profile.outline(gear, foot, offset)
+        deviation = np.sum((local - here) * normals, axis=1)
+        # a counter-clockwise rotation of the points moves them by (-y, x)
+        lever = np.sum(np.stack([-local[:, 1], local[:, 0]], axis=1) * normals, axis=1)
+        reach = gear.pin_circle_radius
+        slopes = np.column_stack([-_rotate(normals, -rotation), lever / reach, np.ones(len(points))])
+        step = lstsq(slopes, -deviation)[0]
+        centre, rotation = centre + step[:2], rotation + step[2] / reach
+        if np.abs(step[:3]).max() < FIT.step_size:
+            break
+    return foot, deviation, Alignment(float(centre[0]), float(centre[1]), float(rotation))
+
+
+def fit_waves(t: Array, deviation: Array, highest: int, alignment: Alignment | None) -> MeasuredProfile:
+    """Fit a mean and waves to outward deviations [m] at parameters t [rad], by weighted least squares.
+
+    A point's weight is the length of t that is nearest to it, because contacts pass t evenly. The highest order is at
+    most that which the largest gap between the points determines: less than pi over the gap (Gröchenig 1992,
+    "Reconstruction algorithms in irregular sampling"). Highest orders with an rms below `FitSettings.tail` are left
+    out.
+    """
+    order = np.argsort(t, kind="stable")
+    gaps = np.diff(t[order], append=t[order[0]] + 2.0 * np.pi)
+    weights = np.empty(t.size)
+    weights[order] = (gaps + np.roll(gaps, 1)) / (4.0 * np.pi)
+    orders = np.arange(1, min(highest, math.ceil(np.pi / gaps.max() * (1.0 - ROUNDING)) - 1) + 1)
+    turns, root = np.outer(t, orders), np.sqrt(weights)
+    basis = np.concatenate([np.ones((t.size, 1)), np.cos(turns), np.sin(turns)], axis=1)
+    solution = lstsq(root[:, np.newaxis] * basis, root * deviation, lapack_driver="gelsy")[0]
+    cosines, sines = np.split(solution[1:], 2)
+    tail = np.cumsum((cosines**2 + sines**2)[::-1] / 2.0)[::-1]
+    count = int(np.sum(tail > FIT.tail**2))
+    kept = np.concatenate([[True], orders <= count, orders <= count])
+    left_out = math.sqrt(weights @ (deviation - basis[:, kept] @ solution[kept]) ** 2)
+    waves = -np.stack([cosines, sines], axis=1)[:count]
+    return MeasuredProfile(float(solution[0]), waves, t.size, left_out, alignment)
+
+
+def _initial_alignment(gear: CycloidGear, points: Array) -> tuple[Array, float]:
+    """Estimate centre [m] and clockwise rotation [rad] of points: their circle, and the phase of their lobes."""
+    x, y = points.T
+    # x^2 + y^2 = 2 a x + 2 b y + c (Kåsa 1976)
+    centre = lstsq(np.column_stack([2.0 * x, 2.0 * y, np.ones(x.size)]), x**2 + y**2)[0][:2]
+    x, y = (points - centre).T
+    radius, polar = np.hypot(x, y), np.arctan2(x, y)
+    # the valleys, of the smallest radius, are at whole pitches
+    lobes = np.sum((radius.mean() - radius) * np.exp(1j * gear.lobes * polar))
+    return centre, float(np.angle(lobes)) / gear.lobes
+
+
+def _foot_points(gear: CycloidGear, offset: float, points: Array, t: Array) -> Array:
+    """Compute the parameters of the foot points of `points` on an outline by Newton steps from nearby ones."""
+    for _ in range(4):  # quadratic, from a 400th of a lobe
+        away = points - profile.outline(gear, t, offset)
+        normals, rate = profile.normals(gear, t), profile.arc_rate(gear, t, offset)
+        tangents = np.stack([normals[:, 1], -normals[:, 0]], axis=1)
+        straight = 1.0 + profile.curvature(gear, t, offset) * np.sum(away * normals, axis=1)
+        t = t + np.sum(away * tangents, axis=1) / (rate * straight)
+    return t
+
+
+def _rotate(vectors: Array, angle: float) -> Array:
+    """Rotate vectors (n, 2) counter-clockwise by an angle [rad]."""
+    c, s = math.cos(angle), math.sin(angle)
+    return np.stack([c * vectors[:, 0] - s * vectors[:, 1], s * vectors[:, 0] + c * vectors[:, 1]], axis=1)
