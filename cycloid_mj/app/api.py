@@ -51,7 +51,7 @@ def open_design(content: Content) -> dict[str, Any]:
 
 
 def with_load(design: Design) -> Design:
-    """Return a design under its load; without one under its rated torque."""
+    """Return a design under its load; without one under its nominal torque."""
     load, _ = load_of(Reducer(design))
     return design.but(load={"torque": load})
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.registry import get_provider
+from cycloid_mj.base.text import four_digits
 
 if TYPE_CHECKING:
     from cycloid_mj.base.frame import Frame
@@ -93,5 +94,5 @@ class CallableRoom(ModuleType):
 
 def _cell(value: object) -> str:
     if isinstance(value, float):
-        return "" if value != value else f"{value:.6g}"
+        return "" if value != value else four_digits(value)
     return str(value)

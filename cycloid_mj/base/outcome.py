@@ -7,6 +7,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from cycloid_mj.base.result import Quantity, Table
+from cycloid_mj.base.text import four_digits
 
 if TYPE_CHECKING:
     from cycloid_mj.base.frame import Frame
@@ -29,7 +30,7 @@ def _written(quantity: Quantity) -> str:
     unit = "" if quantity.unit == "1" else f" {quantity.unit}"
     if quantity.low is not None:
         return f"{quantity.value:.4g} ({quantity.low:.4g} to {quantity.high:.4g}){unit}"
-    return f"{quantity.value:.6g}{unit}"
+    return f"{four_digits(quantity.value)}{unit}"
 
 
 @dataclass(frozen=True, kw_only=True)

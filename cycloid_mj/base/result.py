@@ -7,6 +7,7 @@ from enum import StrEnum
 from typing import TYPE_CHECKING, Any
 
 from cycloid_mj.base.notebook_display import Presented
+from cycloid_mj.base.text import four_digits
 
 if TYPE_CHECKING:
     from cycloid_mj.base.array import Array
@@ -109,10 +110,10 @@ def quantity_table(title: str, quantities: Iterable[Quantity]) -> "Table":
     rows = (
         (
             quantity.name,
-            "-" if math.isnan(quantity.value) else f"{quantity.value:.6g}",
+            "-" if math.isnan(quantity.value) else four_digits(quantity.value),
             quantity.unit,
             "" if quantity.error is None or math.isnan(quantity.error) else f"{quantity.error:.2g}",
-            "" if quantity.reference is None else f"{quantity.reference:.6g}",
+            "" if quantity.reference is None else four_digits(quantity.reference),
             quantity.source,
         )
         for quantity in quantities
@@ -211,7 +212,7 @@ class Table(Presented):
     @property
     def cells(self) -> list[list[str]]:
         """The rows as text, numbers with five digits, as shown on terminal, page and paper."""
-        return [[cell if isinstance(cell, str) else f"{cell:.5g}" for cell in row] for row in self.rows]
+        return [[cell if isinstance(cell, str) else four_digits(cell) for cell in row] for row in self.rows]
 
     def as_markdown(self) -> str:
         """Write header and rows as a table in Markdown."""

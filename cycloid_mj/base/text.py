@@ -24,6 +24,11 @@ def escape_controls(text: str, keep: str = "") -> str:
     )
 
 
+def four_digits(value: float) -> str:
+    """Write a figure with four significant digits, below a million without an exponent."""
+    return f"{float(f'{value:.4g}'):g}"
+
+
 def match_case(word: str, choices: Iterable[str]) -> str:
     """Return the choice that equals a word except for capital and small letters; the word itself if there is none."""
     return next((choice for choice in choices if choice.casefold() == word.casefold()), word)

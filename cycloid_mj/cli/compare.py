@@ -1,6 +1,5 @@
 """``cycloid-mj compare``: two or more designs, or logs of them, side by side by the same measures."""
 
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
 from functools import partial
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from cycloid_mj.base.comparison_runs import DEFAULTS, IDLE_TURNS, QUICK_STARTS, TURNS
-from cycloid_mj.base.errors import CycloidError, LogError, UsageError, warn
+from cycloid_mj.base.errors import LogError, UsageError, warn
 from cycloid_mj.base.outcome import Outcome, Picture
 from cycloid_mj.cli.delivery import Destination, claim_page, deliver
 from cycloid_mj.cli.flags import (
@@ -35,10 +34,9 @@ from cycloid_mj.cli.flags import (
 )
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.simulate import logs_folder, require_possible
-from cycloid_mj.cli.verdict import outcome_of
+from cycloid_mj.cli.verdict import capacity_of, outcome_of, overload_words
 from cycloid_mj.design import Design
 from cycloid_mj.papers import RunsJudged, judged_runs
-from cycloid_mj.reducer import Reducer
 
 if TYPE_CHECKING:
     from cycloid_mj.analysis import Series
@@ -213,30 +211,9 @@ def compare(
 def warn_of_overloads(cases: Iterable[Design]) -> None:
     """Warn of each design whose contacts yield under its load, before it is run under it."""
     for case in cases:
-        load, capacity = abs(case.load.torque), _capacity(case)
+        load, capacity = abs(case.load.torque), capacity_of(case)
         if load > capacity:
-            warn(
-                case.name,
-                [
-                    f"the load of {load:.4g} N m is {load / capacity:.3g} times its capacity of {capacity:.4g} N m, "
-                    "the torque at which a contact first yields, but the runs assume elastic contacts. Use "
-                    f"--load-nm {0.99 * capacity:.3g} or less"
-                ],
-            )
-
-
-def _capacity(case: Design) -> float:
-    """Compute the torque at which a contact of a design first yields [N m]; NaN where statics do not find it."""
-    from cycloid_mj.figures import figure
-
-    if not case.load.torque:
-        return math.nan
-    for share in (1.0, 0.1):  # a large overload has no static balance, or flattens contacts beyond their model
-        try:
-            return figure("capacity_nm").value(Reducer(case).but(load={"torque": share * case.load.torque}))
-        except CycloidError:
-            continue
-    return math.nan
+            warn(case.name, [f"{overload_words(load, capacity)}. Use --load-nm {0.99 * capacity:.3g} or less"])
 
 
 def _place(into: Path, wanted: Delivery) -> Destination:

@@ -1,6 +1,6 @@
 """``cycloid-mj datasheet``: write a data sheet as a maker's catalogue has it: three pages to print and one to read."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
@@ -55,7 +55,11 @@ def datasheet(
     stem = f"{design.name}-datasheet"
     place = claim_destination(delivery, stem, [f"{stem}.pdf"], RUNS, paged=True)
     progress = count_progress("data sheet", delivery.quiet)
-    return deliver(_outcome(computed(Reducer(design), life_h or 0.0, progress), place), place, delivery)
+    sheet = computed(Reducer(design), life_h or 0.0, progress)
+    inherited = chosen.inheritance()
+    if inherited and inherited.note:
+        sheet = replace(sheet, notes=(*sheet.notes, inherited.note))
+    return deliver(_outcome(sheet, place), place, delivery)
 
 
 def _outcome(sheet: "Datasheet", place: Destination) -> Outcome:

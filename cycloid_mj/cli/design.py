@@ -6,19 +6,19 @@ from dataclasses import replace
 from math import degrees
 from typing import TYPE_CHECKING, Annotated, Any
 
-from cyclopts import App
+from cyclopts import App, Parameter
 
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.cli.completion import CompletingApp
 from cycloid_mj.cli.delivery import claim_destination, deliver
-from cycloid_mj.cli.flags import DELIVERY, FLAT, Delivery, DesignOptions
+from cycloid_mj.cli.flags import DELIVERY, FLAT, MOTOR_TORQUE, Delivery, DesignOptions
 from cycloid_mj.cli.kinematics import EXAMPLES as KINEMATICS_EXAMPLES
 from cycloid_mj.cli.kinematics import kinematics
 from cycloid_mj.cli.new import new
 from cycloid_mj.cli.profile import EXAMPLES as PROFILE_EXAMPLES
 from cycloid_mj.cli.profile import profile
-from cycloid_mj.design import Design, dump, inherited_keys, reasons, value_of
+from cycloid_mj.design import Design, Inheritance, dump, reasons, value_of
 from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 
 if TYPE_CHECKING:
@@ -32,6 +32,7 @@ EXAMPLES = """Examples:
   cycloid-mj design new my --from nonpin
   cycloid-mj design check my.toml --set ring.pin_radius_mm=2
   cycloid-mj design check nonpin --json
+  cycloid-mj design check my.toml --strict
   cycloid-mj design show pin
   cycloid-mj design show twodisc --set gear.disc_gap_mm=5"""
 
@@ -66,31 +67,43 @@ def show(chosen: Annotated[DesignOptions, FLAT], *, delivery: Annotated[Delivery
     return deliver(outcome, place, delivery)
 
 
-def check(chosen: Annotated[DesignOptions, FLAT], *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -> int:
+StrictFlag = Annotated[bool, Parameter(name="--strict", negative="", help="Exit with code 1 if there are warnings.")]
+
+
+def check(
+    chosen: Annotated[DesignOptions, FLAT],
+    *,
+    strict: StrictFlag = False,
+    delivery: Annotated[Delivery, FLAT] = DELIVERY,
+) -> int:
     """Check a design, and summarize it.
 
     Each failed check or warning is printed with its value, limit, reason and remedy; --all adds passed checks. The
     first checks decide whether the design can be built (errors). The others are warnings: how well it works at its
-    rated torque (drive torque times ratio), by statics with the real clearances, friction and errors, and whether it
+    nominal torque (drive torque times ratio), by statics with the real clearances, friction and errors, and whether it
     meets its life there: life, temperature, strength, and twice that torque as a peak.
 
     The summary lists ratio, size, mass, load sharing, backlash, capacity (torque at which a contact first yields),
     and the weakest item of `cycloid-mj rate` for service.life_h. The exit code is 1 if the design cannot be built,
-    else 0; warnings do not count.
+    else 0; warnings count with --strict only.
     """
     from cycloid_mj.life.checks import check_design
 
     design = chosen.resolve()
     place = claim_destination(delivery, f"{design.name}-check")
-    inherited = inherited_keys(chosen.design, chosen.set_, ("drive.torque_nm", "drive.speed_rpm"))
-    checks = check_design(design)
+    checks, inherited = check_design(design), chosen.inheritance()
     reducer = reducer_of(design)
     if isinstance(reducer, RvReducer):
         outcome = replace(_outcome(design, checks, None, None, inherited), summary=_rv_lines(reducer, checks))
-        return deliver(outcome, place, delivery)
+        return deliver(_strictly(outcome, strict), place, delivery)
     summed = None if checks.failures else _compute_summary(design)
     rating = _compute_rating(design) if summed else None
-    return deliver(_outcome(design, checks, summed, rating, inherited), place, delivery)
+    return deliver(_strictly(_outcome(design, checks, summed, rating, inherited), strict), place, delivery)
+
+
+def _strictly(outcome: Outcome, strict: bool) -> Outcome:
+    """Return an outcome whose warnings fail, if `strict` is set."""
+    return replace(outcome, code=1) if strict and outcome.warnings else outcome
 
 
 def _rv_lines(reducer: RvReducer, checks: "Checks") -> list[str]:
@@ -118,24 +131,29 @@ def _rv_lines(reducer: RvReducer, checks: "Checks") -> list[str]:
 
 
 def _outcome(
-    design: Design, checks: "Checks", summed: "Summary | None", rating: "Rating | None", inherited: Sequence[str]
+    design: Design,
+    checks: "Checks",
+    summed: "Summary | None",
+    rating: "Rating | None",
+    inherited: Inheritance | None,
 ) -> Outcome:
     """Build the outcome of the checks of a design."""
     numbers = _in_file_units(summed, rating) if summed else None
     return Outcome(
         title=f"checks: {design.name}",
-        condition=_defaults(design, inherited),
+        condition=_defaults(design, inherited.motor if inherited else ()),
         failures=list(map(str, checks.failures)),
         warnings=list(map(str, checks.warnings)),
         passes=list(map(str, checks.passes)),
         summary=[
             *(f"      {line}" for line in (_lines(design, summed, rating) if summed else [])),
             f"{len(checks)} checks: {checks.counts}",
+            *([inherited.note] if inherited and inherited.note else []),
         ],
         frame=checks.frame,
         result={
             "design": design.name,
-            "inherited": list(inherited),
+            "inherited": list(inherited.values) if inherited else [],
             "sound": not checks.failures,
             "checks": [check.as_json() for check in checks],
             "summary": numbers,
@@ -144,15 +162,16 @@ def _outcome(
     )
 
 
-def _defaults(design: Design, inherited: Sequence[str]) -> str:
+def _defaults(design: Design, motor: Sequence[str]) -> str:
     """State the torque and speed that a design file leaves to the defaults; empty if it states both."""
-    if not inherited:
+    if not motor:
         return ""
-    values = " and ".join(f"{key} = {value_of(design, key):.4g}" for key in inherited)
+    values = " and ".join(f"{key} = {value_of(design, key):.4g}" for key in motor)
+    alternative = ", or load.torque_nm" if MOTOR_TORQUE in motor else ""
     return (
-        f"at a nominal torque of {design.rated_torque:.4g} N m by the default{'s' * (len(inherited) > 1)} {values}, "
-        "which the design file does not set: set what your motor has, or see `cycloid-mj datasheet` for the torque "
-        "that this drive is rated for"
+        f"at a nominal torque of {design.rated_torque:.4g} N m by the default{'s' * (len(motor) > 1)} {values}, "
+        f"which the design file does not set: set what your motor has{alternative}; "
+        "`cycloid-mj datasheet` computes the rated output torque"
     )
 
 

@@ -13,7 +13,7 @@ from cycloid_mj.design import Design
 if TYPE_CHECKING:
     from cycloid_mj.life import Duty
 
-LoadFlag = Annotated[float | None, LOAD.flag("Output torque", ". Default: the rated torque.")]
+LoadFlag = Annotated[float | None, LOAD.flag("Output torque", ". Default: the nominal torque.")]
 SpeedFlag = Annotated[float | None, SPEED.flag("Crank speed", ". Default: drive.speed_rpm.")]
 DutyFlag = Annotated[
     Path | None,

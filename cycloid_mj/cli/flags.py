@@ -10,9 +10,9 @@ from cyclopts import Parameter, Token
 from pydantic.fields import FieldInfo
 
 from cycloid_mj.base.engine import Engine
-from cycloid_mj.base.errors import DesignError, UsageError
+from cycloid_mj.base.errors import DesignError, UsageError, warn
 from cycloid_mj.cli.ranges import RANGES
-from cycloid_mj.design import PRESETS, Design, override, resolve
+from cycloid_mj.design import PRESETS, Design, Inheritance, inheritance, override, resolve
 from cycloid_mj.design.model import HEATED
 from cycloid_mj.design.units import BOUNDS, Unit, bounds_of, file_key, unit_of
 from cycloid_mj.reducer import reducer_of
@@ -225,9 +225,12 @@ LOAD = DesignValue("load", "torque")
 LOADED = DesignValue("load", "torque", positive=True)
 """The same for what is computed under a load alone."""
 
-RATED = "rated torque, drive.torque_nm times the ratio (36.68 of pin)"
+RATED = "nominal torque, drive.torque_nm times the ratio (36.68 of pin)"
 STEP = "; 0: the longest step at which the results are accurate"
 
+
+MOTOR_TORQUE = "drive.torque_nm"
+"""Key of the torque of the motor."""
 
 Values = Sequence[tuple[DesignValue, float | None]]
 """Values of the design that flags set; None where the flag is absent."""
@@ -279,7 +282,25 @@ class DesignOptions:
 
         design = self.resolve(values)
         require_sound(reducer_of(design))
+        self.warn_of_inherited_motor(design)
         return design
+
+    def inheritance(self) -> Inheritance | None:
+        """Return what the design takes from a preset; None for a preset."""
+        return inheritance(self.design, self.set_)
+
+    def warn_of_inherited_motor(self, design: Design) -> None:
+        """Warn if the torque of the motor is that of a preset, which the design file does not state."""
+        inherited = self.inheritance()
+        if inherited and MOTOR_TORQUE in inherited.motor:
+            warn(
+                design.name,
+                [
+                    f"the nominal torque of {design.rated_torque:.4g} N m is that of the motor of the preset "
+                    f"{inherited.preset}, {design.drive.torque:.4g} N m times the ratio, because {self.design} states "
+                    f'neither {MOTOR_TORQUE} nor load.torque_nm: set one, or [base] preset = "{inherited.preset}"'
+                ],
+            )
 
 
 @dataclass(frozen=True)

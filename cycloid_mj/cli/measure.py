@@ -153,7 +153,7 @@ class TransmissionErrorOptions(MeasureOptions):
         float | None,
         LOAD.flag(
             "Torque of the unloaded runs",
-            ". With 0 the disc floats in its clearances. Default: 1 % of the rated torque.",
+            ". With 0 the disc floats in its clearances. Default: 1 % of the nominal torque.",
         ),
     ] = None
     slow_rpm: Annotated[
@@ -187,9 +187,9 @@ class BacklashOptions(MeasureOptions):
 class LostMotionOptions(MeasureOptions):
     """Measure hysteresis, lost motion and torsional stiffness at locked crank angles.
 
-    The output is loaded slowly to the rated torque and back, in both directions, at 6
+    The output is loaded slowly to the nominal torque and back, in both directions, at 6
     crank angles spread over the turn and over the mesh period: the design as it is, then
-    without friction and weight. Lost motion is read at +-3 % of the rated torque, as
+    without friction and weight. Lost motion is read at +-3 % of the nominal torque, as
     makers of reducers do, the stiffness between 50 and 100 %, the backlash at zero.
     Reference: an independent static balance of all contacts. The compliances of output
     pins, cam and teeth are listed separately.
@@ -269,7 +269,7 @@ class EfficiencyOptions(MeasureOptions):
     Losses by kind of pair: friction, and the work of the normal forces. The residual of
     the power balance is printed. Further results: the no-load torque, and the torques
     that drive the output backwards from rest, at speed with a free crank, and against
-    the rated torque on the crank. References: ideal load sharing with Coulomb friction,
+    the nominal torque on the crank. References: ideal load sharing with Coulomb friction,
     and the formula of Wang et al. 2016 at the same friction. Each assumed input
     (clearances, cam, friction, creep speed, damping) is varied on its own; the resulting
     range of the efficiency is printed next to its numerical error.

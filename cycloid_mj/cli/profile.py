@@ -67,7 +67,7 @@ def profile(
     divide one mesh period, with the columns crank_deg (counter-clockwise), tooth (1 on +y, clockwise), part (pin, arc,
     sigma1 or sigma2), phase_deg (0 in a valley of the disc, 180 at the tip of a lobe), x_mm, y_mm (ring's frame),
     relative_curvature_per_mm (disc plus ring) and pressure_mpa (Hertz pressure if the line carries the working force
-    of the teeth at the rated torque: working_force.*_n and contact.working_force_n, or ideal sharing).
+    of the teeth at the nominal torque: working_force.*_n and contact.working_force_n, or ideal sharing).
     """
     reducer = Reducer(chosen.resolve())
     columns = {"gear": _gear, "ring": _ring, "curvature": _curvature}[part](reducer, points)

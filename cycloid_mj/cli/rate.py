@@ -1,5 +1,6 @@
 """``cycloid-mj rate``: how long a reducer lasts, item by item, the weakest first."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -37,11 +38,15 @@ PartsFlag = Annotated[
         "Default: toleranced if the design has tolerances.",
     ),
 ]
+CheckFlag = Annotated[
+    bool, Parameter(name="--check", negative="", help="Exit with code 1 if an item does not meet its requirement.")
+]
 EXAMPLES = """Examples:
   cycloid-mj rate --design pin
   cycloid-mj rate --design my.toml --parts perfect
   cycloid-mj rate --design my.toml --load-nm 20 --speed-rpm 1000 --life-h 6000
   cycloid-mj rate --design my.toml --duty duty.csv --json
+  cycloid-mj rate --design my.toml --check
   cycloid-mj stress --design pin --out s && cycloid-mj rate --design pin --stress s --html"""
 
 
@@ -55,18 +60,19 @@ def rate(
     peak_nm: PeakFlag = None,
     stress: StressFlag = None,
     parts: PartsFlag = None,
+    check: CheckFlag = False,
     delivery: Annotated[Delivery, FLAT] = DELIVERY,
 ) -> int:
     """Rate life, fatigue, wear and heat, the weakest item first.
 
-    Loads are computed by statics with the real clearances and friction, at the rated torque and speed, at other
+    Loads are computed by statics with the real clearances and friction, at the nominal torque and speed, at other
     values, or over a duty cycle (Miner's rule; a rest has the speed 0). Bearings by ISO 281 and ISO 76; surfaces by
     first yield, shakedown and pitting; shaft, output pins, disc and ring by Goodman with notch, surface, size and
     reliability; wear by Archard; the temperature of the housing in still air by the first limit (grease, seals, a
     material) and the clearance that it costs; an emergency stop; joints (screws, dowels, press fits, inserts) at that
     stop; the cam load on the compliant bearing, which is assumed, next to ideal sharing. Values that are not in the
     design file are assumed and stated next to the result: [bearing] and [service] take ratings and limits. The exit
-    code is 0 whatever the safety factors are.
+    code is 0 whatever the safety factors are, unless --check is set.
     """
     from cycloid_mj.life.as_built import has_tolerances
     from cycloid_mj.life.items import rate as rated
@@ -81,7 +87,8 @@ def rate(
     place = claim_destination(delivery, f"{design.name}-rating")
     chosen_parts = parts or ("toleranced" if has_tolerances(design) else "perfect")
     rating = rated(design, cycle, life_h or 0.0, ranges, compliance=True, parts=chosen_parts)
-    return deliver(_outcome(rating, place), place, delivery)
+    outcome = _outcome(rating, place)
+    return deliver(replace(outcome, code=1) if check and rating.failing else outcome, place, delivery)
 
 
 def _outcome(rating: "Rating", place: Destination) -> Outcome:

@@ -124,6 +124,7 @@ def simulate(
     """
     values = [(TIMESTEP, timestep_us), (SPEED, speed_rpm), (RAMP, ramp_s), (HOLD, hold_s), (LOAD, load_nm)]
     design = chosen.resolve(values)
+    chosen.warn_of_inherited_motor(design)
     require_possible(design, solver)
     force = delivery.force
     into = folder(delivery.out or RUNS, "the log", (), force)
@@ -183,7 +184,7 @@ def _explain_unloaded_run(design: Design) -> Iterator[str]:
     figures = [(words, quantity(reducer, key)) for words, key in LOADED_FIGURES.items()]
     known = [f"{words} {figure.value:.3g} {figure.unit}" for words, figure in figures if not isnan(figure.value)]
     if known:
-        yield f"at the rated torque of {design.rated_torque:.4g} N m, by statics: {', '.join(known)}"
+        yield f"at the nominal torque of {design.rated_torque:.4g} N m, by statics: {', '.join(known)}"
 
 
 def _draw_page(ran: "Ran", quiet: bool) -> str:
@@ -200,7 +201,7 @@ def _next(findings: "Findings", chosen: DesignOptions) -> Iterator[str]:
         yield _command(["rate", *design], "life, and the weakest part")
     else:
         loaded = ["--load-nm", f"{chosen.resolve().rated_torque:.4g}", "--ramp-s", "0", "--hold-s", "0.05"]
-        yield _command(["simulate", *design, *loaded], "the same drive under its rated torque")
+        yield _command(["simulate", *design, *loaded], "the same drive under its nominal torque")
     yield _command(["design", "new", "actuator", *NEW_ACTUATOR.split()], "I print an actuator: a drive to order")
     yield _command(["statics", *design], "I design reducers: backlash, stiffness, loads, efficiency")
     yield _command(["reduce", *design, "--out", "joint"], "I simulate a robot: one joint for a MuJoCo model")

@@ -8,8 +8,10 @@ from cyclopts import Parameter
 
 from cycloid_mj.base.outcome import Outcome, headline
 from cycloid_mj.base.result import Quantity, Table
+from cycloid_mj.base.text import four_digits
 from cycloid_mj.cli.delivery import claim_destination, deliver
 from cycloid_mj.cli.flags import DELIVERY, FLAT, LOADED, RATED, Delivery, DesignOptions
+from cycloid_mj.design import Inheritance
 from cycloid_mj.reducer import reducer_of
 
 if TYPE_CHECKING:
@@ -31,7 +33,11 @@ HEADLINE = (
 
 HEADER = ("quantity", "value", "unit", "known difference", "parts")
 
-SOURCES = {"given": "--load-nm", "load.torque_nm": "load.torque_nm of the design", "rated torque": "the rated torque"}
+SOURCES = {
+    "given": "--load-nm",
+    "load.torque_nm": "load.torque_nm of the design",
+    "rated torque": "the nominal torque, drive.torque_nm times the ratio",
+}
 
 LoadFlag = Annotated[
     float | None,
@@ -66,10 +72,11 @@ def statics(
     design = chosen.resolve_checked()
     place = claim_destination(delivery, f"{design.name}-statics")
     loaded = design if load_nm is None else design.but(load={"torque": load_nm})
-    return deliver(_outcome(sheet(reducer_of(design), load_nm), quantities(reducer_of(loaded))), place, delivery)
+    static = sheet(reducer_of(design), load_nm)
+    return deliver(_outcome(static, quantities(reducer_of(loaded)), chosen.inheritance()), place, delivery)
 
 
-def _outcome(static: "Sheet", figures: Mapping[str, Quantity]) -> Outcome:
+def _outcome(static: "Sheet", figures: Mapping[str, Quantity], inherited: Inheritance | None) -> Outcome:
     """Build the outcome of the statics of a design."""
     from cycloid_mj.base.result import quantity_frame
     from cycloid_mj.figures import values_json
@@ -78,7 +85,7 @@ def _outcome(static: "Sheet", figures: Mapping[str, Quantity]) -> Outcome:
     rows = []
     for quantity in static.quantities.values():
         known = static.known_difference(quantity)
-        value = "-" if quantity.value != quantity.value else f"{quantity.value:.6g}"
+        value = "-" if quantity.value != quantity.value else four_digits(quantity.value)
         if quantity.low is not None and quantity.high is not None:
             value = f"{quantity.value:.4g} ({quantity.low:.4g} to {quantity.high:.4g})"
         rows.append(
@@ -95,6 +102,7 @@ def _outcome(static: "Sheet", figures: Mapping[str, Quantity]) -> Outcome:
         summary=[f"{item.name}: {item.note}" for item in static.quantities.values() if item.low is not None],
         notes=[
             f"load: {SOURCES[static.load_source]}",
+            *([inherited.note] if inherited and inherited.note else []),
             *(f"{item.name}: {item.note}" for item in static.quantities.values() if item.note and item.low is None),
             *([f"known difference: the largest, relative, from {COMPARED}"] if static.has_known_differences else []),
             *(f"assumed: {sentence}" for sentence in static.assumptions),
@@ -106,5 +114,5 @@ def _outcome(static: "Sheet", figures: Mapping[str, Quantity]) -> Outcome:
 
 def _by_key(figures: Mapping[str, Quantity]) -> tuple[tuple[str, str, str], ...]:
     return tuple(
-        (key, "-" if isnan(figure.value) else f"{figure.value:.6g}", figure.unit) for key, figure in figures.items()
+        (key, "-" if isnan(figure.value) else four_digits(figure.value), figure.unit) for key, figure in figures.items()
     )

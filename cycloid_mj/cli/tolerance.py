@@ -79,7 +79,7 @@ def tolerance(
     "uniform 5" or "between -1 4" (in um), a grade "IT6", or for clearances a fit
     "H7/g6"; waves of the disc's profile by order, "2: normal 1, 35: uniform 2".
     Every sample is balanced at 360 crank angles: against both stops, and under the
-    rated torque without friction. A sample jams if its parts press each other without
+    nominal torque without friction. A sample jams if its parts press each other without
     a load (teeth, output pins or cam): it counts in the yield only. If 99 % or more of
     the first 200 samples jam, the study ends with exit code 1 and an error that names
     the pair that interferes, and by how much.
@@ -92,7 +92,7 @@ def tolerance(
     closed form (te_errors_arcsec), and none jams.
 
     The five worst samples that do not jam are written as design files; --verify runs
-    them at speed under the rated torque, with friction and inertia, and compares the
+    them at speed under the nominal torque, with friction and inertia, and compares the
     result with statics. The CSV file lists for each sample the departures from the
     design in um (drawn_cam_um, drawn_pin_position_1_x_um) and the figures. Ctrl-C
     writes the samples balanced so far, which are those of a smaller --samples.

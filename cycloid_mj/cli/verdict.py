@@ -1,10 +1,10 @@
 """Outcome of ``cycloid-mj compare``: designs side by side, by their runs and by the catalogue."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from cycloid_mj.base.errors import warn
+from cycloid_mj.base.errors import CycloidError, warn
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.outcome import Outcome, Picture
 from cycloid_mj.base.result import Quantity, Table, load_words
@@ -71,6 +71,7 @@ def outcome_of(
         warn(trial.name, tuple(dict.fromkeys(each for start in trial.starts for each in start.findings.warnings)))
     loaded = comparison.at(comparison.loads[-1])
     by_statics = catalogue_figures([trial.design for trial in loaded])
+    exceeded = overloads(trial.design for trial in loaded)
     statics = {name: values_json(computed) for name, computed in by_statics.items()}
     return Outcome(
         title=f"compare: {' / '.join(comparison.designs)}",
@@ -78,6 +79,7 @@ def outcome_of(
         headline=_headline(loaded, by_statics),
         headline_columns=(*by_statics, *ratio_columns(tuple(by_statics)), "unit"),
         tables=[*comparison.tables, catalogue_table(by_statics)],
+        warnings=[f"{name}: {words}" for name, words in exceeded.items()],
         notes=[_differences(comparison), *judged.notes],
         summary=[
             *judged.summary,
@@ -89,8 +91,44 @@ def outcome_of(
         frame=figure_frame(comparison.trials),
         result=comparison.as_json()
         | dict(judged.content)
-        | {"by_statics": statics, "figures": place.paths(f"{name}.{form}" for name in pictures for form in FORMATS)},
+        | {
+            "by_statics": statics,
+            "exceeded": exceeded,
+            "figures": place.paths(f"{name}.{form}" for name in pictures for form in FORMATS),
+        },
     )
+
+
+def overload_words(load: float, capacity: float) -> str:
+    """Describe a load [N m] beyond a capacity [N m]."""
+    return (
+        f"the load of {load:.4g} N m is {load / capacity:.3g} times its capacity of {capacity:.4g} N m, the torque at "
+        "which a contact first yields, but the runs assume elastic contacts"
+    )
+
+
+def overloads(designs: Iterable[Design]) -> dict[str, str]:
+    """Describe the designs whose load is beyond their capacity, by their names."""
+    capacities = {design: capacity_of(design) for design in designs}
+    return {
+        design.name: overload_words(abs(design.load.torque), capacity)
+        for design, capacity in capacities.items()
+        if abs(design.load.torque) > capacity
+    }
+
+
+def capacity_of(case: Design) -> float:
+    """Compute the torque at which a contact of a design first yields [N m]; NaN where statics do not find it."""
+    from cycloid_mj.figures import figure
+
+    if not case.load.torque:
+        return math.nan
+    for share in (1.0, 0.1):  # a large overload has no static balance, or flattens contacts beyond their model
+        try:
+            return figure("capacity_nm").value(Reducer(case).but(load={"torque": share * case.load.torque}))
+        except CycloidError:
+            continue
+    return math.nan
 
 
 def _headline(

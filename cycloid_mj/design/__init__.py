@@ -3,7 +3,8 @@
 This room owns every input of the project and is the only place where mm, rpm, degrees and micrometres become SI.
 """
 
-from cycloid_mj.design.file import Named, declaration_of, dump, inherited_keys, load, loads, override, resolve, value_of
+from cycloid_mj.design.file import Named, declaration_of, dump, load, loads, override, resolve, value_of
+from cycloid_mj.design.inheritance import Inheritance, inheritance
 from cycloid_mj.design.measured import Measured
 from cycloid_mj.design.model import (
     PARTNERS,
@@ -51,6 +52,7 @@ __all__ = [
     "Friction",
     "Gear",
     "Housing",
+    "Inheritance",
     "Load",
     "Material",
     "Measured",
@@ -66,7 +68,7 @@ __all__ = [
     "WorkingForce",
     "declaration_of",
     "dump",
-    "inherited_keys",
+    "inheritance",
     "load",
     "loads",
     "material_limits",

@@ -40,6 +40,9 @@ class FileLimits:
 
 LIMITS = FileLimits()
 
+BASE = "base"
+"""Table of a design file that names the preset whose values it keeps."""
+
 
 DEEP_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){32}""")
 """A dotted key of more than 32 parts, which `tomllib` takes quadratic time to read; a design's keys have two."""
@@ -81,32 +84,6 @@ def preset(name: str) -> Design | None:
     return PRESETS.get(name.casefold())
 
 
-def inherited_keys(named: Named, changes: Sequence[str], keys: Sequence[str]) -> tuple[str, ...]:
-    """Return those of some keys that neither a design file nor changes on the command line state.
-
-    They keep the values of the preset ``pin``. A preset states all of its keys.
-
-    Parameters
-    ----------
-    named
-        As of `resolve`; it can be read.
-    changes
-        ``table.key=value`` each.
-    keys
-        ``table.key`` each, as ``drive.torque_nm``.
-    """
-    if isinstance(named, Design) or preset(str(named)):
-        return ()
-    tables = tomllib.loads(note_input(Path(named)).read_text(encoding="utf-8-sig"))
-    changed = {_pair(change)[0] for change in changes}
-
-    def is_stated(key: str) -> bool:
-        table, _, name = key.partition(".")
-        return key in changed or table in changed or name in tables.get(table, {})
-
-    return tuple(key for key in keys if not is_stated(key))
-
-
 def load(path: Path) -> Design:
     """Read a design file."""
     try:
@@ -121,16 +98,48 @@ def load(path: Path) -> Design:
 
 
 def loads(text: str, where: str = "the design", folder: Path | None = None) -> Design:
-    """Read the design of a TOML text; keys left out keep the values of the preset ``pin``.
+    """Read the design of a TOML text; keys left out keep the values of the preset that ``[base]`` names, or of ``pin``.
 
-    Measurements are read from files in the `folder`. A text without one, such as that of a log, lists their values.
+    Without ``[base]``, a file that states a load but no motor has a motor for that load. Measurements are read from
+    files in the `folder`. A text without one, such as that of a log, lists their values.
     """
     tables = parse_toml(text, where)
     if not tables:
         raise DesignError(f"{where} is empty: `cycloid-mj design new my` writes a complete design file to start from")
     if folder is not None and isinstance(tables.get("measured"), Mapping):
         tables["measured"] = read_measurements(tables["measured"], folder)
-    return _validate(Design, _expand_sparse_lists(_to_si(Design, tables, where), where), where)
+    if BASE in tables:
+        return _change(_base(tables.pop(BASE), where), list(_flat(tables)), where, folder)
+    values = _to_si(Design, tables, where)
+    design = _validate(Design, _expand_sparse_lists(values, where), where)
+    return design if "torque" in values.get("drive", {}) else _with_motor(design, values)
+
+
+def _flat(tables: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Yield the values of a file by ``table.key``, and those outside of tables by their key."""
+    for name, value in tables.items():
+        if isinstance(value, Mapping):
+            yield from ((f"{name}.{key}", item) for key, item in value.items())
+        else:
+            yield name, value
+
+
+def _base(table: Any, where: str) -> Design:
+    """Return the preset that ``[base]`` names."""
+    name = table.get("preset") if isinstance(table, Mapping) and len(table) == 1 else None
+    if not isinstance(name, str) or name.casefold() not in PRESETS:
+        raise DesignError(f'{where}: [base] must be preset = "NAME", one of: {", ".join(PRESETS)}')
+    return PRESETS[name.casefold()]
+
+
+def _with_motor(design: Design, values: Mapping[str, Any]) -> Design:
+    """Return a design with the torque and power of a motor for its load, if a file states a load and no motor."""
+    torque = abs(design.load.torque) / design.reduction
+    if not torque:
+        return design
+    power = torque * abs(design.drive.speed)
+    drive = {"torque": torque} | ({"power": power} if power and "power" not in values.get("drive", {}) else {})
+    return design.but(drive=drive)
 
 
 def parse_toml(
@@ -176,9 +185,12 @@ def override(design: Design, changes: Sequence[str] | Mapping[str, Any]) -> Desi
         There is no such key, or its value is not allowed.
     """
     if isinstance(changes, Mapping):
-        where, pairs = "override", [(path, _plain(value)) for path, value in changes.items()]
-    else:
-        where, pairs = "--set", [_pair(change) for change in changes]
+        return _change(design, [(path, _plain(value)) for path, value in changes.items()], "override", Path())
+    return _change(design, [_pair(change) for change in changes], "--set", Path())
+
+
+def _change(design: Design, pairs: Sequence[tuple[str, Any]], where: str, folder: Path | None) -> Design:
+    """Return the design with changed values; measurements that they name are read from the `folder`."""
     named = {keys[0] for path, _ in pairs if (keys := _keys(path))}
     tables, changed = dict(_tables(design, named)), dict[str, dict[str, Any]]()
     for path, value in pairs:
@@ -194,8 +206,8 @@ def override(design: Design, changes: Sequence[str] | Mapping[str, Any]) -> Desi
     for name, change in changed.items():
         section = section_of(field) if (field := Design.model_fields.get(name)) else None
         tables[name] = (section or Section).merge_change(tables.get(name, {}), change)
-    if "measured" in changed:
-        tables["measured"] = read_measurements(tables["measured"], Path())
+    if "measured" in changed and folder is not None:
+        tables["measured"] = read_measurements(tables["measured"], folder)
     if not pairs:
         return design
     values = _values_except(design, named) | _to_si(Design, tables, where)

@@ -1006,7 +1006,7 @@ class Design(Section, Presented):
             ("ring", f"{ring.teeth} teeth, {kind}, E {1e3 * ring.pin_circle_radius:g} mm"),
             ("eccentricity", f"{1e3 * self.gear.eccentricity:g} mm"),
             ("speed", f"{self.drive.speed * 30.0 / math.pi:.6g} rpm"),
-            ("rated torque", f"{self.rated_torque:.6g} N m"),
+            ("nominal torque", f"{self.rated_torque:.6g} N m"),
             ("load", f"{self.load.torque:.6g} N m"),
         )
 
@@ -1278,20 +1278,6 @@ class Design(Section, Presented):
                     "ring.kind = 'pin'"
                 )
 
-
-def _keys_without_use(design: Design) -> Iterator[tuple[str, bool]]:
-    """Yield keys that do not apply to the layout of a design, and whether their values are the defaults."""
-    for name, field in Design.model_fields.items():
-        table = section_of(field)
-        if table is None or name.endswith("material"):
-            if not applies(design.layout, "", name):
-                yield file_key(name, field), getattr(design, name) == field.default
-            continue
-        values = getattr(design, name)
-        for key, inner in table.model_fields.items() if values is not None else ():
-            if not applies(design.layout, name, key):
-                yield f"{name}.{file_key(key, inner)}", getattr(values, key) == inner.default
-
     @model_validator(mode="after")
     def _measurements_fit_the_parts(self) -> Self:
         """Refuse measured pins of an internal gear, or of another number of pins."""
@@ -1306,6 +1292,20 @@ def _keys_without_use(design: Design) -> Iterator[tuple[str, bool]]:
                 f'measured.pins = "{self.measured.pins}" has {count} pins, but ring.teeth is {teeth}: list each once'
             )
         return self
+
+
+def _keys_without_use(design: Design) -> Iterator[tuple[str, bool]]:
+    """Yield keys that do not apply to the layout of a design, and whether their values are the defaults."""
+    for name, field in Design.model_fields.items():
+        table = section_of(field)
+        if table is None or name.endswith("material"):
+            if not applies(design.layout, "", name):
+                yield file_key(name, field), getattr(design, name) == field.default
+            continue
+        values = getattr(design, name)
+        for key, inner in table.model_fields.items() if values is not None else ():
+            if not applies(design.layout, name, key):
+                yield f"{name}.{file_key(key, inner)}", getattr(values, key) == inner.default
 
 
 def _as_tuple(value: Any) -> Any:

@@ -19,8 +19,8 @@ class JamSettings:
     """Criteria of a jammed sample, and extent of the search for its cause."""
 
     share: float = 0.01
-    """A sample jams where a preload is more than this share of the same pair's largest force under the rated torque, or
-    where it has no balance at all."""
+    """A sample jams where a preload is more than this share of the same pair's largest force under the nominal torque,
+    or where it has no balance at all."""
     max_examined: int = 6
     angles: int = 6
     """Jammed samples that are examined for the cause, and crank angles at which."""

@@ -42,7 +42,10 @@ def _set_torque(start: Reducer, reducer: Reducer) -> Reducer:
     return reducer.but(drive={"torque": design.drive.torque * start.design.rated_torque / design.rated_torque})
 
 
-_HOLE, _RATED = "output pin radius plus eccentricity plus the clearance of the start", "the rated torque on the output"
+_HOLE, _RATED = (
+    "output pin radius plus eccentricity plus the clearance of the start",
+    "the nominal torque on the output",
+)
 _OF_HOLE, _OF_RATIO = {"gear.eccentricity_mm", "output.pin_radius_mm"}, {"ring.teeth", "output.member"}
 RULES: Mapping[str, LinkRule] = {
     "output.hole_radius_mm": LinkRule(_HOLE, frozenset(_OF_HOLE), _set_hole_radius),

@@ -12,6 +12,7 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.base.frame import Cell, Frame, Tabular, make_frame
 from cycloid_mj.base.names import SOLVERS
 from cycloid_mj.base.result import Quantity, Table
+from cycloid_mj.base.text import four_digits
 from cycloid_mj.checks import check
 from cycloid_mj.design import Design, declaration_of
 from cycloid_mj.design.units import unit_of
@@ -344,7 +345,7 @@ def _comparison_row(best: Quantity, start: Quantity | None) -> tuple[str, ...]:
 
 
 def _number(value: float | None) -> str:
-    return "-" if value is None or math.isnan(value) else f"{value:.6g}"
+    return "-" if value is None or math.isnan(value) else four_digits(value)
 
 
 def _percent(share: float) -> str:

@@ -157,7 +157,7 @@ def sweep(
     follow
         Keys that follow those of the points: ``KEY=FORMULA`` of numbers and keys, in the file's units, or ``KEY`` of
         one with a rule of its own: `output.hole_radius_mm` keeps the clearance of the design, and `drive.torque_nm` the
-        rated torque on the output. They are columns of the result.
+        nominal torque on the output. They are columns of the result.
     out
         Folder for the rows, which are written at once; an interrupted sweep is resumed there. None: no files.
     engine

@@ -19,7 +19,7 @@ CONTACT_KINDS = {"output_pin_force_n": "output", "cam_force_n": "cam"}
 
 @dataclass(frozen=True)
 class DynamicsCheck:
-    """Figures of a run over a crank turn at the design's speed and rated torque, and by statics."""
+    """Figures of a run over a crank turn at the design's speed and nominal torque, and by statics."""
 
     design: str
     """Its name."""
@@ -50,7 +50,7 @@ def verify_design(reducer: Reducer, solver: Solver = "planar") -> DynamicsCheck:
 
 
 def _dynamics(reducer: Reducer, solver: Solver) -> dict[str, float]:
-    """Run a design over a crank turn under its rated torque; return its figures by key."""
+    """Run a design over a crank turn under its nominal torque; return its figures by key."""
     design = reducer.design
     loaded = steady_design(reducer).but(load={"torque": design.rated_torque})
     run = run_steady(loaded, SETTLING_TIME, design.ring.teeth, solver)

@@ -48,8 +48,8 @@ class BenchSettings:
     """Time steps in an oscillation of the output on all contacts where no pins move; used if that step is longer.
 
     With a longer step friction is fully developed from a lower speed on (`prepare_bench`), so the loops of soft drives
-    come nearer to those of statics. Plastic drives with 60 to 250 um at the rated torque and oscillations of 1.9 to 3.1
-    ms differ from statics with friction and weight by 1 to 5 % of lost motion at 17.5 us and by 0.1 to 5 % at this
+    come nearer to those of statics. Plastic drives with 60 to 250 um at the nominal torque and oscillations of 1.9 to
+    3.1 ms differ from statics with friction and weight by 1 to 5 % of lost motion at 17.5 us and by 0.1 to 5 % at this
     step, and by 3 to 14 % and 3 to 11 % of stiffness; without friction both steps differ by less than 0.2 %.
     """
     pin_step: float = 0.5

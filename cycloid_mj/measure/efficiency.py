@@ -183,7 +183,7 @@ def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Qu
         ),
         Quantity(
             "back_driving_efficiency",
-            "efficiency of back-driving, against the rated torque",
+            "efficiency of back-driving, against the nominal torque",
             1e2 * backward,
             "%",
             1e2 * shift,

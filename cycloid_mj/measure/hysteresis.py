@@ -4,7 +4,7 @@ The torque on the output is T sin^5(2 pi t/period): it passes zero so slowly tha
 side of the clearance before the torque matters. The first quarter leads to the loop.
 
 Lost motion, as the industry defines it, is the turn between the middles of the two branches at +3 % and -3 % of the
-rated torque; stiffness is the slope from 50 to 100 %; backlash is the turn between the unloading branches,
+nominal torque; stiffness is the slope from 50 to 100 %; backlash is the turn between the unloading branches,
 extrapolated to zero torque.
 """
 
@@ -34,7 +34,7 @@ class SlowLoopSettings:
     power: int = 5
     """Power of the sine."""
     unloading: tuple[float, float] = (0.005, 0.015)
-    """Part of the unloading branch that is extrapolated to zero, relative to the rated torque."""
+    """Part of the unloading branch that is extrapolated to zero, relative to the nominal torque."""
     window: float = 0.2
     """Half width of the range of a reading, relative to its torque."""
     arrival: float = 0.003
@@ -71,7 +71,7 @@ class HysteresisLoop:
     """The whole run."""
 
     def at(self, share: float, loading: bool, side: int, values: Array | None = None) -> float:
-        """Read a branch of the curve at a share of the rated torque: by the straight line through the points nearby.
+        """Read a branch of the curve at a share of the nominal torque: by the straight line through the points nearby.
 
         `side` is +1 or -1; `values` (n,) instead of the turn.
         """
@@ -84,7 +84,7 @@ class HysteresisLoop:
 
     @property
     def lost_motion(self) -> float:
-        """Turn between the middles of the branches at +3 % and -3 % of the rated torque [rad]."""
+        """Turn between the middles of the branches at +3 % and -3 % of the nominal torque [rad]."""
         return self.middle(LOST_MOTION_SHARE, 1) - self.middle(LOST_MOTION_SHARE, -1)
 
     @property
@@ -95,7 +95,7 @@ class HysteresisLoop:
 
     @property
     def offset(self) -> float:
-        """Middle of the loop at +3 % and -3 % of the rated torque [rad]: where weight shifts it."""
+        """Middle of the loop at +3 % and -3 % of the nominal torque [rad]: where weight shifts it."""
         return 0.5 * (self.middle(LOST_MOTION_SHARE, 1) + self.middle(LOST_MOTION_SHARE, -1))
 
     @property
@@ -112,7 +112,7 @@ class HysteresisLoop:
 
     @property
     def width(self) -> float:
-        """Mean width between the branches at half the rated torque [rad]: friction."""
+        """Mean width between the branches at half the nominal torque [rad]: friction."""
         widths = [abs(self.at(0.5, False, side) - self.at(0.5, True, side)) for side in (-1, 1)]
         return float(np.mean(widths))
 

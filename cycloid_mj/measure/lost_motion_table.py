@@ -87,7 +87,7 @@ def _extremes(
 
 
 def lost_motion(loop: HysteresisLoop) -> float:
-    """Compute the lost motion at +-3 % of the rated torque [arcmin]."""
+    """Compute the lost motion at +-3 % of the nominal torque [arcmin]."""
     return loop.lost_motion / ARCMINUTE
 
 
@@ -109,7 +109,7 @@ def _motions(measured: LostMotionLoops) -> Iterator[Quantity]:
     loops = {"": (measured.service, measured.service_checks), "_ideal": (measured.ideal, measured.ideal_checks)}
     for suffix, pair in loops.items():
         case = f", {IDEAL}" if suffix else ""
-        label = f"lost motion at +-3 % of rated torque{case}"
+        label = f"lost motion at +-3 % of nominal torque{case}"
         yield _quantity("lost_motion" + suffix, label, lost_motion, *pair, closed=solved, source=STATICS, known=known)
         if not suffix:
             yield from _extremes("lost_motion", "lost motion", lost_motion, *pair, "arcmin", known)
@@ -135,7 +135,7 @@ def _stiffness(measured: LostMotionLoops) -> Iterator[Quantity]:
     """Yield the torsional stiffness and the compliances of its parts."""
     unit = "N m/arcmin"
     solved = [ARCMINUTE / item.compliance(item.turn) for item in measured.statics]
-    name = "torsional stiffness, 50 to 100 % of rated torque"
+    name = "torsional stiffness, 50 to 100 % of nominal torque"
     note = "friction holds the parts where the torque reverses, which makes the curve steeper there"
     pair, ideal = (measured.service, measured.service_checks), (measured.ideal, measured.ideal_checks)
     yield _quantity("stiffness", name, stiffness, *pair, unit, solved, STATICS, note)
@@ -159,7 +159,7 @@ def loop_series(reducer: Reducer, loop: HysteresisLoop) -> dict[str, float]:
 
 def _friction(measured: LostMotionLoops) -> list[Quantity]:
     """List width, work and shift of the loop."""
-    pair, width = (measured.service, measured.service_checks), "width of the loop at half the rated torque"
+    pair, width = (measured.service, measured.service_checks), "width of the loop at half the nominal torque"
     damped = float(np.mean([loop.width for loop in measured.ideal])) / ARCMINUTE
     viscous = (
         f"friction, and {damped:.2g} arcmin of damping, which vanishes in slower loops; friction is viscous below the "

@@ -35,7 +35,7 @@ def whole_periods(reducer: Reducer, least: int, load: float | None = None) -> in
     Relative to the ring, torque and losses repeat with the mesh, every 2 pi/N of the crank, and with the output pins,
     which pass the direction of the eccentric every 2 pi/pins x (N - 1)/N: m mesh periods are m pins/(N - 1) of theirs.
     A full crank turn is no better, except where the weight of the discs matters against the `load` on the output [N m],
-    by default the rated torque (`HEAVY_DISC_SHARE`): then it is two turns.
+    by default the nominal torque (`HEAVY_DISC_SHARE`): then it is two turns.
     """
     design = reducer.design
     ratio = design.output.pins / design.lobes

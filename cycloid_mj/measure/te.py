@@ -140,8 +140,8 @@ def _assumptions(reducer: Reducer, turns: int) -> tuple[str, ...]:
     )
     return (
         f"shafts run in rigid bearings without runout; {structure_text(reducer)}",
-        f"the default drag of an unloaded reducer is {DRAG_SHARE:.0%} of the rated torque: without it the disc floats "
-        "in its clearances; up to the rated torque presses the flanks together before the window",
+        f"the default drag of an unloaded reducer is {DRAG_SHARE:.0%} of the nominal torque: without it the disc "
+        "floats in its clearances; up to the nominal torque presses the flanks together before the window",
         "statics: contacts of the ideal mesh as springs with gaps, without friction, and without inertia except the "
         "centrifugal force of the disc; friction increases the tooth forces, and with them the wind-up of a loaded "
         "disc",

@@ -50,10 +50,19 @@ def quantities(reducer: Reducer, traces: Found, finer: Finer, statics: Statics, 
 
 
 def curves(reducer: Reducer, traces: Found, statics: Statics) -> tuple[Curve, ...]:
-    """List the errors over the crank angle, in full and about their means, and the spectra of the `chosen` cases."""
+    """List the errors over the crank angle, and the spectra of the `chosen` cases.
+
+    The loaded error has its own axes and is first, because a drive works under load and the unloaded one is larger.
+    """
     paces = dict.fromkeys(case.pace for case in traces)
-    drawn = [*_panel(traces, statics, next(iter(paces)), "output", with_mean=True)]
-    drawn += [curve for pace in paces for shaft in ("gear", "output") for curve in _panel(traces, statics, pace, shaft)]
+    drawn = [
+        curve
+        for pace in paces
+        for shaft in ("output", "gear")
+        for load in ("loaded", "unloaded")
+        for curve in _panel(traces, statics, pace, shaft, load)
+    ]
+    drawn += _panel(traces, statics, next(iter(paces)), "output")
     for place, base in _bases(reducer).items():
         for case in chosen(traces):
             seen = _spectrum(reducer, traces[case], place, base)
@@ -62,10 +71,10 @@ def curves(reducer: Reducer, traces: Found, statics: Statics) -> tuple[Curve, ..
     return tuple(drawn)
 
 
-def _panel(traces: Found, statics: Statics, pace: str, shaft: str, with_mean: bool = False) -> Iterator[Curve]:
-    """Yield the curves of a shaft at one pace with those of statics, minus their means unless `with_mean` is set."""
-    panel = f"{shaft}, {_PACES[pace]}" + ("" if with_mean else ", minus its mean")
-    shown = {case: f"{case.load}, {case.way}" for case in traces if case.pace == pace}
+def _panel(traces: Found, statics: Statics, pace: str, shaft: str, load: str = "") -> Iterator[Curve]:
+    """Yield the curves of a shaft at one pace with those of statics: of one load minus their means, or of all."""
+    panel, with_mean = f"{shaft}, {f'{load}, ' * bool(load)}{_PACES[pace]}{', minus its mean' * bool(load)}", not load
+    shown = {case: f"{case.load}, {case.way}" for case in traces if case.pace == pace and load in ("", case.load)}
     for case, words in shown.items():
         solved = statics[case]
         error = _about_mean(getattr(solved, shaft), with_mean)

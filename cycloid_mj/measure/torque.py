@@ -139,7 +139,7 @@ def _untold_test(reducer: Reducer, periods: int, solver: Solver) -> BrakedRun:
 
 
 def rated_test(reducer: Reducer, periods: int, solver: Solver = "planar") -> BrakedRun:
-    """Run the test under the rated torque over so many mesh periods."""
+    """Run the test under the nominal torque over so many mesh periods."""
     run = run_brake_test(reducer, reducer.design.drive.torque, periods, solver)
     output, crank = (abs(float(np.mean(run[name]))) for name in ("load_torque", "crank_torque"))
     return BrakedRun(run, mean_powers(run), output, crank)

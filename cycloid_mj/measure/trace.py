@@ -77,7 +77,7 @@ def copy_model(compiled: Model) -> Model:
 def preload_cycle(reducer: Reducer, compiled: Model, start: float = 0.0) -> DriveCycle:
     """Return the drive cycle at constant speed from a crank angle [rad], with the flanks pressed together first.
 
-    With a light drag alone the disc oscillates in its clearance for some 30 ms; a pulse of up to the rated torque, a
+    With a light drag alone the disc oscillates in its clearance for some 30 ms; a pulse of up to the nominal torque, a
     sine squared, shortens this to a few ms.
     """
     design = reducer.design

@@ -228,7 +228,7 @@ def _assumptions(reducer: Reducer, run: VibrationRun) -> tuple[str, ...]:
         f"stored at {1e-3 * run.rate:.4g} kHz: their rms includes the part below {5e-4 * run.rate:.3g} kHz (the "
         f"filter falls from {1e-3 * SPECTRUM.band * run.rate:.3g} to {1e-3 * (1.0 - SPECTRUM.band) * run.rate:.3g} "
         f"kHz), the spectra end at {1e-3 * SPECTRUM.band * run.rate:.3g} kHz",
-        f"unloaded: a drag of {DRAG_SHARE:.0%} of the rated torque, which presses the flanks together before the "
+        f"unloaded: a drag of {DRAG_SHARE:.0%} of the nominal torque, which presses the flanks together before the "
         "window; the spectra are at the design's speed",
         "contacts have the secant stiffness of one working force in all runs, that of the loaded ones: "
         f"{reducer.contacts.working_forces_text(reducer.design.pair_kinds)}",

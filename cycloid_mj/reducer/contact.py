@@ -368,7 +368,7 @@ class Contacts:
         """Torque on the output [N m] from which the working forces follow.
 
         It is ``contact.working_load``, or by default the size of the load, but at least `own_load`; with a preloaded
-        ring, whose contacts are loaded at any torque, at least the rated torque.
+        ring, whose contacts are loaded at any torque, at least the nominal torque.
         """
         design = self._reducer.design
         pressed = design.rated_torque if design.ring.preload else 0.0
@@ -448,7 +448,7 @@ class Contacts:
             "given": "given",
             "working load": f"ideal sharing of {self.working_load:.4g} N m",
             "load": f"ideal sharing of the load, {self.working_load:.4g} N m",
-            "preload": f"ideal sharing of the rated torque, {self.working_load:.4g} N m, because the ring is preloaded",
+            "preload": f"ideal sharing of the nominal torque, {self.working_load:.4g} N m, as the ring is preloaded",
             "weight and inertia": "weight and inertia of the disc, because there is no larger load",
         }[source]
 

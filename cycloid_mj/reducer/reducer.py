@@ -89,7 +89,7 @@ class Reducer:
 
     @property
     def at_rated_load(self) -> Self:
-        """Reducer `working_at` its own load, or at the rated torque if it has none.
+        """Reducer `working_at` its own load, or at the nominal torque if it has none.
 
         It is for uses without a particular load: a folder with a model, springs for any torque, a figure.
         """
@@ -98,7 +98,7 @@ class Reducer:
 
     @property
     def for_slices(self) -> Self:
-        """Reducer for mesh contact: `working_at` the larger of its rated torque and its own load.
+        """Reducer for mesh contact: `working_at` the larger of its nominal torque and its own load.
 
         A bed of slices is softer at a small depth by itself, so its stiffness does not follow a small load. Its creep
         speed is that of the design, or `SLICES_CREEP`.

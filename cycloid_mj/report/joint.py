@@ -8,6 +8,7 @@ import numpy as np
 from markupsafe import Markup
 
 from cycloid_mj.base.result import Curve, Table
+from cycloid_mj.base.text import four_digits
 from cycloid_mj.base.units import RPM
 from cycloid_mj.report.encode import encode_array
 from cycloid_mj.report.page import environment
@@ -23,7 +24,7 @@ MIN_HARMONIC = 0.01
 """Smallest harmonic that is listed, relative to the largest."""
 
 FRICTION_LOADS = (0.0, 0.5, 1.0)
-"""Loads relative to the rated torque at which a constant friction is listed, for formats that have no other."""
+"""Loads relative to the nominal torque at which a constant friction is listed, for formats that have no other."""
 
 
 def joint_page(
@@ -83,7 +84,7 @@ def _quantities(reduced: ReducedJoint) -> TextTable:
     rows = [
         (
             quantity.name,
-            f"{quantity.value:.6g}",
+            four_digits(quantity.value),
             quantity.unit,
             "" if quantity.error is None else f"{quantity.error:.2g}",
         )
@@ -120,7 +121,7 @@ def _dynamics(reduced: ReducedJoint) -> TextTable:
         torque, speed = share * reduced.rated_torque, reduced.rated_speed
         both = (reduced.ratio * reduced.friction.torque(torque, speed, driving) for driving in (True, False))
         rows.append(
-            (f"correct at {share:.0%} of the rated torque", *(f"{each:.4g}" for each in both), f"{damping:.3g}")
+            (f"correct at {share:.0%} of the nominal torque", *(f"{each:.4g}" for each in both), f"{damping:.3g}")
         )
     return TextTable([("", "friction, driving [N m]", "friction, driven [N m]", "damping [N m s/rad]")], rows)
 
@@ -139,7 +140,7 @@ def _efficiency(reduced: ReducedJoint) -> Table:
 
 
 def _harmonics(reduced: ReducedJoint) -> TextTable:
-    """Tabulate the harmonics under the rated torque in both directions, down to `MIN_HARMONIC` of the largest."""
+    """Tabulate the harmonics under the nominal torque in both directions, down to `MIN_HARMONIC` of the largest."""
     load = reduced.ripple.loads[-1] * reduced.rated_torque
     rated = [
         harmonic

@@ -4,6 +4,7 @@ from base64 import b64encode
 from collections.abc import Sequence
 
 from cycloid_mj.base.result import Table
+from cycloid_mj.base.text import four_digits
 from cycloid_mj.design import dump
 from cycloid_mj.explore import Sweep
 from cycloid_mj.explore.ranks import tables
@@ -64,4 +65,4 @@ def _rows(sweep: Sweep, quantities: Sequence[str]) -> Table:
 
 
 def _cell(value: float | str | bool) -> str:
-    return "" if value != value else f"{value:.6g}" if isinstance(value, float) else str(value)
+    return "" if value != value else four_digits(value) if isinstance(value, float) else str(value)

@@ -22,7 +22,7 @@ from cycloid_mj.robot.friction import FrictionMap
 from cycloid_mj.robot.reducer import ReducedJoint
 
 MIN_FIT_SHARE = 0.25
-"""Share of the rated torque from which friction is fitted, up to the rated torque."""
+"""Share of the nominal torque from which friction is fitted, up to the nominal torque."""
 
 WITHOUT_STRIBECK = {
     **dict.fromkeys(("friction_stribeck", *(f"load_friction_{part}_stribeck" for part in ("motor", "external"))), 0.0),
@@ -34,7 +34,7 @@ WITHOUT_STRIBECK = {
 def bam(reduced: ReducedJoint) -> dict[str, Any]:
     """Return the parameters of M3 and M5 at the joint [N m, N m s/rad, 1], and their largest errors.
 
-    Least squares over the loads from `MIN_FIT_SHARE` of the rated torque on, driving and driven, at the rated speed.
+    Least squares over the loads from `MIN_FIT_SHARE` of the nominal torque on, driving and driven, at the rated speed.
     """
     base, viscous = reduced.no_load_torque_at_output, _viscous(reduced)
     external, motor, lost = _loads(reduced)

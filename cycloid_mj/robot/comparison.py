@@ -40,7 +40,7 @@ class ComparisonSettings:
     max_efficiency: float = 0.3
     """Allowed difference of an efficiency [percentage points]."""
     loads: tuple[float, ...] = (0.1, 0.25, 0.5, 0.75, 1.0)
-    """Loads at which efficiencies are compared, as shares of the rated torque."""
+    """Loads at which efficiencies are compared, as shares of the nominal torque."""
     angles_factor: int = 5
     """Number of crank angles of the full model, over that of `statics`; they differ from those of the
     identification."""
@@ -154,11 +154,16 @@ def _loop(reduced: ReducedJoint, play: Play) -> tuple[list[Quantity], list[Curve
     width = 2.0 * small[GRID.small] - small[2.0 * GRID.small] - 2.0 * small[-GRID.small] + small[-2.0 * GRID.small]
     joint = {share: 0.5 * (turn(share) - turn(-share)) for share in (LOST_MOTION_SHARE, 1.0)}
     full = {share: 0.5 * play.backlash + play.wind_up[share] for share in joint}
-    loop_name, small_share = "loop at +-3 % of the rated torque", LOST_MOTION_SHARE
+    loop_name, small_share = "loop at +-3 % of the nominal torque", LOST_MOTION_SHARE
     values = (
         ("backlash_arcmin", "backlash", width, play.backlash),
         ("loop_arcmin", loop_name, 2.0 * joint[small_share], 2.0 * full[small_share]),
-        ("wind_up_arcmin", "wind-up beyond the stop at the rated torque", joint[1.0] - 0.5 * width, play.wind_up[1.0]),
+        (
+            "wind_up_arcmin",
+            "wind-up beyond the stop at the nominal torque",
+            joint[1.0] - 0.5 * width,
+            play.wind_up[1.0],
+        ),
     )
     rows = [Quantity(key, name, x / ARCMINUTE, "arcmin", None, y / ARCMINUTE) for key, name, x, y in values]
     ramp = np.linspace(-1.0, 1.0, COMPARISON.loop_points)
@@ -176,7 +181,7 @@ def _loop(reduced: ReducedJoint, play: Play) -> tuple[list[Quantity], list[Curve
 
 
 def _resonance(reduced: ReducedJoint, play: Play) -> Iterator[Quantity]:
-    """Compute the resonance of a heavy load about the rated torque: sqrt(k/J) with the full model's slope."""
+    """Compute the resonance of a heavy load about the nominal torque: sqrt(k/J) with the full model's slope."""
     inertia = 10.0 * reduced.reflected_inertia
     expected = math.sqrt(play.stiffness / (inertia + reduced.output_inertia))
     _, _, off = measure_vibration(
@@ -201,7 +206,12 @@ def _efficiencies(reducer: Reducer, reduced: ReducedJoint) -> tuple[list[Quantit
         for share, joint_value, full_value in zip(COMPARISON.loads, joint, full, strict=True):
             rows.append(
                 Quantity(
-                    f"{key}_{share:g}", f"{name} at {share:.0%} of the rated torque", joint_value, "%", None, full_value
+                    f"{key}_{share:g}",
+                    f"{name} at {share:.0%} of the nominal torque",
+                    joint_value,
+                    "%",
+                    None,
+                    full_value,
                 )
             )
         torques = np.array(COMPARISON.loads) * reducer.design.rated_torque
@@ -259,7 +269,7 @@ def _transmission(
     rows = [
         Quantity(
             f"te_{name}_{item:.4g}",
-            f"transmission error, order {item:.4g}, {name}, at the rated torque",
+            f"transmission error, order {item:.4g}, {name}, at the nominal torque",
             abs(amplitude) * ARCSECONDS,
             "arcsec",
             None,

@@ -43,15 +43,15 @@ class IdentificationGrid:
     small: float = 1e-4
     """Torque that presses the parts to a stop, over the rated one; it and twice that are extrapolated to zero."""
     springs: tuple[float, ...] = (0.03, 0.15, 0.5, 1.0)
-    """Shares of the rated torque at which the springs have the wind-up of the full model; the last slope continues."""
+    """Shares of the nominal torque at which the springs wind up as the full model; the last slope continues."""
     polynomial: tuple[float, ...] = (0.03, 0.06, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 1.0)
-    """Shares of the rated torque to which the polynomial of the stiffness is fitted."""
+    """Shares of the nominal torque to which the polynomial of the stiffness is fitted."""
     torques: tuple[float, ...] = (0.05, 0.075, 0.1, 0.125, 0.15, 0.2, 0.25, 0.35, 0.5, 0.75, 1.0, 1.5, 2.0)
     speeds: tuple[float, ...] = (0.25, 0.5, 1.0, 1.5)
-    """Points of the friction map besides no load, as shares of the rated torque and of the design's speed: dense where
-    teeth with play begin to carry one after the other, and losses are not linear."""
+    """Points of the friction map besides no load, as shares of the nominal torque and of the design's speed: dense
+    where teeth with play begin to carry one after the other, and losses are not linear."""
     no_load: tuple[float, ...] = (small, 1e-3, 1e-2, 2e-2)
-    """Shares of the rated torque that represent no load: the first under which friction does not jam the parts is
+    """Shares of the nominal torque that represent no load: the first under which friction does not jam the parts is
     used."""
     angles_factor: int = 4
     """Number of crank angles of the means, over that of `statics`; the change between both is the numerical error."""
@@ -71,7 +71,7 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
     ----------
     design
         A design that passes its checks, or the name of a preset or a file. Its own load is not used; contacts have the
-        stiffness of the rated torque.
+        stiffness of the nominal torque.
     level
         Level of detail in a model. All parameters are identified at any level.
     progress
@@ -87,7 +87,7 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
     DesignError
         The design fails a check, or its speed is 0.
     ContactError
-        The contact pressure of the rated torque is beyond Hertz's line contact.
+        The contact pressure of the nominal torque is beyond Hertz's line contact.
     RunError
         No static balance exists, as where friction jams the reducer.
     """
@@ -128,11 +128,11 @@ class Play:
     """Play and wind-up with a locked crank, without friction and weight; means over crank angles."""
 
     rated: float
-    """Rated torque [N m]."""
+    """Nominal torque [N m]."""
     stops: tuple[float, float]
     """Angles of the stops [rad], clockwise first, extrapolated to zero from two small torques."""
     wind_up: dict[float, float]
-    """Turn beyond the stop [rad] by the share of the rated torque, mean of both sides."""
+    """Turn beyond the stop [rad] by the share of the nominal torque, mean of both sides."""
 
     @property
     def backlash(self) -> float:
@@ -164,7 +164,7 @@ class Play:
     def polynomial(self) -> Array:
         """Factors a, b, c of the torque a x + b x^2 + c x^3 beyond the stop [N m/rad, /rad^2, /rad^3].
 
-        Least squares of the relative error at `GRID.polynomial`, up to the rated torque.
+        Least squares of the relative error at `GRID.polynomial`, up to the nominal torque.
         """
         turn, torque = (
             np.array([self.wind_up[share] for share in GRID.polynomial]),
@@ -293,7 +293,7 @@ def _quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: Play)
     yield Quantity("wind_up_arcmin", name, *_in(wound, ARCMINUTE, "arcmin"))
     name = f"largest relative error of the stiffness as a polynomial, up to {rated:.4g} N m"
     yield Quantity("polynomial_error", name, *_in(both(Play.polynomial_error), 1.0, "1"))
-    name, stiffness = "torsional stiffness, 50 to 100 % of the rated torque", both(lambda item: item.stiffness)
+    name, stiffness = "torsional stiffness, 50 to 100 % of the nominal torque", both(lambda item: item.stiffness)
     yield Quantity("stiffness_nm_per_arcmin", name, *_in(stiffness, 1.0 / ARCMINUTE, "N m/arcmin"))
     efficiency = 100.0 * friction.efficiency(rated, speed, joint.ratio, driving=True)
     error, moved = 100.0 * _angle_error(reducer, 1.0), _efficiency_spread(reducer)
@@ -341,7 +341,7 @@ def _efficiency_spread(reducer: Reducer) -> str:
 
 
 def _angle_error(reducer: Reducer, share: float) -> float:
-    """Compute the change of the efficiency with more crank angles, at a share of the rated torque; negative: driven."""
+    """Compute the change of efficiency with more crank angles, at a share of the nominal torque; negative: driven."""
     torque = share * reducer.design.rated_torque
     return abs(
         powers(reducer, torque).efficiency

@@ -26,7 +26,7 @@ class ImpactSettings:
     max_halvings: int = 12
     """Largest number of halvings."""
     tolerance: float = 1e-8
-    """Tolerance of the reference solution: relative, and absolute over the wind-up under the rated torque."""
+    """Tolerance of the reference solution: relative, and absolute over the wind-up under the nominal torque."""
     samples_per_cycle: int = 100
     """Samples of the reference in a cycle of load and vibration: a peak between two is at most 5e-4 higher."""
     max_steps: int = 1_000_000

@@ -33,17 +33,17 @@ class ShoeSettings:
     """Dimensions, contact and fit of the shoe, and its trial."""
 
     fitted: tuple[float, ...] = (0.05, 0.125, 0.25, 0.5, 0.75, 1.0)
-    """Shares of the rated torque at which the loss of the full model is fitted."""
+    """Shares of the nominal torque at which the loss of the full model is fitted."""
     compared: tuple[float, ...] = (0.1, 0.5, 1.0)
-    """Shares of the rated torque at which the lossy joint is compared with the full model."""
+    """Shares of the nominal torque at which the lossy joint is compared with the full model."""
     deflection: float = 0.01
-    """Deflection of the shoe under the rated torque, over the wind-up: with less, the shoe bounces off its plate."""
+    """Deflection of the shoe under the nominal torque, over the wind-up: with less, the shoe bounces off its plate."""
     stiffness: float = 1e4
     """Reference stiffness of the contact [1/s2], stable with a time step of 5 ms."""
     impedance: float = 0.9999
     """Impedance of the contact."""
     lift: float = 5e-3
-    """Lift of the shoe by friction at the rated speed, over its deflection under the rated torque."""
+    """Lift of the shoe by friction at the rated speed, over its deflection under the nominal torque."""
     max_leading: float = 0.9
     """Largest share of its force by which friction presses the shoe on: at 1 it would lock."""
     lever: float = 0.02
@@ -79,7 +79,7 @@ class Shoe:
 
 
 def fit_shoe(reduced: ReducedJoint) -> Shoe:
-    """Fit the shoe to the load-dependent losses of a joint up to the rated torque, driving and driven.
+    """Fit the shoe to the load-dependent losses of a joint up to the nominal torque, driving and driven.
 
     Both are S/(1 -+ t), so that their harmonic mean is S, a sum of the springs' torques.
     """
@@ -165,7 +165,7 @@ def lossy_scene_xml(reduced: ReducedJoint, load_inertia: float, timestep: float)
 
 
 class StockEfficiency(NamedTuple):
-    """Efficiency of the lossy joint in MuJoCo alone and of the full model [%], at a share of the rated torque."""
+    """Efficiency of the lossy joint in MuJoCo alone and of the full model [%], at a share of the nominal torque."""
 
     share: float
     driving: bool
@@ -174,7 +174,7 @@ class StockEfficiency(NamedTuple):
 
 
 def lossy_efficiencies(reduced: ReducedJoint) -> list[StockEfficiency]:
-    """Compute efficiencies of the lossy joint at 10, 50 and 100 % of the rated torque, driving and driven."""
+    """Compute efficiencies of the lossy joint at 10, 50 and 100 % of the nominal torque, driving and driven."""
     return [
         StockEfficiency(
             share,
@@ -192,7 +192,7 @@ def lossy_table(efficiencies: Sequence[StockEfficiency]) -> Table:
     """Tabulate the efficiencies of the lossy joint and of the full model."""
     rows = tuple(
         (
-            f"{'driving' if item.driving else 'back-driven'}, {item.share:.0%} of the rated torque",
+            f"{'driving' if item.driving else 'back-driven'}, {item.share:.0%} of the nominal torque",
             f"{item.percent:.2f}",
             f"{item.full_model_percent:.2f}",
             f"{item.percent - item.full_model_percent:+.2f}",
@@ -205,7 +205,7 @@ def lossy_table(efficiencies: Sequence[StockEfficiency]) -> Table:
 
 
 def lossy_efficiency(reduced: ReducedJoint, share: float, driving: bool) -> float:
-    """Compute the efficiency of the lossy joint in MuJoCo alone, at the rated speed under a share of the rated torque.
+    """Compute the efficiency of the lossy joint in MuJoCo alone, at its speed under a share of the nominal torque.
 
     It is 0 where friction locks the output.
     """

@@ -27,8 +27,8 @@ PLAY, _, FRICTION, LOSS, _ = KEYS
 PARAMETERS = dict(zip(KEYS, ("arcmin", "N m/arcmin", "N m", "%", "arcsec"), strict=True))
 """Parameters of a joint with their units: play, stiffness, friction on the crank, loss, transmission error.
 
-All but the loss are figures of the catalogue by that key, at the rated torque. The loss is the torque of friction on
-the crank under the rated torque beyond that of no load, as a share of the rated torque over the ratio.
+All but the loss are figures of the catalogue by that key, at the nominal torque. The loss is the torque of friction on
+the crank under the nominal torque beyond that of no load, as a share of the nominal torque over the ratio.
 """
 
 VARIED = ("friction", "stiffness")

@@ -80,7 +80,7 @@ class ReducedJoint(Presented):
     ratio, way
         Turns of the crank per turn of the output, and -1 where the output turns against the crank.
     rated_torque, rated_speed
-        Rated torque on the output [N m], and speed of the crank [rad/s].
+        Nominal torque on the output [N m], and speed of the crank [rad/s].
     stops
         L at both ends of the play [rad].
     springs
@@ -125,7 +125,7 @@ class ReducedJoint(Presented):
 
     @property
     def line(self) -> str:
-        """Name, level, ratio and rated torque."""
+        """Name, level, ratio and nominal torque."""
         return f"{self.name}, {self.level}, {abs(self.ratio):g}:1, {self.rated_torque:.4g} N m"
 
     @property
@@ -227,7 +227,7 @@ class ReducedJoint(Presented):
 
     @cached_property
     def _bend_points(self) -> tuple[Array, Array]:
-        """Shares of the rated torque between which errors and springs are linear, and the wind-up there [rad]."""
+        """Shares of the nominal torque between which errors and springs are linear, and the wind-up there [rad]."""
         starts = [
             sum(spring.stiffness * max(item.start - spring.start, 0.0) for spring in self.springs)
             for item in self.springs

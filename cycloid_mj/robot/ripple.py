@@ -24,7 +24,7 @@ class Ripple:
     orders: tuple[float, ...]
     """Cycles in a turn of the crank, shape (k,)."""
     loads: tuple[float, ...]
-    """Shares of the rated torque, rising, shape (l,); errors are interpolated linearly."""
+    """Shares of the nominal torque, rising, shape (l,); errors are interpolated linearly."""
     low_cos: Rows
     low_sin: Rows
     high_cos: Rows
@@ -35,7 +35,7 @@ class Ripple:
     """Numerical errors of the amplitudes [rad], shape (l, k)."""
 
     def errors(self, angle: float, share: float) -> tuple[float, float]:
-        """Compute the errors of both stops [rad] at a crank angle [rad], under a share of the rated torque."""
+        """Compute the errors of both stops [rad] at a crank angle [rad], under a share of the nominal torque."""
         low, high = self.errors_at(angle)
         return float(np.interp(share, self.loads, low)), float(np.interp(share, self.loads, high))
 

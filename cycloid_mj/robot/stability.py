@@ -35,7 +35,7 @@ class StabilitySettings:
     min_steps: int = 60
     """Length of a run in periods of the joint's vibration, and its smallest number of time steps."""
     start: float = 0.8
-    """Start of the vibration, over the wind-up under the rated torque: it stays on the last slope of the joint."""
+    """Start of the vibration, over the wind-up under the nominal torque: it stays on the last slope of the joint."""
     max_vibration: float = 1.0
     """Range of a vibration over the wind-up, 2.5 times that of the start, from which the integrator has added
     energy."""
@@ -68,7 +68,7 @@ class StepTrial:
     stable: bool
     """Whether the vibration does not grow."""
     error: float
-    """Relative error of the wind-up under the rated torque; at the level `rigid`, of the speed under the rated input
+    """Relative error of the wind-up under the nominal torque; at the level `rigid`, of the speed under the rated input
     torque. NaN where it is unstable."""
     frequency: float
     """Relative error of the vibration's frequency against sqrt(k/J); NaN where it is not resolved, or decayed."""
@@ -229,7 +229,7 @@ def trials_table(trials: tuple[StepTrial, ...]) -> Table:
 
 
 def measure_vibration(scene: TrialScene, inertia: float) -> tuple[bool, float, float]:
-    """Apply the rated torque to the output suddenly with the crank locked, and measure its rest and vibration.
+    """Apply the nominal torque to the output suddenly with the crank locked, and measure its rest and vibration.
 
     Returns
     -------
@@ -256,7 +256,7 @@ def measure_vibration(scene: TrialScene, inertia: float) -> tuple[bool, float, f
 
 
 def _settled_wind_up_error(scene: TrialScene, steps: int, stop: float) -> float:
-    """Compute the relative error of the wind-up when the output is released from rest under the rated torque.
+    """Compute the relative error of the wind-up when the output is released from rest under the nominal torque.
 
     A transmission error that changes with the load makes the spring nonlinear: the middle of a vibration is not the
     rest.

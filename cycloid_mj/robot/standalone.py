@@ -149,7 +149,7 @@ class Joint:
         starts = xp.array([spring["start"] for spring in values["springs"]])
         stiffness = xp.array([spring["stiffness"] for spring in values["springs"]])
         rated = values["rated_torque"]
-        # shares of the rated torque between which errors and springs are linear, and the wind-up there
+        # shares of the nominal torque between which errors and springs are linear, and the wind-up there
         torques = (stiffness * xp.maximum(starts[:, None] - starts, 0.0)).sum(axis=1)
         bends = xp.sort(xp.concatenate([xp.array([0.0]), xp.array(ripple["loads"]), torques / rated]))
         # beyond the last start the last slope continues

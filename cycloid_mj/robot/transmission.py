@@ -25,7 +25,7 @@ class RippleSettings:
     """Loads and crank angles of the transmission error, and the harmonics that are kept."""
 
     loads: tuple[float, float] = (0.3, 1.0)
-    """Shares of the rated torque, in both directions, in addition to nearly no load."""
+    """Shares of the nominal torque, in both directions, in addition to nearly no load."""
     unloaded: tuple[float, ...] = (0.01, 0.03, 0.1)
     """Shares that represent no load, as in `measure te`: the first under which friction does not jam the parts is
     used."""
@@ -70,7 +70,7 @@ def count_turns(reducer: Reducer) -> int:
 
 
 def _balances(reducer: Reducer, load: float) -> bool:
-    """Return whether a turn of the crank in either direction has a balance under a share of the rated torque."""
+    """Return whether a turn of the crank in either direction has a balance under a share of the nominal torque."""
     try:
         for direction in (1, -1):
             _solve_turn(reducer, load, direction, 0)
@@ -87,7 +87,7 @@ def solve_error(reducer: Reducer, load: float, direction: int, on_turn: Callable
     reducer
         The reducer.
     load
-        Share of the rated torque.
+        Share of the nominal torque.
     direction
         Direction of the crank, 1 or -1.
     on_turn

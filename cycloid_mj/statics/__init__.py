@@ -42,7 +42,7 @@ def main(design: Named, load_nm: float | None = None) -> "Sheet":
     design
         A sound design, or the name of a preset or a file.
     load_nm
-        Torque on the output [N m]; by default the magnitude of the design's load, or its rated torque if that is 0.
+        Torque on the output [N m]; by default the magnitude of the design's load, or its nominal torque if that is 0.
 
     Returns
     -------

@@ -18,8 +18,8 @@ class JamFrictionSettings:
         Multiple of the friction up to which parts without clearance must have an equilibrium; otherwise friction jams
         them. Forces grow as 1/(1 - friction/limit), tenfold at this limit: clearance and deflection move the contacts,
         and the limit, by the remaining tenth. Of 18 random drives with clearances of 0.6 to 208 um, all have an
-        equilibrium at 1 and 100 % of the rated torque if the limit is 1.03 times their friction; if it is 0.97 times,
-        4 jam under the rated torque, and if it is 0.9 times, 8.
+        equilibrium at 1 and 100 % of the nominal torque if the limit is 1.03 times their friction; if it is 0.97 times,
+        4 jam under the nominal torque, and if it is 0.9 times, 8.
     step
         Step of the friction, as a share of the design's friction.
     max_residual

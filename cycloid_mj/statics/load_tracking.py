@@ -18,7 +18,7 @@ MAX_INERTIA_SHARE = 0.1
 EFFICIENCY_ERRORS = ((2.0, 1.0), (20.0, 1.5), (100.0, 5.0), (np.inf, 13.0))
 """Largest relative inertia torque, and difference of the efficiency between runs and statics [percentage points].
 
-Eight drives with clearances of 2 to 250 um at 3 and 10 % of the rated torque, three of them at 30 and 100 % too, at
+Eight drives with clearances of 2 to 250 um at 3 and 10 % of the nominal torque, three of them at 30 and 100 % too, at
 1000 rpm; means of twelve crank turns, with a creep speed below the sliding speeds.
 """
 

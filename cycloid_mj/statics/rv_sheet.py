@@ -8,8 +8,8 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.statistics import peak_to_peak
 from cycloid_mj.base.units import ARCMINUTE, ARCSECOND
-from cycloid_mj.design import material_limits
 from cycloid_mj.design.materials import YIELD_PRESSURE
+from cycloid_mj.geometry.measured import part_notes
 from cycloid_mj.geometry.rv import mesh_loss_factor
 from cycloid_mj.geometry.rv_loads import IdealRvLoads, closed_error, ideal_rv_loads, mean_force
 from cycloid_mj.reducer import RvReducer, once
@@ -169,5 +169,5 @@ def assumptions(reducer: RvReducer) -> tuple[str, ...]:
         f"mesh {design.mesh_friction:g}, crank bearings {design.friction.cam_rolling:g}, "
         f"planets {reducer.planet.friction:g}",
         f"{ANGLES} crank angles over a turn of the carrier, {FEW_ANGLES} for backlash, lost motion and stiffness",
-        *material_limits(design),
+        *part_notes(design),
     )

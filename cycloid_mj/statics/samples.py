@@ -193,7 +193,11 @@ def solve_samples(
     ideal = {"errors": Errors(), "measured": Measured(), "modification": Modification()}
     bare = Reducer(reducer.design.model_copy(update=ideal))
     springs = springs_of(bare, np.linspace(0.0, reducer.mesh_turn, angles, endpoint=False), friction)
-    out = _solve(bare, springs, samples, reducer.share * np.array(torques), threads)
+    common = measured_deviations(reducer.design).waves
+    apart = np.array(samples.waves)
+    apart[:, : len(common)] -= common
+    apart_samples = replace(samples, waves=apart)
+    out = _solve(bare, springs, apart_samples, common, reducer.share * np.array(torques), threads)
     out[~(out[..., -1] <= RESIDUAL_RTOL)] = np.nan
     solved, share, twist = [], reducer.share, wind_up(reducer)
     for torque, values in zip(torques, out, strict=True):
@@ -203,11 +207,12 @@ def solve_samples(
     return solved
 
 
-def _solve(bare: Reducer, springs: Springs, samples: Samples, torques: Array, threads: int) -> Array:
-    """Return the kernel's figures of samples of a reducer without errors, shape (torques, samples, `FIGURES`)."""
-    orders = np.flatnonzero(np.any(np.ptp(samples.waves, axis=0) != 0.0, axis=1)) + 1
-    common = np.array(samples.waves[0])
-    common[orders - 1] = 0.0
+def _solve(bare: Reducer, springs: Springs, samples: Samples, common: Array, torques: Array, threads: int) -> Array:
+    """Return the kernel's figures of samples of a reducer without errors, shape (torques, samples, `FIGURES`).
+
+    The waves of the samples are in addition to `common` ones, shape (orders, 2) [m].
+    """
+    orders = np.flatnonzero(np.any(samples.waves != 0.0, axis=(0, 2))) + 1
     effects = _effects(bare, springs, orders, common)
     deviations = _sample_deviations(bare, springs, samples, orders)
     load = np.array([springs.load(torque) for torque in torques])
@@ -242,8 +247,7 @@ def backlash(counter_clockwise: SampleFigures, clockwise: SampleFigures) -> Arra
 def _effects(reducer: Reducer, springs: Springs, orders: Integers, common: Array) -> Effects:
     """Compute the effects of errors on the contacts of ideal parts; they equal those of displacements of their disc.
 
-    The waves of all samples, `common` (N, 2) [m], have one effect [m]; those of `orders` have one each for the cosine
-    and the sine.
+    The `common` waves (orders, 2) [m] have one effect [m]; those of `orders` have one for cosine and for sine.
     """
     contacts, teeth, gear, discs = springs.contacts, springs.teeth, reducer.tooth_profile, reducer.design.gear.discs
     turned = gear_rotation(gear, springs.crank)

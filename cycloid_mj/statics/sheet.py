@@ -51,7 +51,7 @@ class SheetSettings:
     """Settings of the figures of a sheet."""
 
     stop_torque_share: float = 1e-4
-    """Torque that moves the parts to their stops, over the larger of load and rated torque.
+    """Torque that moves the parts to their stops, over the larger of load and nominal torque.
 
     Under less, deflections are within the rounding of the gaps. The stop is extrapolated linearly from this torque and
     twice this torque to zero.
@@ -237,7 +237,7 @@ def _cached_part(part: SheetPart) -> Part:
 
 
 def load_of(reducer: Reducer, load: float | None = None) -> tuple[float, LoadSource]:
-    """Return the torque on the output [N m]: `load`, else the magnitude of the design's load, else the rated torque."""
+    """Return the torque on the output [N m]: `load`, else the size of the design's load, else the nominal torque."""
     design = reducer.design
     if load is not None:
         return load, "given"

@@ -23,10 +23,10 @@ from cycloid_mj.statics.springs import Springs, at_rest, springs_of
 from cycloid_mj.statics.structure import wind_up
 
 LOST_MOTION_SHARE = 0.03
-"""Torque at which lost motion is evaluated, relative to the rated torque: the definition of the industry."""
+"""Torque at which lost motion is evaluated, relative to the nominal torque: the definition of the industry."""
 
 STRAIGHT = (0.5, 1.0)
-"""Ends of the linear part of the curve, relative to the rated torque."""
+"""Ends of the linear part of the curve, relative to the nominal torque."""
 
 SERIES = ("output", "cam", "mesh")
 SPRINGS = ("output", "cam", "mesh", "bending")
@@ -37,12 +37,12 @@ SHARES = (*sorted(STRAIGHT, reverse=True), LOST_MOTION_SHARE)
 
 @dataclass(frozen=True, eq=False)
 class Windup:
-    """Static solutions at a crank angle, at +-1, +-0.5 and +-0.03 times the rated torque.
+    """Static solutions at a crank angle, at +-1, +-0.5 and +-0.03 times the nominal torque.
 
     Attributes
     ----------
     rated
-        Rated torque [N m].
+        Nominal torque [N m].
     turn, gear_turn, centre_lead
         Rotation of output and disc from the ideal pose [rad], and displacement of the disc's centre along the circle of
         the eccentric [m], by relative torque.
@@ -58,7 +58,7 @@ class Windup:
 
     @property
     def lost_motion(self) -> float:
-        """Rotation between +3 % and -3 % of the rated torque [rad]."""
+        """Rotation between +3 % and -3 % of the nominal torque [rad]."""
         return self.turn[LOST_MOTION_SHARE] - self.turn[-LOST_MOTION_SHARE]
 
     def compliance(self, values: dict[float, float]) -> float:

@@ -22,7 +22,7 @@ from cycloid_mj.stress.study import QUICK, part_study
 def for_one_turn(design: Design, load: float | None = None) -> Design:
     """Return a design that runs from full speed for one settled turn.
 
-    `load` is the torque [N m]; by default the design's own, or its rated torque if that is 0.
+    `load` is the torque [N m]; by default the design's own, or its nominal torque if that is 0.
     """
     require_one_ring(Reducer(design), "stress by finite elements")
     load = load if load is not None else design.load.torque or round(design.rated_torque, 9)

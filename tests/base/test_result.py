@@ -55,7 +55,7 @@ def test_quantities_are_one_table_and_one_mapping() -> None:
     assert by_key([one], (item for item in [other])) == {"play": one, "margin": other}
     table = quantity_table("backlash: pin", [one, other])
     assert table.cells == [
-        ["backlash", "1.23457", "arcmin", "0.012", "1.2", "linear programme"],
+        ["backlash", "1.235", "arcmin", "0.012", "1.2", "linear programme"],
         ["margin", "-", "1", "", "", ""],
     ]
     assert "key" not in one.as_json()
@@ -63,4 +63,4 @@ def test_quantities_are_one_table_and_one_mapping() -> None:
 
 def test_a_table_is_markdown_with_its_bars_escaped() -> None:
     table = Table("title", ("what", "value"), (("a|b", 1.0 / 3.0),))
-    assert table.as_markdown() == "| what | value |\n| --- | --- |\n| a\\|b | 0.33333 |"
+    assert table.as_markdown() == "| what | value |\n| --- | --- |\n| a\\|b | 0.3333 |"

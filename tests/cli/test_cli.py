@@ -211,7 +211,7 @@ def test_table_of_a_run_goes_to_stdout_and_messages_to_stderr(here, monkeypatch,
     assert Path("runs/pin-review.html").read_text().startswith("<!doctype html>")
     assert "log: runs/pin.mcap; page for a browser: runs/pin-review.html" in out
     assert "no load: the output drives nothing (load.torque_nm = 0)" in out
-    loaded = re.search(r"at the rated torque of 36\.68 N m, by statics: .*stiffness ([\d.]+) N m/arcmin", out)
+    loaded = re.search(r"at the nominal torque of 36\.68 N m, by statics: .*stiffness ([\d.]+) N m/arcmin", out)
     sheet = quantity(Reducer(PRESETS["pin"]), "stiffness_nm_per_arcmin").value
     assert float(loaded.group(1)) == pytest.approx(sheet, rel=5e-3)
     commands = [line.split("    #")[0].split()[1:] for line in out.splitlines() if line.startswith("next: cycloid-mj ")]

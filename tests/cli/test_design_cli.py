@@ -115,3 +115,27 @@ def test_every_design_can_be_summed_up(name):
     assert found.capacity > found.rated_torque  # they are sized with room to spare
     steel = design.material.density * 3.14 * design.housing.outer_radius**2 * design.gear.face_width
     assert 0.3 * steel < found.mass < 3.0 * steel
+
+
+def test_a_strict_check_and_a_checked_rating_fail_where_the_design_does(here):
+    """By default only a design that cannot be built fails; `pin` pits within hours at its nominal torque."""
+    code, out, _ = told("design", "check", "pin", "--strict")
+    assert code == 1
+    assert "0 failed" in out
+    assert told("design", "check", "pin")[0] == 0
+    light = ("--load-nm", "0.5", "--speed-rpm", "100", "--life-h", "10")
+    assert [told("rate", "pin", *flags)[0] for flags in (("--check",), (), ("--check", *light))] == [1, 0, 0]
+
+
+def test_what_a_short_file_inherits_is_listed(here):
+    Path("short.toml").write_text('name = "short"\n[ring]\nteeth = 20\n')
+    code, out, _ = told("design", "check", "short.toml")
+    assert code == 0
+    assert "values are taken from the preset pin (the default" in out
+    assert "output.hole_radius_mm 5" in out
+    code, out, err = told("statics", "short.toml", "--all", "--json")
+    assert "because short.toml states neither drive.torque_nm nor load.torque_nm" in err
+    Path("stated.toml").write_text('name = "short"\n[base]\npreset = "pin"\n[ring]\nteeth = 20\n')
+    code, out, err = told("statics", "stated.toml", "--all")
+    assert (code, err) == (0, "")
+    assert "taken from the preset pin ([base])" in plain(out)

@@ -15,7 +15,7 @@ from cycloid_mj.base.comparison_runs import DEFAULTS, TURNS
 from cycloid_mj.base.errors import RunError, UsageError
 from cycloid_mj.cli.compare import RUNS
 from cycloid_mj.cli.flags import load_design
-from cycloid_mj.cli.verdict import catalogue_figures, catalogue_table, ratio_columns
+from cycloid_mj.cli.verdict import catalogue_figures, catalogue_table, overloads, ratio_columns
 from cycloid_mj.comparison import STARTS, SWEEP, comparable, differences, settle_run, settling_time
 from cycloid_mj.comparison.conditions import conditions
 from cycloid_mj.design import PRESETS, dump, loads, override
@@ -542,6 +542,7 @@ def test_an_overload_is_reported_before_the_run(here, planned, capfd, times: flo
     assert "nothing is run here" in err
     said = " ".join(err.split())
     assert ("narrow: the load of" in said) == (times > 1.0)
+    assert overloads([narrow.but(load={"torque": load})]).keys() == ({"narrow"} if times > 1.0 else set())
     if times > 1.0:
         ratio = float(re.search(r"narrow: the load of [\d.e+-]+ N m is ([\d.e+-]+) times its capacity", said)[1])
         assert ratio == pytest.approx(times, rel=0.02)

@@ -69,7 +69,7 @@ def test_but_refuses_what_the_file_refuses(changes, words):
 def test_a_design_tells_itself_in_a_line():
     assert repr(PIN) == (
         "Design(name 'pin', ratio 35:1, ring 36 teeth, free pins, E 40.75 mm, eccentricity 1 mm, speed 1640 rpm, "
-        "rated torque 36.68 N m, load 0 N m)"
+        "nominal torque 36.68 N m, load 0 N m)"
     )
     assert str(PIN) == repr(PIN)
     html = PRESETS["nonpin"]._repr_html_()

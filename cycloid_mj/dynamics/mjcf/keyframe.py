@@ -60,7 +60,7 @@ def joint_state(reducer: Reducer, crank: float, speed: float) -> tuple[dict[str,
 
 
 IDLE = 1e-3
-"""Share of the rated torque under which a drive with a preload rests: without any, its output has no place."""
+"""Share of the nominal torque under which a drive with a preload rests: without any, its output has no place."""
 
 
 def _fit(reducer: Reducer, crank: float) -> Fit:

@@ -1,0 +1,102 @@
+"""Values that a design file takes from a preset: which they are, and whether the file says so."""
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from cycloid_mj.base.overwrite_guard import note_input
+from cycloid_mj.design.file import BASE, Named, preset, resolve, value_of
+from cycloid_mj.design.layouts import applies
+from cycloid_mj.design.model import PARTNERS, Design
+from cycloid_mj.design.presets import PRESETS
+from cycloid_mj.design.section import Section
+from cycloid_mj.design.units import file_key
+
+DESCRIBING = ("ring", "gear", "output", "shaft", "housing", "clearance", "drive")
+"""Tables that describe the drive itself; the others have settings, assumptions and what is 0 by default."""
+
+RAMP = ("drive.ramp_s", "drive.hold_s")
+"""Keys of the course of a run, which are no property of the drive."""
+
+MOTOR = ("drive.torque_nm", "drive.speed_rpm")
+"""Keys of the motor's torque and speed."""
+
+
+@dataclass(frozen=True)
+class Inheritance:
+    """Values of a design that its file takes from a preset.
+
+    Attributes
+    ----------
+    preset
+        Name of the preset.
+    is_stated
+        True if the file names it in ``[base]``.
+    values
+        Key -> value in the units of the file, of the tables that describe the drive; those that are 0, and so computed
+        from others, are left out.
+    """
+
+    preset: str
+    is_stated: bool
+    values: Mapping[str, Any]
+
+    @property
+    def note(self) -> str:
+        """List the values in a sentence; empty if there are none."""
+        if not self.values:
+            return ""
+        listed = ", ".join(f"{key} {_written(value)}" for key, value in self.values.items())
+        source = "[base]" if self.is_stated else f'the default; [base] preset = "{self.preset}" states it'
+        return f"{len(self.values)} values are taken from the preset {self.preset} ({source}): {listed}"
+
+    @property
+    def motor(self) -> tuple[str, ...]:
+        """Keys of torque and speed of the motor that are taken without a statement."""
+        return () if self.is_stated else tuple(key for key in MOTOR if key in self.values)
+
+
+def inheritance(named: Named, changes: Sequence[str] = ()) -> Inheritance | None:
+    """Return what a design file, with changes on the command line, takes from a preset; None for anything but a file.
+
+    Parameters
+    ----------
+    named
+        As of `resolve`; it can be read.
+    changes
+        ``table.key=value`` each.
+    """
+    if isinstance(named, Design) or preset(str(named)):
+        return None
+    tables = tomllib.loads(note_input(Path(named)).read_text(encoding="utf-8-sig"))
+    stated = {change.partition("=")[0].strip() for change in changes}
+    stated |= {f"{table}.{key}" for table, keys in tables.items() if isinstance(keys, Mapping) for key in keys}
+    if "load.torque_nm" in stated and BASE not in tables:
+        stated |= {"drive.torque_nm", "drive.power_kw"}  # from the load
+    if any(key.startswith("material.") for key in stated):
+        stated.add("material.name")
+    base = str(tables.get(BASE, {}).get("preset", "pin"))
+    source = PRESETS[base.casefold()] if BASE in tables else Design()
+    design = resolve(named, changes)
+    kinds = design.pair_kinds
+    unused = {f"clearance.{kind}_um" for kind in PARTNERS if kind not in kinds}
+    values = {key: value for key in _keys(design) if key not in stated | unused and (value := value_of(source, key))}
+    return Inheritance(base, BASE in tables, values)
+
+
+def _keys(design: Design) -> list[str]:
+    """List the keys of `DESCRIBING` that apply to a design, its motor and the name of its material."""
+    tables: dict[str, Section] = {name: getattr(Design(), name) for name in DESCRIBING}
+    keys = [
+        f"{table}.{file_key(name, field)}"
+        for table, section in tables.items()
+        for name, field in type(section).model_fields.items()
+        if applies(design.layout, table, name)
+    ]
+    return [key for key in keys if key not in RAMP and not key.startswith("material.")] + ["material.name"]
+
+
+def _written(value: Any) -> str:
+    return str(value) if isinstance(value, (str, bool)) else f"{value:.6g}"
