@@ -37,8 +37,8 @@ NOT_IN_RV = frozenset(
 )
 """Keys, as ``table.name`` of the model, of parts that an RV reducer does not have: central crank and output pins."""
 
-_WITHOUT_RV = ("shaft", "springs", "tolerance")
-"""Tables of such parts; the tolerances of an RV reducer are in a table of their own."""
+_WITHOUT_RV = ("shaft", "springs", "tolerance", "measured")
+"""Tables of such parts, and measured ones; the tolerances of an RV reducer are in a table of their own."""
 
 
 def applies(layout: Layout, table: str, name: str) -> bool:
