@@ -8,7 +8,8 @@ teeth are unilateral springs with the gaps of `reducer.gaps`, to first order in 
 two circles: needles and taper in series, with the sum of their clearances. All springs have a convex energy, whose
 minimum a semismooth Newton method with Armijo's line search finds at all crank angles at once.
 
-Weight, inertia and friction are left out.
+Weight, inertia and friction are left out. At 784 N m the discs of `rv80e` move by 50 um: with curved flanks, as in
+``statics.kernel``, its largest pin force is 1 % less, crank forces and stiffness are the same within 0.1 %.
 """
 
 from dataclasses import dataclass

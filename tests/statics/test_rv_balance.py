@@ -1,4 +1,4 @@
-"""Balance of an RV reducer: against closed forms, against the kernel's contact law, and its equilibrium."""
+"""Balance of an RV reducer: against closed forms, and its equilibrium."""
 
 import math
 
