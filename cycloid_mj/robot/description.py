@@ -8,7 +8,6 @@ URDF and SDF have no armature: the reflected inertia is that of a link, which al
 Isaac Lab has one, so that its links have their own inertia only.
 """
 
-import json
 from dataclasses import dataclass
 from typing import Literal, get_args
 from xml.etree import ElementTree
@@ -38,6 +37,15 @@ SMALLEST_MASS = 1e-3
 
 SIDE_SHARE = 0.501
 """Smallest moment of inertia across the axis, over that about it: 0.5 for a flat body, and a margin for rounding."""
+
+PLAY = "passive_drive_backlash"
+"""Name of the play joint for Isaac Lab, whose servo model finds the play of a joint `drive` by this name."""
+
+SUPPLY = 24.0
+"""Supply voltage of the equivalent motor [V]; its torque and speed do not depend on it."""
+
+FULL_VOLTAGE_ERROR = 0.1
+"""Position error at which the equivalent servo applies its full voltage [rad]; assumed."""
 
 SDF_VERSION = "1.11"
 
@@ -131,7 +139,7 @@ def urdf_text(reduced: ReducedJoint, reducer: Reducer, armature: bool = False) -
         ElementTree.SubElement(inertial, "mass", value=_number(link.mass))
         moments = {"ixx": link.ixx, "iyy": link.iyy, "izz": link.izz, "ixy": 0.0, "ixz": 0.0, "iyz": 0.0}
         ElementTree.SubElement(inertial, "inertia", {key: _number(value) for key, value in moments.items()})
-    for joint in _joints(reduced):
+    for joint in _joints(reduced, play=PLAY if armature else OUTPUT):
         element = ElementTree.SubElement(robot, "joint", name=joint.name, type=joint.kind)
         ElementTree.SubElement(element, "parent", link=joint.parent)
         ElementTree.SubElement(element, "child", link=joint.child)
@@ -180,19 +188,38 @@ def sdf_text(reduced: ReducedJoint, reducer: Reducer) -> str:
     return _xml(root)
 
 
-def isaaclab_text(reduced: ReducedJoint, urdf: str) -> str:
-    """Return a Python module with the configurations of Isaac Lab: the asset and its actuators.
+def equivalent_motor(reduced: ReducedJoint) -> dict[str, float]:
+    """Return the DC motor at the joint through the rated and the peak torque, in the parameters of BAM.
 
-    `BamActuatorCfg` takes the parameters of BAM's model M5 as `parameter_overrides`; the play is a passive joint.
+    Torque falls linearly with the speed, from the peak torque at rest through the rated torque at the rated speed.
+    It stands in for the motor of the robot: the constants are those of the joint, not of the crank.
+    """
+    stall = MJCF.motor_peak * reduced.rated_torque
+    no_load_speed = reduced.rated_speed / reduced.ratio / (1.0 - 1.0 / MJCF.motor_peak)
+    constant = SUPPLY / no_load_speed
+    return {
+        "kt": constant,
+        "resistance": SUPPLY * constant / stall,
+        "error_gain": 1.0 / FULL_VOLTAGE_ERROR,
+        "max_current": stall / constant,
+    }
+
+
+def isaaclab_text(reduced: ReducedJoint, urdf: str) -> str:
+    """Return a Python module with the configurations of Isaac Lab: motor, actuators and asset.
+
+    `BamMotorCfg` takes the parameters of BAM's model M5; the play is a passive joint.
     """
     drive = _joints(reduced)[0]
-    friction = {key: significant(value) for key, value in bam(reduced)["m5"].items() if isinstance(value, float)}
+    friction = {key: value for key, value in bam(reduced)["m5"].items() if isinstance(value, float)}
     del friction["armature"]
+    values = {**equivalent_motor(reduced), **friction}
+    parameters = "".join(f"    {key}={_number(value)},\n" for key, value in values.items())
     passive = (
         ""
         if reduced.level == "rigid"
         else f'''    "play": ImplicitActuatorCfg(
-        joint_names_expr=["{OUTPUT}"],
+        joint_names_expr=["{PLAY}"],
         stiffness=0.0,
         damping={_number(reduced.damping)},
     ),
@@ -200,23 +227,29 @@ def isaaclab_text(reduced: ReducedJoint, urdf: str) -> str:
     )
     return f'''"""{_about(reduced)}
 
-Isaac Lab: `REDUCER_CFG` is the asset with its actuators. BAM needs the Newton solver (use_newton_actuators=True), and
-the motor's own coefficients (kt, R, error_gain, max_pwm, max_current) in the asset or in `parameter_overrides`.
+Isaac Lab 3: `REDUCER_CFG` is the asset with its actuators. The servo model needs the solver MJWarp of Newton. kt,
+resistance, error_gain, max_current, kp_fw and vin are those of an equivalent motor at the joint: replace them by yours.
 """
 
 from pathlib import Path
 
 import isaaclab.sim as sim_utils
-from isaaclab.actuators import BamActuatorCfg, ImplicitActuatorCfg
+from isaaclab.actuators import BamActuatorCfg, BamMotorCfg, ImplicitActuatorCfg
 from isaaclab.assets import ArticulationCfg
+
+MOTOR = BamMotorCfg(
+    model="m5",
+{parameters})
 
 ACTUATORS = {{
     "drive": BamActuatorCfg(
         joint_names_expr=["{drive.name}"],
-        effort_limit={_number(drive.effort)},
-        velocity_limit={_number(drive.speed)},
+        motor=MOTOR,
+        kp_fw=1.0,
+        vin={_number(SUPPLY)},
+        actuator_effort_limit={_number(drive.effort)},
+        actuator_velocity_limit={_number(drive.speed)},
         armature={_number(reflected_rotor(reduced))},
-        parameter_overrides={json.dumps(friction)},
     ),
 {passive}}}
 
@@ -247,8 +280,8 @@ class _Joint:
     stiffness: float = 0.0
 
 
-def _joints(reduced: ReducedJoint) -> tuple[_Joint, ...]:
-    """Return the joints: the driven one, and the play of a joint that is not rigid."""
+def _joints(reduced: ReducedJoint, play: str = OUTPUT) -> tuple[_Joint, ...]:
+    """Return the joints: the driven one, and the play of a joint that is not rigid, with its name."""
     effort, speed = MJCF.motor_peak * reduced.rated_torque, reduced.rated_speed / reduced.ratio
     friction, viscous = reduced.no_load_torque_at_output, float(bam(reduced)["m5"]["friction_viscous"])
     if reduced.level == "rigid":
@@ -256,7 +289,7 @@ def _joints(reduced: ReducedJoint) -> tuple[_Joint, ...]:
     return (
         _Joint(DRIVE, "continuous", HOUSING, DRIVE, effort, speed, viscous, friction),
         _Joint(
-            *(OUTPUT, "revolute", DRIVE, OUTPUT, effort, speed, reduced.damping, 0.0),
+            *(play, "revolute", DRIVE, OUTPUT, effort, speed, reduced.damping, 0.0),
             reduced.stops,
             sum(spring.stiffness for spring in reduced.springs),
         ),

@@ -1,8 +1,11 @@
 """URDF, SDF, Isaac Lab and MJX files of a joint: loaded, and compared with the joint."""
 
-import ast
+import json
 import math
+import sys
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 from xml.etree import ElementTree
 
 import mujoco
@@ -14,9 +17,63 @@ from cycloid_mj.design import PRESETS
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.robot import ReducedJoint, reduce
 from cycloid_mj.robot.bam import bam
-from cycloid_mj.robot.description import DRIVE, OUTPUT, description_files, description_names, link_inertias
+from cycloid_mj.robot.description import (
+    DRIVE,
+    OUTPUT,
+    SUPPLY,
+    description_files,
+    description_names,
+    equivalent_motor,
+    link_inertias,
+)
+from cycloid_mj.robot.mjcf import MJCF
 
 REDUCER = Reducer(PRESETS["printed"])
+
+
+def configuration(name: str, schema: dict[str, dict[str, list[str]]]) -> type:
+    """Return a class with the fields of a configuration of Isaac Lab."""
+
+    def __init__(self: Any, **given: Any) -> None:
+        fields = schema[name]
+        assert set(given) <= {*fields["required"], *fields["optional"]}, f"{name} has no such field"
+        assert set(fields["required"]) <= set(given), f"{name} lacks a field"
+        self.__dict__.update(given)
+
+    return type(name, (), {"__init__": __init__})
+
+
+@pytest.fixture
+def isaaclab(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Modules of Isaac Lab with the fields that its source publishes."""
+    path = Path(__file__).parents[1] / "data" / "isaaclab" / "configurations.json"
+    schema = json.loads(path.read_text(encoding="utf-8"))
+    schema["ImplicitActuatorCfg"] = schema["ActuatorBaseCfg"]
+    modules = {
+        "isaaclab": (),
+        "isaaclab.sim": ("UrdfFileCfg",),
+        "isaaclab.actuators": ("BamActuatorCfg", "BamMotorCfg", "ImplicitActuatorCfg"),
+        "isaaclab.assets": ("ArticulationCfg",),
+        "isaaclab.managers": ("EventTermCfg", "SceneEntityCfg"),
+        "isaaclab.envs": (),
+        "isaaclab.envs.mdp": ("randomize_joint_parameters",),
+        "isaaclab.utils": (),
+    }
+    for module, names in modules.items():
+        made = ModuleType(module)
+        made.__dict__.update({name: configuration(name, schema) for name in names})
+        monkeypatch.setitem(sys.modules, module, made)
+        parent, _, name = module.rpartition(".")
+        if parent:
+            setattr(sys.modules[parent], name, made)
+    sys.modules["isaaclab.utils"].__dict__["configclass"] = lambda described: described
+
+
+def execute(content: bytes, path: Path) -> dict[str, Any]:
+    """Run a Python file; return its names."""
+    names: dict[str, Any] = {"__file__": str(path), "__name__": path.stem}
+    exec(compile(content, str(path), "exec"), names)
+    return names
 
 
 @pytest.fixture(scope="module")
@@ -81,25 +138,51 @@ def test_the_sdf_has_the_same_joints_with_the_stiffness_of_the_stops(joint: Redu
     assert [each.get("name") for each in root.findall(".//joint")] == [DRIVE, OUTPUT]
 
 
-def test_the_isaaclab_module_has_the_parameters_of_bam(joint: ReducedJoint) -> None:
-    """Parsed without Isaac Lab: keywords are fields of BamActuatorCfg, overrides are BAM's M5."""
-    files = description_files(joint, REDUCER, "isaaclab")
-    assert tuple(files) == description_names("printed", "isaaclab")
-    tree = ast.parse(files["printed_cfg.py"])
-    calls = {
-        call.func.id: {keyword.arg: keyword.value for keyword in call.keywords}
-        for call in ast.walk(tree)
-        if isinstance(call, ast.Call) and isinstance(call.func, ast.Name)
-    }
-    fields = {"joint_names_expr", "effort_limit", "velocity_limit", "armature", "parameter_overrides"}
-    assert set(calls["BamActuatorCfg"]) == fields
-    overrides = ast.literal_eval(calls["BamActuatorCfg"]["parameter_overrides"])
-    m5 = bam(joint)["m5"]
-    assert overrides == pytest.approx({key: m5[key] for key in overrides}, rel=1e-6)
-    assert {"friction_base", "friction_viscous", "load_friction_motor", "load_friction_external"} <= set(overrides)
-    assert ast.literal_eval(calls["ImplicitActuatorCfg"]["joint_names_expr"]) == [OUTPUT]
-    armature = ast.literal_eval(calls["BamActuatorCfg"]["armature"])
-    assert armature + joint.output_inertia == pytest.approx(joint.reflected_inertia, rel=1e-6)
+def test_the_isaaclab_module_is_valid_by_the_published_schema(
+    joint: ReducedJoint, rigid: ReducedJoint, isaaclab: None, tmp_path: Path
+) -> None:
+    """Run without Isaac Lab: its classes are replaced by those of the schema, which refuse unknown fields."""
+    for reduced in (joint, rigid):
+        files = description_files(reduced, REDUCER, "isaaclab")
+        assert tuple(files) == description_names("printed", "isaaclab")
+        loaded = execute(files["printed_cfg.py"], tmp_path / "printed_cfg.py")
+        drive, motor = loaded["REDUCER_CFG"].actuators["drive"], loaded["MOTOR"]
+        m5 = bam(reduced)["m5"]
+        common = set(vars(motor)) & set(m5) - {"model"}
+        assert {"friction_base", "friction_viscous", "load_friction_motor", "load_friction_external"} <= common
+        assert {key: getattr(motor, key) for key in common} == pytest.approx({key: m5[key] for key in common}, rel=1e-6)
+        assert motor.model == "m5"
+        root = ElementTree.fromstring(files["printed.urdf"].decode())
+        names = [each.get("name") for each in root.findall("joint")]
+        assert drive.joint_names_expr == names[:1]
+        if reduced is joint:
+            assert loaded["ACTUATORS"]["play"].joint_names_expr == names[1:] == ["passive_drive_backlash"]
+        assert drive.armature + reduced.output_inertia == pytest.approx(reduced.reflected_inertia, rel=1e-6)
+
+
+def test_the_equivalent_motor_has_rated_and_peak_torque(joint: ReducedJoint) -> None:
+    motor = equivalent_motor(joint)
+
+    def torque(speed: float) -> float:
+        return motor["kt"] * (SUPPLY - motor["kt"] * speed) / motor["resistance"]
+
+    assert torque(0.0) == pytest.approx(MJCF.motor_peak * joint.rated_torque)
+    assert torque(joint.rated_speed / joint.ratio) == pytest.approx(joint.rated_torque)
+    assert motor["max_current"] == pytest.approx(SUPPLY / motor["resistance"])
+
+
+@pytest.mark.parametrize("level", ["rigid", "backlash"])
+def test_the_urdf_loads_in_yourdfpy(level: str, request: pytest.FixtureRequest, tmp_path: Path) -> None:
+    yourdfpy = pytest.importorskip("yourdfpy", reason="yourdfpy is no requirement of the tests")
+    reduced = request.getfixturevalue("rigid" if level == "rigid" else "joint")
+    path = tmp_path / "printed.urdf"
+    path.write_bytes(description_files(reduced, REDUCER, "urdf")["printed.urdf"])
+    robot = yourdfpy.URDF.load(str(path), mesh_dir="")
+    assert robot.validate()
+    assert robot.actuated_joint_names == ([OUTPUT] if level == "rigid" else [DRIVE, OUTPUT])
+    robot.update_cfg(np.full(robot.num_actuated_joints, 0.001))
+    turn = robot.get_transform(OUTPUT, "housing")
+    assert math.atan2(turn[1, 0], turn[0, 0]) == pytest.approx(0.001 * robot.num_actuated_joints)
 
 
 def test_the_mjx_scene_uses_what_mjx_has(joint: ReducedJoint, tmp_path: Path) -> None:
