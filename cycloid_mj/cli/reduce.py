@@ -126,7 +126,8 @@ def reduce(
     --spread draws samples within the tolerances of the design ([tolerance]), and friction and stiffness of the cam
     within the ranges that measure efficiency states: samples.csv has play, stiffness, friction, loss and transmission
     error of each; "spread" in reducer.json their mean, standard deviation, percentiles and correlation. Joint.varied
-    of joint.py makes a joint of a row.
+    of joint.py makes a joint of a row. randomize_mjx.py (Brax, MuJoCo Playground), randomize_gymnasium.py and, with
+    --format isaaclab, randomize_isaaclab.py randomize a joint with play during training.
     """
     from cycloid_mj.cli.progress import count_progress
     from cycloid_mj.robot.comparison import compare_with_full_model
@@ -134,13 +135,15 @@ def reduce(
     from cycloid_mj.robot.files import BASE_FILES, SPRING_FILES, choose_scenes, joint_files, without_slip
     from cycloid_mj.robot.identification import reduce as measured
     from cycloid_mj.robot.population import draw_population
+    from cycloid_mj.robot.randomization import FILES, randomization_files
     from cycloid_mj.robot.stability import study_time_steps
 
     _require_scene_values(timestep_ms, load_inertia_kgm2)
     samples, seed = _choose_samples(spread, samples, seed)
     design = chosen.resolve_checked()
     model = (*BASE_FILES, *SPRING_FILES) if format_ == "mjcf" else description_names(design.name, format_)
-    place = claim_destination(delivery, STEM, (*model, *([SAMPLES] if spread else [])), OUT, paged=True)
+    drawn_files = (SAMPLES, *FILES[format_]) if spread else ()
+    place = claim_destination(delivery, STEM, (*model, *drawn_files), OUT, paged=True)
     reduced = measured(design, level, count_progress("reduce", delivery.quiet))
     spread_progress = count_progress("spread", delivery.quiet)
     drives = draw_population(Reducer(design), samples, seed, spread_progress) if spread else None
@@ -159,6 +162,8 @@ def reduce(
         files = joint_files(reduced, asked, lossy)
     else:
         files = description_files(reduced, Reducer(design), format_)
+    if drives:
+        files = {**files, **randomization_files(reduced, drives, format_)}
     return deliver(_outcome(reduced, comparison, steps, asked, lossy, drives, files), place, delivery)
 
 
