@@ -144,12 +144,17 @@ def _socket_support(reducer: Reducer) -> Rule:
         )
         return socket_half_angle(changed) - math.asin(min(1.0, eccentricity * N / E))
 
+    remedies = (
+        (Limit("gear.eccentricity", "less than", _decreasing_root(lambda other: remaining_angle(rho, other), E / N)),)
+        if remaining_angle(rho, c) <= 0.0
+        else ()
+    )
     return Rule(
         "pin_held",
         Limit("ring.pin_radius", "more than", _decreasing_root(lambda radius: -remaining_angle(radius, c), E)),
         f"the disc presses pins up to {math.degrees(math.asin(c * N / E)):.4g} deg to the side, and half-open sockets "
         f"support them only to {math.degrees(socket_half_angle(design)):.4g} deg (closed sockets retain them)",
-        (Limit("gear.eccentricity", "less than", _decreasing_root(lambda other: remaining_angle(rho, other), E / N)),),
+        remedies,
     )
 
 

@@ -2,10 +2,11 @@
 
 The search is MAP-Elites (Mouret and Clune, arXiv:1504.04909) on closed-form estimates: an archive has the lightest
 candidate of each torque and length. It starts with the R sequence (Roberts 2018), and children vary along the line
-between two elites (Vassiliades and Mouret, GECCO 2018). No limit of a requirement enters, so that what is found at one
-limit is found at every limit that it satisfies. The candidates that matter are rated by statics, and each rating
-multiplies the estimates near it (variable fidelity: Alexandrov et al., J. Aircraft 38, 2001, weighted by inverse
-distance, Shepard 1968). Single changes of a variable refine the best.
+between two elites (Vassiliades and Mouret, GECCO 2018). Neither limits nor conditions of a requirement enter, so that
+one archive serves all of them. Under the conditions of a requirement, the candidates that could be best are rated by
+statics: first for the largest torque, until it is enough, then for the lowest mass. Each rating multiplies the
+estimates near it (variable fidelity: Alexandrov et al., J. Aircraft 38, 2001, weighted by inverse distance, Shepard
+1968), and single changes of a variable refine the best.
 """
 
 from typing import TYPE_CHECKING, Any

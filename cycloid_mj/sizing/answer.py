@@ -3,7 +3,7 @@
 import math
 import warnings
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -35,6 +35,12 @@ MIN_SHARE = 0.8
 
 MIN_DIFFERENCE = 1.05
 """Ratio of stiffness or life from which a drive is shown next to the lightest."""
+
+HOPELESS = 0.8
+"""Share of the required torque that an estimate promises at least where the search goes on."""
+
+MAX_TRIALS = 4
+"""Candidates that are rated at all crank angles and studied within their tolerances: 0.5 s of CPU each."""
 
 MAX_RATIOS = 7
 """Number of ratios tried in a range, evenly spaced."""
@@ -123,64 +129,111 @@ class Solution:
     study: Figures
 
 
-def solve(requirement: Requirement) -> tuple[Solution | None, Answer]:
+@dataclass(eq=False)
+class _Acceptance:
+    """Rating at all crank angles and tolerance study of candidates: the last steps before a drive is accepted."""
+
+    requirement: Requirement
+    drives: dict[int, Rated | None] = field(default_factory=dict)
+    studies: dict[int, Figures] = field(default_factory=dict)
+
+    def __call__(self, rated: Rated) -> bool:
+        """Return whether a candidate is rated for the torque at all crank angles, and its samples pass."""
+        if id(rated) not in self.drives and len(self.drives) < MAX_TRIALS:
+            self.drives[id(rated)] = full = _rated_fully(self.requirement, rated) if math.isfinite(rated.mass) else None
+            self.studies[id(rated)] = tolerance_study(self.requirement, full.reducer) if full else {}
+        return self.studies.get(id(rated), {}).get("yield_percent", 0.0) >= 100.0 * MIN_YIELD
+
+    def is_too_weak_or_accepted(self, rated: Rated) -> bool:
+        """Return whether a candidate has less than the torque, so that no study matters, or is accepted."""
+        return rated.capacity < self.requirement.torque or self(rated)
+
+    def solution(self, pool: Pool, rated: Rated) -> Solution:
+        """Return the solution of an accepted candidate."""
+        full = self.drives[id(rated)]
+        assert full
+        return Solution(self.requirement, pool, full, self.studies[id(rated)])
+
+    @property
+    def least_backlash(self) -> float:
+        """The smallest backlash of 95 % of the drives that were studied [arcmin]; infinite if there is none."""
+        return min((study.get("backlash_p95_arcmin", math.inf) for study in self.studies.values()), default=math.inf)
+
+
+def solve(requirement: Requirement, pools: list[Pool] | None = None) -> tuple[Solution | None, Answer]:
     """Find the lightest drive of a requirement; else a refusal with the maximum torque and its limit.
 
-    One disc comes before two where the number is free, and large clearances before those that a backlash requires.
+    `pools` receives the pools that were searched.
     """
-    refusals = []
-    for fixed in _variants(requirement):
-        pool = pool_of(fixed.without_limits)
-        if pool:
-            solution = _lightest(fixed, pool)
-            if solution:
-                return solution, Answer(fixed, ())
-            refusals.append(_refusal(fixed, pool))
+    refusals: list[Answer] = []
+    for trial in _trials(requirement):
+        solution, fixed, pool = trial.solution, trial.requirement, trial.pool
+        if solution:
+            accept = _Acceptance(fixed)
+            lightest = pool.lightest(fixed.torque, fixed.length, accept)
+            lighter = lightest and lightest.mass < solution.rated.mass
+            return (accept.solution(pool, lightest) if lightest and lighter else solution), Answer(fixed, ())
+        refusals.append(_refusal(trial))
+        if pools is not None:
+            pools.append(pool)
     if not refusals:
         return None, Answer(requirement, (), 0.0, _no_room(requirement))
     return None, max(refusals, key=lambda refused: refused.most)
 
 
-def _variants(requirement: Requirement) -> Iterator[Requirement]:
-    """Yield the requirement with each number of discs, and with the clearances that its backlash requires."""
-    for discs in (requirement.discs,) if requirement.discs else (1, 2):
-        fixed = requirement.but(discs=discs)
-        if requirement.backlash == math.inf or requirement.clearance or requirement.fit:
-            yield fixed
-            continue
-        share = requirement.backlash / _usual_backlash(fixed)
-        if share > MIN_SHARE:
-            yield fixed
-        finer = [item for item in fixed.tighter_clearances if item <= share / MIN_SHARE * fixed.usual_clearance]
-        yield from (
-            fixed.but(clearance=item, tightened=True) for item in (finer or [*fixed.tighter_clearances][-1:])[:3]
-        )
+@dataclass(frozen=True, eq=False)
+class _Trial:
+    """A number of discs and clearances that were tried: their pool, the strongest candidate, and what accepted it."""
+
+    requirement: Requirement
+    pool: Pool
+    strongest: Rated | None
+    accept: _Acceptance
+
+    @property
+    def solution(self) -> Solution | None:
+        """The drive, if it is strong enough."""
+        if not self.strongest or self.strongest.capacity < self.requirement.torque:
+            return None
+        return self.accept.solution(self.pool, self.strongest)
 
 
-def _usual_backlash(requirement: Requirement) -> float:
-    """Return the backlash that 95 % of strong drives have with the usual clearances [arcmin]; infinite if none."""
-    pool = pool_of(requirement.without_limits)
-    largest = pool.largest(requirement.length) if pool else None
-    return tolerance_study(requirement, largest.reducer).get("backlash_p95_arcmin", math.inf) if largest else math.inf
+def _trials(requirement: Requirement, give_up: float = 0.0) -> Iterator[_Trial]:
+    """Yield the trials of a requirement.
+
+    The order of the candidates does not depend on the torque, so that what is found for one torque is found for every
+    smaller one. One disc comes before two where the number is free, and large clearances before those that a backlash
+    requires. The search ends where no estimate promises a torque of `give_up` [N m].
+    """
+    for discs in requirement.numbers_of_discs:
+        variants = [requirement.but(discs=discs)]
+        while variants:
+            fixed = variants.pop(0)
+            pool = pool_of(fixed)
+            if not pool:
+                continue
+            accept = _Acceptance(fixed)
+            strongest = pool.largest(fixed.length, fixed.torque, accept.is_too_weak_or_accepted, give_up)
+            yield _Trial(fixed, pool, strongest, accept)
+            backlash = accept.least_backlash
+            if strongest and not accept.studies and fixed.backlash < math.inf:
+                backlash = tolerance_study(fixed, strongest.reducer).get("backlash_p95_arcmin", math.inf)
+            variants += [] if fixed.tightened else _finer(fixed, backlash)
 
 
-def _lightest(requirement: Requirement, pool: Pool) -> Solution | None:
-    """Return the lightest drive that is rated at all crank angles and whose samples pass; None if there is none."""
-    studies: dict[int, Figures] = {}
+def is_feasible(requirement: Requirement) -> bool:
+    """Return whether the search finds a drive; it ends where a search for the maximum would go on."""
+    return any(trial.solution for trial in _trials(requirement, HOPELESS * requirement.torque))
 
-    def accept(rated: Rated) -> bool:
-        full = _rated_fully(requirement, rated) if math.isfinite(rated.mass) else None
-        study = tolerance_study(requirement, full.reducer) if full else {}
-        studies[id(rated)] = study
-        return full is not None and study.get("yield_percent", 0.0) >= 100.0 * MIN_YIELD
 
-    torque, length = requirement.torque, requirement.length
-    rated = pool.lightest(torque, length, accept)
-    if not rated:
-        largest = pool.largest(length)
-        rated = largest if largest and largest.capacity >= torque and accept(largest) else None
-    full = _rated_fully(requirement, rated) if rated else None
-    return Solution(requirement, pool, full, studies[id(rated)]) if full else None
+def _finer(fixed: Requirement, backlash: float) -> Iterator[Requirement]:
+    """Yield the requirement with the clearances that its backlash requires, three at most."""
+    if fixed.backlash == math.inf or fixed.clearance or fixed.fit or backlash <= fixed.backlash:
+        return
+    listed, share = [*fixed.tighter_clearances], fixed.backlash / backlash
+    finer = [item for item in listed if item <= share / MIN_SHARE * fixed.usual_clearance] if share else listed
+    for clearance in (finer or listed[-1:])[:3]:
+        yield fixed.but(clearance=clearance, tightened=True)
 
 
 def _rated_fully(requirement: Requirement, rated: Rated) -> Rated | None:
@@ -191,8 +244,8 @@ def _rated_fully(requirement: Requirement, rated: Rated) -> Rated | None:
 
 @once
 def _samples(reducer: Reducer) -> Mapping[str, Array]:
-    """Balance samples of a drive within its tolerances, for jams, backlash and transmission error."""
-    keys = [*PRELOADS, *PRELOADS.values(), "backlash_arcmin", "te_loaded_arcsec"]
+    """Balance samples of a drive within its tolerances, for jams and backlash."""
+    keys = [*PRELOADS, *PRELOADS.values(), "backlash_arcmin"]
     return balance_batch(reducer, tolerance_zones(reducer), 0, SAMPLE_ANGLES, (Batch(0, SAMPLES), keys))
 
 
@@ -214,20 +267,22 @@ def tolerance_study(requirement: Requirement, reducer: Reducer) -> Figures:
     return {"yield_percent": share, "backlash_arcmin": median, "backlash_p05_arcmin": low, "backlash_p95_arcmin": high}
 
 
-def _refusal(requirement: Requirement, pool: Pool) -> Answer:
-    """Return the maximum torque of a requirement and its limit."""
-    largest = pool.largest(requirement.length)
+def _refusal(trial: _Trial) -> Answer:
+    """Return the maximum torque of a trial without a solution, and its limit."""
+    requirement, pool = trial.requirement, trial.pool
+    largest = trial.strongest or pool.largest(requirement.length)
     if not largest:
         shortest = pool.shortest(0.0)
         limit = f"no drive is shorter than {MILLIMETRES * shortest.length:.3g} mm" if shortest else NO_EQUILIBRIUM
         limit += f" ({length_parts(shortest.reducer)})" if shortest else ""
         return Answer(requirement, (), 0.0, limit)
-    study = tolerance_study(requirement, largest.reducer)
-    backlash = study.get("backlash_p95_arcmin", math.inf)
-    if backlash > requirement.backlash:
-        limit = f"its backlash is {backlash:.3g} arcmin or less in 95 % of drives with clearances of "
-        return Answer(requirement, (), 0.0, f"{limit}{1e6 * requirement.usual_clearance:.3g} um")
-    torque, tried = 0.99 * largest.capacity, largest
+    if requirement.backlash < math.inf:
+        study = tolerance_study(requirement, largest.reducer)
+        backlash = min(trial.accept.least_backlash, study.get("backlash_p95_arcmin", math.inf))
+        if backlash > requirement.backlash:
+            limit = f"its backlash is {backlash:.3g} arcmin or less in 95 % of drives with clearances of "
+            return Answer(requirement, (), 0.0, f"{limit}{1e6 * requirement.usual_clearance:.3g} um")
+    torque, tried = 0.99 * min(largest.capacity, requirement.torque), largest
     for _ in range(4):
         torque = _floor_digits(torque)
         full = rate_drive(requirement, largest.reducer, torque)
@@ -242,7 +297,7 @@ NO_EQUILIBRIUM = "its teeth skip under any load, or no drive can be balanced"
 
 def _no_room(requirement: Requirement) -> str:
     """Return why no drive of a size exists."""
-    if not requirement.custom and pool_of(requirement.but(custom=True, discs=requirement.discs or 1).without_limits):
+    if not requirement.custom and pool_of(requirement.but(custom=True, discs=requirement.discs or 1)):
         return "no pins and bearings in stock fit"
     return (
         f"no disc with a ratio of {requirement.ratio} fits into {MILLIMETRES * requirement.diameter:g} mm with "
@@ -281,49 +336,44 @@ def best_ratio(requirement: Requirement, low: int, high: int) -> Requirement:
     limits: dict[int, float] = {}
     for number in range(count):
         ratio = round(low + (high - low) * number / max(count - 1, 1))
-        pool = pool_of(requirement.but(ratio=ratio, discs=requirement.discs or 1).without_limits)
+        pool = pool_of(requirement.but(ratio=ratio, discs=requirement.discs or 1))
         largest = pool.largest(requirement.length) if pool else None
         limits[ratio] = largest.capacity if largest else 0.0
     return requirement.but(ratio=max(limits, key=lambda ratio: limits[ratio]))
 
 
-def other_drives(solution: Solution, lightest: SizedDrive) -> Iterator[SizedDrive]:
+def other_drives(solution: Solution) -> Iterator[SizedDrive]:
     """Yield the stiffest and the longest-lived of the rated candidates, if they differ from the lightest."""
-    requirement, pool, first = solution.requirement, solution.pool, solution.rated
-    pool.largest(requirement.length)
-    rated = [item for item in pool.rated.values() if item and item.length <= requirement.length]
-    strong = [item for item in rated if item.capacity >= requirement.torque and item.mass > first.mass]
-    strong.sort(key=lambda item: -item.capacity)
-    full = [item for item in (_rated_fully(requirement, item) for item in strong[:4]) if item]
-    full += [item for item in (_rated_fully(requirement, item) for item in _stiffest(strong)[:2]) if item]
-    passing = [
-        item for item in full if tolerance_study(requirement, item.reducer)["yield_percent"] >= 100.0 * MIN_YIELD
-    ]
-    stiffest, longest = (max(passing, key=merit, default=first) for merit in (_stiffness_of, _life_of))
-    is_stiffer = _stiffness_of(stiffest) > MIN_DIFFERENCE * _stiffness_of(first)
-    if stiffest.reducer.design == longest.reducer.design:
-        choices = [(stiffest, "stiffest", "highest stiffness and longest life of the candidates")]
-        lighter = [item for item in passing if item.mass < stiffest.mass / MIN_DIFFERENCE]
-        between = min(lighter, key=lambda item: item.mass, default=stiffest)
-        if between is not stiffest:
-            choices.append((between, "in between", "stiffer or with more life than the lightest"))
+    requirement, first = solution.requirement, solution.rated
+    accept = _Acceptance(requirement)
+    strong = [item for item in solution.pool.rated.values() if item and item.mass > first.mass]
+    strong = [item for item in strong if item.capacity >= requirement.torque and item.length <= requirement.length]
+    found: dict[str, Rated] = {}
+    for title, merit in (("stiffest", _stiffness_of), ("longest life", _life_of)):
+        better = [item for item in strong if merit(item) > MIN_DIFFERENCE * merit(first)]
+        best = next((item for item in sorted(better, key=merit, reverse=True) if accept(item)), None)
+        if best:
+            found[title] = best
+    if len({id(item) for item in found.values()}) == 1:
+        titles, (best, *_) = " and ".join(found), found.values()
+        found = {next(iter(found)): best}
     else:
-        choices = [
-            (stiffest, "stiffest", "highest stiffness of the candidates"),
-            (longest, "longest life", "longest life of the candidates"),
-        ]
-    for item, title, why in choices if is_stiffer or longest.life > MIN_DIFFERENCE * first.life else ():
-        if item.reducer.design != first.reducer.design:
-            study = tolerance_study(requirement, item.reducer)
-            yield sized_drive(replace(solution, study=study), item, title, why)
+        titles = ""
+    for title, item in found.items():
+        other = accept.solution(solution.pool, item)
+        yield sized_drive(other, other.rated, title, WHY[titles or title])
+
+
+WHY = {
+    "stiffest": "highest stiffness of the candidates",
+    "longest life": "longest life of the candidates",
+    "stiffest and longest life": "highest stiffness and longest life of the candidates",
+}
+"""Why a drive is shown next to the lightest, by what it is best in."""
 
 
 def _life_of(rated: Rated) -> float:
     return rated.life
-
-
-def _stiffest(rated: list[Rated]) -> list[Rated]:
-    return sorted(rated, key=_stiffness_of, reverse=True)
 
 
 def sized_drive(solution: Solution, rated: Rated, title: str, why: str) -> SizedDrive:

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -11,7 +10,7 @@ import numpy as np
 from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.units import MICROMETRES, MILLIMETRES
-from cycloid_mj.checks import WALLS, Check, shape_checks, sound_checks
+from cycloid_mj.checks import WALLS, Check, sound_checks
 from cycloid_mj.checks.body import bearings
 from cycloid_mj.design import PRESETS, override, stock
 from cycloid_mj.life import rolling
@@ -60,76 +59,27 @@ ROUNDING = 2.5e-6
 """Step of free dimensions [m]."""
 
 
-@dataclass(frozen=True, eq=False)
-class Sizes:
-    """Sizes of n candidates [m], shape (n,) each; ratings in [N].
+Sizes = np.recarray[Any, Any]
+"""Sizes of n candidates [m], shape (n,), or of one; load ratings in [N]. Its fields are those of `SIZES`."""
 
-    Attributes
-    ----------
-    circle, pin, eccentricity, face
-        Pin circle, ring pins, eccentricity, and face width of each disc.
-    bore, cam_dynamic, cam_static
-        Radius of the cam bearing outside, and the ratings of those in each disc.
-    shaft, bearing, shaft_dynamic, shaft_static
-        Radius of the shaft, and width and ratings of its bearings.
-    count, circle_out, stud, core, needle_dynamic
-        Output pins: their number, circle, radius, core, and rating of their needles (0: a plain sleeve).
-    disc
-        Thickness of an output disc.
-    valid
-        Whether parts in stock and walls exist.
+SIZES = (
+    *("circle", "pin", "eccentricity", "face"),
+    *("bore", "cam_dynamic", "cam_static"),
+    *("shaft", "bearing", "shaft_dynamic", "shaft_static"),
+    *("count", "circle_out", "stud", "core", "needle_dynamic", "disc"),
+)
+"""Pin circle, ring pins, eccentricity, face width of a disc; bore of the disc with the ratings of its bearing; shaft,
+width and ratings of its bearings; number, circle, radius, core and needles (0: plain) of the output pins, and thickness
+of the output disc."""
+
+SIZES_DTYPE = np.dtype([(name, float) for name in SIZES])
+
+
+def decode(requirement: Requirement, points: Array) -> tuple[Array, Sizes]:
+    """Decode points of the unit cube, shape (n, `DIMENSIONS`); each variable chooses among the sizes that fit.
+
+    Returns the points to which there are parts in stock and walls, and their sizes.
     """
-
-    circle: Array
-    pin: Array
-    eccentricity: Array
-    face: Array
-    bore: Array
-    cam_dynamic: Array
-    cam_static: Array
-    shaft: Array
-    bearing: Array
-    shaft_dynamic: Array
-    shaft_static: Array
-    count: Array
-    circle_out: Array
-    stud: Array
-    core: Array
-    needle_dynamic: Array
-    disc: Array
-    valid: Mask
-
-    def row(self, index: int) -> "Candidate":
-        """Return one candidate."""
-        return Candidate(**{key: float(values[index]) for key, values in vars(self).items()})
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """Sizes of one candidate, see `Sizes`."""
-
-    circle: float
-    pin: float
-    eccentricity: float
-    face: float
-    bore: float
-    cam_dynamic: float
-    cam_static: float
-    shaft: float
-    bearing: float
-    shaft_dynamic: float
-    shaft_static: float
-    count: float
-    circle_out: float
-    stud: float
-    core: float
-    needle_dynamic: float
-    disc: float
-    valid: float
-
-
-def decode(requirement: Requirement, points: Array) -> Sizes:
-    """Decode points of the unit cube, shape (n, `DIMENSIONS`), to sizes; each variable chooses among sizes that fit."""
     teeth, outer, discs, free = (
         requirement.ratio + 1,
         requirement.diameter / 2.0,
@@ -139,7 +89,7 @@ def decode(requirement: Requirement, points: Array) -> Sizes:
     u = points.T
     pins = _ring_pins(requirement)
     if not pins:
-        return Sizes(**dict.fromkeys(Candidate.__dataclass_fields__, np.zeros(len(points), bool)))
+        return points[:0], np.rec.fromarrays([np.empty(0)] * len(SIZES), dtype=SIZES_DTYPE)
     chosen = _choose(u[1], len(pins))
     pin = np.array([size for size, _ in pins])[chosen]
     most = outer - np.array([wall for _, wall in pins])[chosen] - pin
@@ -162,10 +112,11 @@ def decode(requirement: Requirement, points: Array) -> Sizes:
         u[8], stud, face, discs * face + (discs - 1) * gap, disc, free
     )
     valid = fits & turns & carries & (face > 0.1 * gap) & (root - bore > 0.0) & (pin < root) & (pin > eccentricity)
-    return Sizes(
-        circle, pin, eccentricity, face, bore, cam_dynamic, cam_static, shaft, bearing, shaft_dynamic, shaft_static,
-        count, _round_down(middle), stud, core, needle_dynamic, disc_thickness, valid & (stud > 0.0) & (shaft > 0.0),
-    )  # fmt: skip
+    columns = [circle, pin, eccentricity, face, bore, cam_dynamic, cam_static, shaft, bearing, shaft_dynamic]
+    columns += [shaft_static, count.astype(float), _round_down(middle), stud, core, needle_dynamic, disc_thickness]
+    sizes = np.rec.fromarrays(columns, dtype=SIZES_DTYPE)
+    valid &= (stud > 0.0) & (shaft > 0.0)
+    return points[valid], sizes[valid]
 
 
 def _choose(share: Array, count: int | Integers) -> Integers:
@@ -186,30 +137,29 @@ def _gap(requirement: Requirement) -> float:
 
 
 @lru_cache(maxsize=64)
-def _ring_pins_of(ratio: int, outer: float, custom: bool, plastic: str) -> tuple[tuple[float, float], ...]:
-    """List radii of ring pins, and the thinnest wall outside of them with room for the covers' screws [m]."""
+def _ring_pins_of(ratio: int, outer: float, custom: bool, material: str) -> tuple[tuple[float, float], ...]:
+    """List radii of ring pins, and the thinnest wall outside of them with room for the covers' screws [m].
+
+    The covers are larger than the ring where there is no such room: then the wall is the thinnest.
+    """
     room = math.sin(math.pi / (ratio + 1))
     low, high = (share * room / (1.0 + share * room) * outer for share in PIN_ROOM)
     sizes = np.geomspace(low, high, 24) if custom else (0.5 * size for size in stock.pin_diameters())
     fitting = [float(round(size, 9)) for size in sizes if 0.8 * low <= size <= high]
-    listed = []
+    listed, walls = [], [share * outer for share in WALL_SHARES]
     for size in fitting[:: max(len(fitting) // 24, 1)]:
-        walls = [share * outer for share in WALL_SHARES]
-        covered = (wall for wall in walls if covers_fit(_ring(ratio, outer, size, wall, plastic, custom)))
+        covered = (wall for wall in walls if _is_covered(ratio, outer, size, wall, material, custom))
         listed.append((size, next(covered, walls[0])))
     return tuple(listed)
 
 
-def _ring(ratio: int, outer: float, pin: float, wall: float, material: str, custom: bool) -> Reducer:
+def _is_covered(ratio: int, outer: float, pin: float, wall: float, material: str, custom: bool) -> bool:
+    """Return whether covers with screws fit within the outer radius of a ring [m]."""
     circle = outer - wall - pin
-    return Reducer(
-        PRESETS["pin"].but(
-            ring={"teeth": ratio + 1, "pin_radius": pin, "pin_circle_radius": circle},
-            gear={"face_width": 0.3 * circle},
-            housing={"outer_radius": outer, **({} if custom else clamping(wall))},
-            material={"name": material},
-        )
-    )
+    ring = {"teeth": ratio + 1, "pin_radius": pin, "pin_circle_radius": circle}
+    housing = {"outer_radius": outer, **({} if custom else clamping(wall))}
+    tables = {"ring": ring, "gear": {"face_width": 0.3 * circle}, "housing": housing, "material": {"name": material}}
+    return covers_fit(Reducer(PRESETS["pin"].but(**tables)))
 
 
 def _ring_pins(requirement: Requirement) -> tuple[tuple[float, float], ...]:
@@ -326,12 +276,12 @@ def _cores(
     return np.asarray(core, float), np.where(needles, beside ** (7.0 / 9.0) * dynamics[index], 0.0), disc, core > 0.0
 
 
-def build_drive(requirement: Requirement, sizes: Candidate, torque: float) -> Reducer | None:
+def build_drive(requirement: Requirement, sizes: Sizes, torque: float) -> Reducer | None:
     """Build the drive of a candidate for a torque [N m]; return None if it cannot be built or assembled."""
     try:
         design = PRESETS["pin"].but(**_tables(requirement, sizes, torque))
         reducer = _with_shaft_length(Reducer(override(design, requirement.changes)))
-        if _fails(shape_checks(reducer)) or not has_casing(reducer) or _fails(sound_checks(reducer)):
+        if _fails(sound_checks(reducer)) or not has_casing(reducer):
             return None
     except CycloidError:
         return None
@@ -342,49 +292,50 @@ def _fails(checks: Iterable[Check]) -> bool:
     return any(not item.passed and (item.severity == "error" or item.name in WALLS) for item in checks)
 
 
-def _tables(requirement: Requirement, sizes: Candidate, torque: float) -> dict[str, Any]:
+def _tables(requirement: Requirement, sizes: Sizes, torque: float) -> dict[str, Any]:
     """Return the tables of the design of a candidate."""
+    size = dict(zip(SIZES, map(float, sizes), strict=True))
     limits, outer, discs = PROCESSES[requirement.process], requirement.diameter / 2.0, requirement.discs or 1
-    at_pin, file = requirement.clearance_at(2.0 * sizes.pin), _round_to_file
-    needles = sizes.needle_dynamic > 0.0
-    wall = outer - sizes.circle - sizes.pin
+    at_pin, file = requirement.clearance_at(2.0 * size["pin"]), _round_to_file
+    needles = size["needle_dynamic"] > 0.0
+    wall = outer - size["circle"] - size["pin"]
     return {
         "name": "new",
         "structure": "springs",
         "ring": {
             "teeth": requirement.ratio + 1,
-            "pin_circle_radius": file(sizes.circle),
-            "pin_radius": sizes.pin,
+            "pin_circle_radius": file(size["circle"]),
+            "pin_radius": size["pin"],
             **limits.changes.get("ring", {}),
         },
         "gear": {
             "discs": discs,
             "disc_gap": _gap(requirement),
-            "eccentricity": file(sizes.eccentricity),
-            "face_width": file(sizes.face),
-            "bore_radius": sizes.bore,
+            "eccentricity": file(size["eccentricity"]),
+            "face_width": file(size["face"]),
+            "bore_radius": size["bore"],
         },
         "output": {
             "roller_bearing": "needles" if needles else "plain",
-            "pins": int(sizes.count),
-            "pin_radius": file(sizes.stud),
-            "core_radius": sizes.core,
-            "pin_circle_radius": file(sizes.circle_out),
-            "hole_radius": file(sizes.stud + sizes.eccentricity),
-            "disc_thickness": file(sizes.disc),
+            "pins": int(size["count"]),
+            "pin_radius": file(size["stud"]),
+            "core_radius": size["core"],
+            "pin_circle_radius": file(size["circle_out"]),
+            "hole_radius": file(size["stud"] + size["eccentricity"]),
+            "disc_thickness": file(size["disc"]),
             "support": "both_ends",
         },
-        "bearing": {"output_dynamic_capacity": sizes.needle_dynamic},
+        "bearing": {"output_dynamic_capacity": size["needle_dynamic"]},
         "shaft": {
-            "radius": sizes.shaft,
-            "bearing_width": sizes.bearing,
-            "counterweight_radius": file(0.75 * (sizes.circle - sizes.pin)),
-            "length": file(0.3 * sizes.circle),
+            "radius": size["shaft"],
+            "bearing_width": size["bearing"],
+            "counterweight_radius": file(0.75 * (size["circle"] - size["pin"])),
+            "length": file(0.3 * size["circle"]),
             "mounting": "straddle",
         },
         "housing": {"outer_radius": outer, **({} if requirement.custom else clamping(wall))},
         "clearance": dict.fromkeys(("pin_gear", "pin_socket", "pin_sleeve", "tooth"), at_pin)
-        | {"cam": requirement.clearance_at(2.0 * sizes.bore), "output": requirement.clearance_at(2.0 * sizes.stud)},
+        | {"cam": requirement.clearance_at(2.0 * size["bore"]), "output": requirement.clearance_at(2.0 * size["stud"])},
         "tolerance": tolerances(requirement, discs, at_pin),
         **conditions(requirement, torque),
         "material": {"name": requirement.made_of},

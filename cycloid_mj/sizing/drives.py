@@ -6,7 +6,7 @@ from dataclasses import replace
 from cycloid_mj.sizing.answer import Answer, other_drives, sized_drive, solve
 from cycloid_mj.sizing.remedies import remedies
 from cycloid_mj.sizing.requirement import Requirement
-from cycloid_mj.sizing.search import pool_of
+from cycloid_mj.sizing.search import Pool
 
 
 def size_drive(requirement: Requirement, on_progress: Callable[[Answer], None] = lambda _: None) -> Answer:
@@ -14,14 +14,14 @@ def size_drive(requirement: Requirement, on_progress: Callable[[Answer], None] =
 
     `on_progress` receives the first drive found, or a refusal as soon as the maximum is known, and with each remedy.
     """
-    pool_of.cache_clear()  # a pool grows with each search of it: the answer would depend on earlier requirements
-    solution, refused = solve(requirement)
+    pools: list[Pool] = []
+    solution, refused = solve(requirement, pools)
     if solution:
         lightest = sized_drive(solution, solution.rated, "lightest", "lowest mass of the drive with its covers")
         on_progress(Answer(requirement, (lightest,)))
-        return Answer(solution.requirement, (lightest, *other_drives(solution, lightest)))
+        return Answer(solution.requirement, (lightest, *other_drives(solution)))
     on_progress(refused)
-    for remedy in remedies(requirement, refused.most):
+    for remedy in remedies(requirement, refused.most, pools):
         refused = replace(refused, remedies=(*refused.remedies, remedy))
         on_progress(refused)
     return refused

@@ -5,18 +5,19 @@ are those of ``life`` with the same limits. Their errors are corrected by rated 
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from cycloid_mj.base.array import Array, Integers, Mask
+from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.design import Design, stock
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.geometry.ideal_loads import contact_modulus
 from cycloid_mj.life import rolling
 from cycloid_mj.life.heat import heat_limits
 from cycloid_mj.life.surfaces import PITTING_LIFE, SET_POWER, SET_SHARE, pitting_limit
+from cycloid_mj.parts.export.casing import RULES
+from cycloid_mj.parts.output import RIM
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.candidates import Sizes
 from cycloid_mj.sizing.requirement import Requirement
@@ -40,35 +41,12 @@ ROUNDS = 3
 """Evaluations at the torque of the one before, as shares of the load depend on it."""
 
 
-@dataclass(frozen=True, eq=False)
-class DriveEstimate:
-    """Torque limits by item [N m], mass [kg] and length [m], shape (n,) each."""
-
-    limits: Mapping[str, Array]
-    mass: Array
-    length: Array
-
-    def scaled(self, factors: Mapping[str, float]) -> "DriveEstimate":
-        """Return the estimate times factors by item, ``mass`` and ``length``."""
-        limits = {key: factors.get(key, 1.0) * limit for key, limit in self.limits.items()}
-        return DriveEstimate(limits, factors.get("mass", 1.0) * self.mass, factors.get("length", 1.0) * self.length)
-
-    def rows(self, index: Integers | Mask) -> "DriveEstimate":
-        """Return the estimates of some candidates."""
-        return DriveEstimate(
-            {key: limit[index] for key, limit in self.limits.items()}, self.mass[index], self.length[index]
-        )
-
-    def joined(self, other: "DriveEstimate") -> "DriveEstimate":
-        """Return the estimates of more candidates."""
-        limits = {key: np.concatenate([limit, other.limits[key]]) for key, limit in self.limits.items()}
-        return DriveEstimate(
-            limits, np.concatenate([self.mass, other.mass]), np.concatenate([self.length, other.length])
-        )
+Estimate = dict[str, Array]
+"""Torque limits of n candidates by item [N m], with their ``mass`` [kg] and ``length`` [m]; shape (n,) each."""
 
 
-def estimate(requirement: Requirement, sizes: Sizes, design: Design) -> DriveEstimate:
-    """DriveEstimate candidates with the materials and friction of a `design` of one of them."""
+def estimate(requirement: Requirement, sizes: Sizes, design: Design) -> Estimate:
+    """Estimate candidates with the materials and friction of a `design` of one of them."""
     torque = np.full(sizes.circle.shape, 1e3 * requirement.diameter**3)
     for _ in range(ROUNDS):
         loads = _Loads.of(requirement, sizes, design, torque)
@@ -77,7 +55,12 @@ def estimate(requirement: Requirement, sizes: Sizes, design: Design) -> DriveEst
         limits["temperature"] = _heat(requirement, sizes, design, loads)
         torque = np.clip(np.min(list(limits.values()), axis=0), 1e-6, 1e7)
     limits["other"] = np.where(loads.sound, torque, 0.0)
-    return DriveEstimate(limits, _mass(requirement, sizes, design), _length(requirement, sizes))
+    return {**limits, "mass": _mass(requirement, sizes, design), "length": _length(requirement, sizes)}
+
+
+def capacity(guess: Estimate, but: tuple[str, ...] = ()) -> Array:
+    """Return the smallest torque limit of each candidate [N m], shape (n,), without those of some items."""
+    return np.asarray(np.min([limit for key, limit in guess.items() if key not in ("mass", "length", *but)], axis=0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,7 +164,12 @@ def _bearings(requirement: Requirement, sizes: Sizes, loads: _Loads) -> dict[str
         shaft = far_end = loads.cam * (stack - sizes.face) / (near + far)
     room = np.minimum(sizes.circle + sizes.pin, requirement.diameter / 2.0)
     hubs = stock.thin_ball_bearings()
-    index = np.searchsorted([one.outside for one in hubs], 2.0 * room, side="right") - 1
+    wall = max(RULES.min_wall, RULES.wall_share * requirement.diameter / 2.0)
+    rim = sizes.circle_out + (1.0 + RIM) * sizes.stud - wall
+    index = np.minimum(
+        np.searchsorted([one.outside for one in hubs], 2.0 * room, side="right") - 1,
+        np.searchsorted([one.bore for one in hubs], 2.0 * rim, side="right") - 1,
+    )
     dynamic, width, static = (
         np.array([getattr(one, key) for one in hubs])[np.maximum(index, 0)] for key in ("dynamic", "width", "static")
     )
@@ -251,17 +239,19 @@ def _heat(requirement: Requirement, sizes: Sizes, design: Design, loads: _Loads)
     radius, service = requirement.diameter / 2.0, design.service
     area = 2.0 * math.pi * radius * (radius + _length(requirement, sizes))
     allowed = min(limit.temperature for limit in heat_limits(Reducer(design))) - service.ambient_temperature
-    return np.asarray(loads.torque * allowed * service.film_coefficient * area / np.maximum(lost, 1e-12))
+    return np.asarray(
+        loads.torque * allowed * service.film_coefficient * area / np.maximum(service.duty_share * lost, 1e-12)
+    )
 
 
 def _length(requirement: Requirement, sizes: Sizes) -> Array:
-    """DriveEstimate the length by its regression on discs, output disc, shaft bearing and outer radius."""
+    """Estimate the length by its regression on discs, output disc, shaft bearing and outer radius."""
     parts = np.stack([_stack(requirement, sizes), sizes.disc, sizes.bearing, 0.0 * sizes.disc + requirement.diameter])
     return np.asarray(LENGTH @ parts)
 
 
 def _mass(requirement: Requirement, sizes: Sizes, design: Design) -> Array:
-    """DriveEstimate the mass by its regression on the volumes of ring, disc, cam, and covers."""
+    """Estimate the mass by its regression on the volumes of ring, disc, cam, and covers."""
     radius, inner, stack = requirement.diameter / 2.0, sizes.circle - sizes.pin, _stack(requirement, sizes)
     rings = (radius**2 - inner**2) * stack, (inner**2 - sizes.bore**2) * stack, sizes.bore**2 * stack
     covers = radius**2 * (_length(requirement, sizes) - stack)

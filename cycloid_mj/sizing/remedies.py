@@ -1,14 +1,14 @@
 """Changes of a requirement that make it feasible, in the order in which a user can act on them, each verified."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 from cycloid_mj.base.units import MILLIMETRES, RPM
 from cycloid_mj.design import fits
-from cycloid_mj.sizing.answer import FeasibleChange, length_parts, solve
+from cycloid_mj.sizing.answer import HOPELESS, FeasibleChange, is_feasible, length_parts
 from cycloid_mj.sizing.process import COOLING, PROCESSES
 from cycloid_mj.sizing.requirement import LARGEST_PAIR, MAX_DISCS, Requirement
-from cycloid_mj.sizing.search import SETTINGS, Pool, pool_of
+from cycloid_mj.sizing.search import Pool, pool_of
 
 TOLERANCE = 1.05
 """A remedy's value is at most this factor above the smallest at which the search finds a drive."""
@@ -16,38 +16,36 @@ TOLERANCE = 1.05
 TORQUE_EXPONENT = 2.5
 """Estimated exponent of torque over diameter, for the first diameter that is tried."""
 
-MIN_SPEED, MAX_DIAMETER = 30.0 * RPM, 3.0
-"""Slowest crank [rad/s] and largest diameter [m] of a remedy."""
+MIN_LIFE, MIN_SHARE, MIN_SPEED, MAX_DIAMETER = 100.0, 0.05, 30.0 * RPM, 3.0
+"""Shortest life [h], smallest share of the time, slowest crank [rad/s], and largest diameter [m] of a remedy."""
 
 MAX_GAIN = 4.0
 """Ratio of the required torque to the largest beyond which no other material, discs or clearances are searched."""
 
-MAX_STEPS = 6
-"""Largest number of diameters tried one after the other."""
-
-MAX_REMEDIES = 4
-"""Number of remedies after which no other is searched for."""
-
-MIN_LIFE, MIN_SHARE = 100.0, 0.05
-"""Shortest life [h] and smallest share of the time of a remedy."""
+MAX_STEPS, MAX_REMEDIES = 6, 4
+"""Largest number of values tried one after the other, and of remedies."""
 
 
-def remedies(requirement: Requirement, most: float) -> Iterator[FeasibleChange]:
-    """Yield single changes that make a requirement feasible; where there are none, combined changes."""
+def remedies(requirement: Requirement, most: float, pools: Sequence[Pool]) -> Iterator[FeasibleChange]:
+    """Yield single changes that make a requirement feasible; where there are none, combined changes.
+
+    `most` is the largest torque that was found [N m], and `pools` are those that were searched for it.
+    """
     found = False
-    for remedy in _single(requirement, most):
+    for remedy in _single(requirement, most, pools):
         found = True
         yield remedy
     if not found:
         yield from _combined(requirement)
 
 
-def _single(requirement: Requirement, most: float) -> Iterator[FeasibleChange]:
+def _single(requirement: Requirement, most: float, pools: Sequence[Pool]) -> Iterator[FeasibleChange]:
     """Yield feasible single changes, each with the smallest value that suffices; a diameter is among them."""
-    searches: list[Iterator[FeasibleChange]] = [
-        *(_conditions(requirement) if most else ()),
-        *([_first(_options(requirement))] if requirement.torque <= MAX_GAIN * most or not most else ()),
-        _longer(requirement),
+    near = requirement.torque <= MAX_GAIN * most or not most
+    searches = [
+        *(_conditions(requirement, pools) if most else ()),
+        *([_first(_options(requirement))] if near else ()),
+        _longer(requirement, pools),
     ]
     count = 0
     for found in searches:
@@ -61,11 +59,6 @@ def _single(requirement: Requirement, most: float) -> Iterator[FeasibleChange]:
         yield from _first(_processes(requirement))
 
 
-def is_feasible(requirement: Requirement) -> bool:
-    """Return whether the search finds a drive."""
-    return solve(requirement)[0] is not None
-
-
 def _capacity(requirement: Requirement) -> float:
     """Return a torque that some drive is rated for [N m]: at least the required one if it is found, else the largest.
 
@@ -73,88 +66,74 @@ def _capacity(requirement: Requirement) -> float:
     """
     if requirement.backlash < math.inf:
         return requirement.torque if is_feasible(requirement) else 0.0
-    ratings = SETTINGS.remedy_ratings
-    largest = (pool.largest(requirement.length, requirement.torque, ratings) for pool in _pools(requirement))
+    pools = [pool_of(requirement.but(discs=discs)) for discs in requirement.numbers_of_discs]
+    give_up = HOPELESS * requirement.torque
+    largest = [pool.largest(requirement.length, requirement.torque, give_up=give_up) for pool in pools if pool]
     return max((one.capacity for one in largest if one), default=0.0)
 
 
-def _pools(requirement: Requirement) -> Iterator[Pool]:
-    for discs in (requirement.discs,) if requirement.discs else (1, 2):
-        if pool := pool_of(requirement.but(discs=discs).without_limits):
-            yield pool
-
-
-def _conditions(requirement: Requirement) -> Iterator[Iterator[FeasibleChange]]:
+def _conditions(requirement: Requirement, pools: Sequence[Pool]) -> Iterator[Iterator[FeasibleChange]]:
     """Yield the searches for a shorter life, a smaller share of the time, a slower crank and cooling."""
     if not requirement.duty:
         yield _smallest(
             lambda factor: requirement.but(life=float(f"{requirement.life / factor:.3g}")),
             requirement.life / MIN_LIFE,
             lambda changed: f"a life of {changed.life:.4g} h",
+            pools,
         )
         yield _smallest(
             lambda factor: requirement.but(duty_share=float(f"{requirement.duty_share / factor:.3g}")),
             requirement.duty_share / MIN_SHARE,
             lambda changed: f"a duty of {changed.duty_share:.3g} of the time",
+            pools,
         )
         yield _smallest(
             lambda factor: requirement.but(speed=float(f"{requirement.speed / factor / RPM:.3g}") * RPM),
             requirement.speed / MIN_SPEED,
             lambda changed: f"{changed.speed / RPM:.4g} rpm",
+            pools,
         )
-    yield _cooled(requirement)
+    cooled = [(name, requirement.but(film=film)) for name, film in COOLING.items() if film > requirement.film]
+    yield _first(FeasibleChange(f"cooling: {name}", changed) for name, changed in cooled if _is_likely(changed, pools))
 
 
-def _cooled(requirement: Requirement) -> Iterator[FeasibleChange]:
-    """Yield the weakest kind of cooling that suffices."""
-    for name, film in COOLING.items():
-        changed = requirement.but(film=film)
-        if film > requirement.film and _exists_under(changed, _pools(requirement)) and is_feasible(changed):
-            yield FeasibleChange(f"cooling: {name}", changed)
-            return
-
-
-def _exists_under(changed: Requirement, pools: Iterable[Pool]) -> bool:
-    """Return whether pools rated under other conditions have a candidate for a requirement."""
-    return any(
-        pool.under(changed.but(discs=pool.requirement.discs).without_limits).exists(changed.torque, changed.length)
-        for pool in pools
-    )
+def _is_likely(changed: Requirement, pools: Sequence[Pool]) -> bool:
+    """Return whether a rated candidate is strong enough under changed conditions, in proportion to the estimates."""
+    return any((pool.capacities_under(changed) >= changed.torque).any() for pool in pools)
 
 
 def _smallest(
-    change: Callable[[float], Requirement], most: float, words: Callable[[Requirement], str]
+    change: Callable[[float], Requirement], most: float, words: Callable[[Requirement], str], pools: Sequence[Pool]
 ) -> Iterator[FeasibleChange]:
-    """Yield the smallest change by a factor between 1 and the largest that is feasible, within `TOLERANCE`.
+    """Yield the smallest change by a factor between 1 and `most` that is feasible, within `TOLERANCE`.
 
-    The candidates of the requirement are rated under the changed conditions; the search then verifies the change.
+    A bisection by the rated candidates leads to a first factor; the search verifies this one and its neighbours.
     """
-    pools = [*_pools(change(1.0))]
-
-    def exists(factor: float) -> bool:
-        return _exists_under(change(factor), pools)
-
-    if most <= TOLERANCE or not exists(most):
+    if most <= TOLERANCE or not _is_likely(change(most), pools):
         return
     low, high = 1.0, most
     while high > math.sqrt(TOLERANCE) * low:
         middle = math.sqrt(low * high)
-        low, high = (low, middle) if exists(middle) else (middle, high)
-    for factor in (high, TOLERANCE * high, TOLERANCE**2 * high):
-        if is_feasible(change(factor)):
-            yield FeasibleChange(words(change(factor)), change(factor))
-            return
+        low, high = (low, middle) if _is_likely(change(middle), pools) else (middle, high)
+    step = math.sqrt(TOLERANCE) if is_feasible(change(high)) else TOLERANCE
+    factor = high
+    if step < TOLERANCE:  # feasible: try smaller changes
+        for _ in range(MAX_STEPS):
+            if factor / TOLERANCE <= 1.0 or not is_feasible(change(factor / TOLERANCE)):
+                break
+            factor /= TOLERANCE
+    else:
+        factors = (min(high * TOLERANCE**number, most) for number in (1, 2, 4))
+        factor = next((factor for factor in factors if is_feasible(change(factor))), 0.0)
+    if factor:
+        yield FeasibleChange(words(change(factor)), change(factor))
 
 
 def _first(options: Iterator[FeasibleChange]) -> Iterator[FeasibleChange]:
     """Yield the first feasible option."""
-    feasible = next((option for option in options if _is_promising(option.requirement)), None)
+    feasible = next((option for option in options if is_feasible(option.requirement)), None)
     if feasible:
         yield feasible
-
-
-def _is_promising(requirement: Requirement) -> bool:
-    return _capacity(requirement) >= requirement.torque and is_feasible(requirement)
 
 
 def _options(requirement: Requirement) -> Iterator[FeasibleChange]:
@@ -162,7 +141,7 @@ def _options(requirement: Requirement) -> Iterator[FeasibleChange]:
     for material in PROCESSES[requirement.process].others:
         if material != requirement.made_of:
             yield FeasibleChange(material, requirement.but(material=material))
-    for discs in range(max(requirement.discs, 2 if requirement.discs == 0 else 1) + 1, MAX_DISCS):
+    for discs in range(max(requirement.numbers_of_discs) + 1, MAX_DISCS):
         yield FeasibleChange(f"{discs} discs", requirement.but(discs=discs))
     if not requirement.fit and not requirement.tightened:
         clearances = list(requirement.tighter_clearances)
@@ -171,18 +150,18 @@ def _options(requirement: Requirement) -> Iterator[FeasibleChange]:
                 yield FeasibleChange(f"clearances of {1e6 * clearance:.3g} um", requirement.but(clearance=clearance))
 
 
-def _longer(requirement: Requirement) -> Iterator[FeasibleChange]:
+def _longer(requirement: Requirement, pools: Sequence[Pool]) -> Iterator[FeasibleChange]:
     """Yield the smallest feasible length, if a length is required."""
-    if requirement.length == math.inf:
-        return
-    pool = pool_of(requirement.but(discs=requirement.discs or 1).without_limits)
-    shortest = pool.shortest(requirement.torque) if pool else None
+    found = [pool.shortest(requirement.torque) for pool in pools] if requirement.length < math.inf else []
+    shortest = min((one for one in found if one), key=lambda one: one.length, default=None)
     if shortest:
-        length = math.ceil(1e4 * shortest.length) / 1e4
-        longer = requirement.but(length=length)
-        if is_feasible(longer):
-            parts = length_parts(shortest.reducer)
-            yield FeasibleChange(f"a length of {MILLIMETRES * length:g} mm (a drive exists with {parts})", longer)
+        for length in (shortest.length, TOLERANCE * shortest.length):
+            longer = requirement.but(length=math.ceil(1e4 * length) / 1e4)
+            if is_feasible(longer):
+                parts = length_parts(shortest.reducer)
+                words = f"a length of {MILLIMETRES * longer.length:g} mm (a drive exists with {parts})"
+                yield FeasibleChange(words, longer)
+                return
 
 
 def _larger(requirement: Requirement, most: float) -> Iterator[FeasibleChange]:

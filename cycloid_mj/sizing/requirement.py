@@ -262,9 +262,26 @@ class Requirement:
         return Duty(points, 2.0 * torque, peak_given=False)
 
     @property
-    def without_limits(self) -> Self:
-        """The requirement without limits of torque, length and backlash."""
-        return self.but(torque=1.0, length=math.inf, backlash=math.inf)
+    def numbers_of_discs(self) -> tuple[int, ...]:
+        """The numbers of discs that may be used."""
+        return (self.discs,) if self.discs else (1, 2)
+
+    @property
+    def kind(self) -> Self:
+        """The requirement without limits, under the usual conditions of its process: all that sizes depend on."""
+        usual = PROCESSES[self.process]
+        return self.but(
+            torque=1.0,
+            length=math.inf,
+            backlash=math.inf,
+            life=usual.life_h,
+            speed=usual.speed_rpm * RPM,
+            duty_share=usual.duty_share,
+            duty=(),
+            film=COOLING["still"],
+            ambient=20.0,
+            tightened=False,
+        )
 
     @property
     def made_of(self) -> str:

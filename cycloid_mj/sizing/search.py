@@ -1,11 +1,12 @@
-"""The search: an archive of elites by closed forms, corrected by ratings of the candidates that matter."""
+"""The search: elites of closed-form estimates, corrected by ratings of the candidates that matter."""
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
+from scipy.spatial.distance import cdist
 
 from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.base.errors import CycloidError
@@ -13,51 +14,50 @@ from cycloid_mj.life.figures import drive_length, drive_mass
 from cycloid_mj.life.item import RatedItem, Rating
 from cycloid_mj.life.items import rate
 from cycloid_mj.life.loading import POSES
-from cycloid_mj.life.rated import torque_limits
+from cycloid_mj.life.rated import is_momentary, is_strength, torque_limits
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.candidates import DIMENSIONS, Sizes, build_drive, conditions, decode
-from cycloid_mj.sizing.estimate import DriveEstimate, estimate
+from cycloid_mj.sizing.estimate import Estimate, capacity, estimate
 from cycloid_mj.sizing.requirement import Requirement
 
 
 @dataclass(frozen=True)
-class ArchiveSettings:
+class SearchSettings:
     """Settings of the search; none of them decides what a drive withstands.
 
     Attributes
     ----------
     start, children, generations
-        Points of the R sequence, and children of each generation: 0.3 s of CPU.
+        Points of the R sequence, children of each generation and their number: 0.6 s of CPU.
     cells, weakest
         Cells per factor e of torque and of length (neighbours differ by 4 %), and the least torque relative to the
         largest.
     scatter, line
         Standard deviations of a child about its parent and along the line to another elite, as recommended.
-    calibrations, ratings, remedy_ratings
-        Elites that are rated first, and the most ratings of a search and of one for a remedy: 0.07 s of CPU each.
-    margin
-        Estimates that miss the best by less are rated as well.
+    calibrations, ratings
+        Elites that are rated first, and the most ratings of a search: 0.1 s of CPU each.
+    margin, reach
+        Error of an estimate at this distance in the cube from the nearest rated candidate, and beyond: candidates that
+        could be better by it are rated (confidence bounds, Srinivas et al., arXiv:0912.3995).
     poses
         Crank angles of a rating: margins differ by 0.5 % from those of the data sheet.
     """
 
     start: int = 2048
     children: int = 1024
-    generations: int = 5
+    generations: int = 6
     cells: float = 25.0
     weakest: float = 0.02
     scatter: float = 0.02
     line: float = 0.2
     calibrations: int = 6
-    ratings: int = 20
-    remedy_ratings: int = 6
-    rounds: int = 2
-    prior: float = 1.0
-    margin: float = 0.04
+    ratings: int = 24
+    margin: float = 0.08
+    reach: float = 0.1
     poses: int = 7
 
 
-SETTINGS = ArchiveSettings()
+SETTINGS = SearchSettings()
 
 NO_LIMIT, UNSOUND = 1e9, 0.3
 """Torque limit of what has none [N m], and the factor of estimates next to a candidate that cannot be built."""
@@ -76,7 +76,7 @@ class Rated:
 
     @property
     def mass(self) -> float:
-        """Mass of the drive [kg], from the solids of all parts in 0.05 s of CPU; infinite if a part does not fit."""
+        """Mass of the drive [kg], from the solids of all parts; infinite if a part does not fit."""
         try:
             return drive_mass(self.reducer)
         except CycloidError:
@@ -93,9 +93,9 @@ class Rated:
         lives = [item.life for item in self.rating.items.values() if item.decisive]
         return min((life for life in lives if life is not None), default=math.inf)
 
-
-def _figure(rated: Rated, key: str) -> float:
-    return rated.mass if key == "mass" else rated.figures.get(key, NO_LIMIT)
+    def figure(self, key: str) -> float:
+        """Return a figure of the estimate: the torque limit of an item [N m], mass [kg] or length [m]."""
+        return self.mass if key == "mass" else self.figures.get(key, NO_LIMIT)
 
 
 def rate_drive(
@@ -117,6 +117,14 @@ def rate_drive(
     return Rated(loaded, torque, rating, {**limits, "other": other, "length": length}, limits[weakest], items[weakest])
 
 
+def rate_candidate(requirement: Requirement, sizes: Sizes, torque: float, estimated: tuple[str, ...]) -> Rated | None:
+    """Rate a candidate at a torque [N m] near its capacity, or at less without equilibrium; None if it has none."""
+    reducer = build_drive(requirement, sizes, torque)
+    shares = (1.0, UNSOUND) if reducer else ()
+    tries = (rate_drive(requirement, reducer, share * torque, estimated, SETTINGS.poses) for share in shares if reducer)
+    return next((rated for rated in tries if rated), None)
+
+
 Objective = Callable[[Array, Array, Array], Array]
 Meets = Callable[[Array, Array], Mask]
 """What to minimize by capacity, mass and length, and which capacities and lengths are feasible."""
@@ -125,97 +133,80 @@ Accept = Callable[[Rated], bool]
 """Whether a rated candidate meets what no estimate has."""
 
 
-@dataclass(eq=False)
-class Pool:
-    """Elites of a requirement without its limits, and their ratings so far, which correct the estimates."""
+@dataclass(frozen=True, eq=False)
+class Archive:
+    """Elites of a kind of drive: points of the cube, sizes, a sample, and factors of the estimates by item."""
 
-    requirement: Requirement
-    sample: Reducer
-    factors: Mapping[str, float]
     points: Array
     sizes: Sizes
-    estimated: DriveEstimate
+    sample: Reducer
+    factors: Mapping[str, float]
+
+
+@dataclass(eq=False)
+class Pool:
+    """Candidates under the conditions of a requirement, and their ratings so far, which correct the estimates."""
+
+    requirement: Requirement
+    archive: Archive
+    points: Array
+    sizes: Sizes
+    guess: Estimate
     rated: dict[int, Rated | None] = field(default_factory=dict)
     """Ratings by index; None where a candidate cannot be built or balanced."""
 
-    def rate(self, index: int, torque: float) -> Rated | None:
-        """Rate a candidate at a torque [N m] near its capacity; less where it has no equilibrium."""
-        if index not in self.rated:
-            reducer, keys = build_drive(self.requirement, self.sizes.row(index), torque), tuple(self.estimated.limits)
-            tries = (
-                rate_drive(self.requirement, reducer, share * torque, keys, SETTINGS.poses)
-                for share in (1.0, UNSOUND)
-                if reducer
-            )
-            self.rated[index] = next((rated for rated in tries if rated), None)
-        return self.rated[index]
+    def corrected(self, *, weigh: bool = False) -> Estimate:
+        """Return the estimates times the factors of the ratings nearby (Shepard's inverse distance weighting).
 
-    def corrected(self, *, weighed: bool = False) -> tuple[dict[str, Array], Array, Array]:
-        """Return torque limits by item [N m], mass [kg] and length [m] of all candidates, corrected by the ratings.
-
-        The mass is that of the estimate unless the rated candidates are `weighed`.
+        The mass is that of the estimate unless the rated candidates are to be weighed.
         """
-        limits, mass, length = dict(self.estimated.limits), self.estimated.mass, self.estimated.length
         if not self.rated:
-            return limits, mass, length
+            return self.guess
         rows = list(self.rated)
-        weight = 1.0 / (((self.points[:, None] - self.points[rows]) ** 2).sum(axis=2) + 1e-9) ** 2
-        weight /= weight.sum(axis=1, keepdims=True) + SETTINGS.prior
+        weight = 1.0 / (cdist(self.points, self.points[rows], "sqeuclidean") + 1e-9) ** 2
+        weight /= weight.sum(axis=1, keepdims=True) + 1.0
 
         def factor(key: str, guess: Array) -> Array:
             unsound = UNSOUND if key == "other" else 1.0
-            true = [_figure(one, key) if one else unsound * guess[row] for row, one in self.rated.items()]
-            return np.asarray(
-                np.exp(weight @ np.log(np.clip(np.array(true) / np.maximum(guess[rows], 1e-9), 0.05, 20.0)))
-            )
+            true = [one.figure(key) if one else unsound * guess[row] for row, one in self.rated.items()]
+            return np.asarray(np.exp(weight @ _log_ratio(np.array(true), guess[rows])))
 
-        limits = {key: limit * factor(key, limit) for key, limit in limits.items()}
-        if weighed:
-            mass = mass * factor("mass", mass)
-        return limits, mass, length * factor("length", length)
+        return {
+            key: guess * factor(key, guess) if weigh or key != "mass" else guess for key, guess in self.guess.items()
+        }
 
-    def under(self, requirement: Requirement) -> "Pool":
-        """Return the same candidates under other conditions: life, speed, share of the time, cooling."""
-        sample = self.sample.but(**conditions(requirement))
-        before, after = (
-            estimate(conditioned, self.sizes, drive.design).limits
-            for conditioned, drive in ((self.requirement, self.sample), (requirement, sample))
-        )
-        limits, mass, length = self.corrected()
-        scaled = {key: limit * after[key] / np.maximum(before[key], 1e-9) for key, limit in limits.items()}
-        return Pool(requirement, sample, self.factors, self.points, self.sizes, DriveEstimate(scaled, mass, length))
-
-    def exists(self, torque: float, length: float = math.inf) -> bool:
-        """Return whether a candidate for a torque [N m] within a length [m] is found."""
-        largest = self.largest(length, torque)
-        return largest is not None and largest.capacity >= torque
+    def capacities_under(self, changed: Requirement) -> Array:
+        """Compute the capacities of the rated candidates under changed conditions, in proportion to estimates [N m]."""
+        rated = {row: one for row, one in self.rated.items() if one and one.length <= changed.length}
+        sizes, sample = self.sizes[[*rated]].view(np.recarray), self.archive.sample
+        before, after = (scaled_estimate(wanted, sizes, sample, {}) for wanted in (self.requirement, changed))
+        limits = {
+            key: np.array([one.figure(key) for one in rated.values()]) * after[key] / np.maximum(before[key], 1e-9)
+            for key in after
+            if key not in ("mass", "length")
+        }
+        return capacity(limits) if rated else np.empty(0)
 
     def largest(
-        self, length: float = math.inf, enough: float = math.inf, ratings: int = SETTINGS.ratings
+        self, length: float, enough: float = math.inf, accept: Accept = lambda _: True, give_up: float = 0.0
     ) -> Rated | None:
-        """Find the candidate of the largest capacity within a length [m], or the first with enough of it [N m]."""
+        """Find the candidate of the largest capacity within a length [m], or the first with enough of it [N m].
+
+        It ends where no estimate, corrected by some ratings, promises a torque of `give_up` [N m].
+        """
         return self._best(
-            lambda capacity, mass, length: -capacity,
-            lambda capacity, size: size <= length,
-            lambda _: True,
-            -enough,
-            ratings,
+            lambda torque, mass, size: -torque, lambda torque, size: size <= length, accept, -enough, -give_up
         )
 
-    def lightest(self, torque: float, length: float = math.inf, accept: Accept = lambda _: True) -> Rated | None:
+    def lightest(self, torque: float, length: float, accept: Accept) -> Rated | None:
         """Find the lightest candidate for a torque [N m] within a length [m]."""
         return self._best(
-            lambda capacity, mass, length: mass,
-            lambda capacity, size: (capacity >= torque) & (size <= length),
-            accept,
-            weighed=True,
+            lambda limit, mass, size: mass, lambda limit, size: (limit >= torque) & (size <= length), accept, weigh=True
         )
 
     def shortest(self, torque: float) -> Rated | None:
         """Find the shortest candidate for a torque [N m]."""
-        return self._best(
-            lambda capacity, mass, length: length, lambda capacity, size: capacity >= torque, lambda _: True
-        )
+        return self._best(lambda limit, mass, size: size, lambda limit, size: limit >= torque, lambda _: True)
 
     def _best(
         self,
@@ -223,62 +214,71 @@ class Pool:
         meets: Meets,
         accept: Accept,
         enough: float = -math.inf,
-        ratings: int = SETTINGS.ratings,
+        give_up: float = math.inf,
         *,
-        weighed: bool = False,
+        weigh: bool = False,
     ) -> Rated | None:
         """Rate the candidate with the best corrected estimate until none is left that could be better."""
-        rejected: set[int] = set()
-        rounds = 0
-        for _ in range(ratings):
-            limits, mass, length = self.corrected(weighed=weighed)
-            capacity = np.min(list(limits.values()), axis=0)
-            value, feasible = objective(capacity, mass, length), meets(capacity, length)
-            known = self._known(objective, meets, rejected, weighed)
-            if known:
-                index, best = known
-                if best <= enough:
-                    break
-                feasible &= value < best + SETTINGS.margin * abs(best)
-            feasible[list(self.rated)] = False
-            if feasible.any():
-                chosen = int(np.argmin(np.where(feasible, value, np.inf)))
-                self.rate(chosen, max(float(capacity[chosen]), 1e-6))
-            elif known and not accept(self._of(index)):
-                rejected.add(index)
-            elif known and rounds < SETTINGS.rounds:
-                rounds += 1
-                self._extend(index)
-            else:
-                break
-        while known := self._known(objective, meets, rejected, weighed):
-            if accept(self._of(known[0])):
+        rejected, extended, ratings = set[int](), set[int](), SETTINGS.ratings
+        while True:
+            known = self._known(objective, meets, rejected, weigh)
+            if known and known[1] <= enough and accept(self._of(known[0])):
                 return self._of(known[0])
-            rejected.add(known[0])
-        return None
+            if known and known[1] <= enough:
+                rejected.add(known[0])
+                continue
+            guess = self.corrected(weigh=weigh)
+            torque = capacity(guess)
+            value, feasible = objective(torque, guess["mass"], guess["length"]), meets(torque, guess["length"])
+            value = value - self._errors() * np.abs(value)
+            feasible = feasible & (value < known[1]) if known else feasible.copy()
+            feasible[list(self.rated)] = False
+            feasible &= (value <= give_up) | (SETTINGS.ratings - ratings < SETTINGS.calibrations)
+            if ratings and feasible.any():
+                ratings -= 1
+                index = int(np.argmin(np.where(feasible, value, np.inf)))
+                limit = max(float(torque[index]), 1e-6)
+                self.rated[index] = rate_candidate(self.requirement, self.sizes[index], limit, tuple(self.guess))
+            elif not known:
+                return None
+            elif ratings and known[0] not in extended and known[1] <= give_up:
+                extended.add(known[0])
+                self._extend(known[0])
+            elif accept(self._of(known[0])):
+                return self._of(known[0])
+            else:
+                rejected.add(known[0])
+
+    def _errors(self) -> Array:
+        """Return the relative errors of the estimates by their distance from the rated candidates, shape (n,)."""
+        if not self.rated:
+            return np.zeros(len(self.points))
+        nearest = cdist(self.points, self.points[list(self.rated)]).min(axis=1)
+        return np.asarray(SETTINGS.margin * np.minimum(nearest / SETTINGS.reach, 1.0))
 
     def _extend(self, index: int) -> None:
         """Add neighbours of a candidate: changes of a single variable, for a local search by estimates and ratings."""
-        steps = np.concatenate([sign * np.geomspace(0.01, 0.3, 8) for sign in (-1.0, 1.0)])
+        steps = np.concatenate([sign * np.geomspace(0.02, 0.5, 8) for sign in (-1.0, 1.0)])
         changes = (np.eye(DIMENSIONS)[:, np.newaxis] * steps[:, np.newaxis]).reshape(-1, DIMENSIONS)
-        points = np.clip(self.points[index] + changes, 0.0, 1.0 - 1e-9)
-        sizes = decode(self.requirement, points)
-        points, sizes = points[sizes.valid], _rows(sizes, sizes.valid)
-        guess = estimate(self.requirement, sizes, self.sample.design).scaled(self.factors)
+        points, sizes = decode(self.requirement, np.clip(self.points[index] + changes, 0.0, 1.0 - 1e-9))
+        _, first = np.unique(np.concatenate([self.sizes, sizes]), return_index=True)
+        new = first[first >= len(self.sizes)] - len(self.sizes)
+        points, sizes = points[new], sizes[new].view(np.recarray)
+        guess = scaled_estimate(self.requirement, sizes, self.archive.sample, self.archive.factors)
         self.points = np.concatenate([self.points, points])
-        self.sizes = _joined(self.sizes, sizes)
-        self.estimated = self.estimated.joined(guess)
+        self.sizes = np.concatenate([self.sizes, sizes]).view(np.recarray)
+        self.guess = {key: np.concatenate([values, guess[key]]) for key, values in self.guess.items()}
 
     def _of(self, index: int) -> Rated:
         rated = self.rated[index]
         assert rated
         return rated
 
-    def _known(self, objective: Objective, meets: Meets, rejected: set[int], weighed: bool) -> tuple[int, float] | None:
+    def _known(self, objective: Objective, meets: Meets, rejected: set[int], weigh: bool) -> tuple[int, float] | None:
         """Return the best rated candidate and its objective; None if no rated candidate is feasible."""
         rows = [index for index, one in self.rated.items() if one and index not in rejected]
         rated = [self._of(row) for row in rows]
-        numbers = np.array([(one.capacity, one.mass if weighed else 0.0, one.length) for one in rated])
+        numbers = np.array([(one.capacity, one.mass if weigh else 0.0, one.length) for one in rated])
         if not rows:
             return None
         value = np.where(meets(numbers[:, 0], numbers[:, 2]), objective(*numbers.T), np.inf)
@@ -286,35 +286,87 @@ class Pool:
         return (rows[best], float(value[best])) if np.isfinite(value[best]) else None
 
 
-@lru_cache(maxsize=32)
 def pool_of(requirement: Requirement) -> Pool | None:
-    """Return the elites of a requirement without its limits of torque, length and backlash; None if there are none.
+    """Return the elites of the kind of drive that is required, under its conditions; None if there are none."""
+    archive = archive_of(requirement.kind)
+    if not archive:
+        return None
+    guess = scaled_estimate(requirement, archive.sizes, archive.sample, archive.factors)
+    return Pool(requirement, archive, archive.points, archive.sizes, guess)
 
-    The estimates of a first archive are calibrated item by item with some of its elites, for a second archive.
+
+def scaled_estimate(requirement: Requirement, sizes: Sizes, sample: Reducer, factors: Mapping[str, float]) -> Estimate:
+    """Estimate candidates under the conditions of a requirement, each figure times its factor."""
+    design = sample.but(**conditions(requirement)).design
+    return {key: factors.get(key, 1.0) * guess for key, guess in estimate(requirement, sizes, design).items()}
+
+
+@lru_cache(maxsize=32)
+def archive_of(kind: Requirement) -> Archive | None:
+    """Run MAP-Elites on the estimates of a kind of drive; None if none can be built.
+
+    So that the elites serve all conditions, an archive each has the lightest candidates by all items, without the limit
+    of temperature, and by strength alone. Halfway, ratings of some elites calibrate the estimates item by item.
     """
-    sample = first_drive(requirement)
+    sample = first_drive(kind)
     if not sample:
         return None
-    first = _illuminate(requirement, sample, {})
-    limits, _, _ = first.corrected()
-    capacity = np.min(list(limits.values()), axis=0)
-    order = np.argsort(capacity)[len(capacity) // 4 :]
-    for index in order[np.linspace(0, len(order) - 1, SETTINGS.calibrations).astype(int)]:
-        first.rate(int(index), float(capacity[index]))
-    known = {index: rated for index, rated in first.rated.items() if rated}
-    factors: dict[str, float] = {}
-    guesses = {**limits, "mass": first.estimated.mass, "length": first.estimated.length}
-    for key, limit in guesses.items() if known else ():
-        ratios = [np.clip(_figure(one, key) / limit[index], 0.05, 20.0) for index, one in known.items()]
-        factors[key] = float(np.exp(np.median(np.log(ratios))))
-    return _illuminate(requirement, sample, factors)
+    random, factors = np.random.default_rng(0), dict[str, float]()
+    points, sizes = decode(kind, _sequence(SETTINGS.start))
+    for generation in range(SETTINGS.generations + 1):
+        guess = scaled_estimate(kind, sizes, sample, factors)
+        elites = _elites(guess)
+        points, sizes = points[elites], sizes[elites].view(np.recarray)
+        if generation == SETTINGS.generations:
+            break
+        if generation == SETTINGS.generations // 2:
+            factors = _calibrate(kind, sizes, {key: values[elites] for key, values in guess.items()})
+        parents, others = random.integers(len(points), size=(2, SETTINGS.children))
+        along = SETTINGS.line * random.standard_normal((SETTINGS.children, 1))
+        about = SETTINGS.scatter * random.standard_normal((SETTINGS.children, DIMENSIONS))
+        children = points[parents] + about + along * (points[others] - points[parents])
+        born, bred = decode(kind, np.clip(children, 0.0, 1.0 - 1e-9))
+        points, sizes = np.concatenate([points, born]), np.concatenate([sizes, bred]).view(np.recarray)
+    return Archive(points, sizes, sample, factors)
+
+
+def _elites(guess: Estimate) -> Integers:
+    """Return the lightest candidate of each cell of torque and length, by all items and by some."""
+    by_life = [key for key in guess if not (is_momentary(key) or is_strength(key))]
+    chosen = []
+    for left_out in ((), ("temperature", "other"), tuple(by_life)):
+        torque = np.where(guess["other"] > 0.0, capacity(guess, left_out), 0.0)
+        strong = np.flatnonzero(torque > SETTINGS.weakest * torque.max())
+        order = strong[np.argsort(guess["mass"][strong], kind="stable")]
+        cell = np.floor(SETTINGS.cells * np.log(np.stack([torque[order], guess["length"][order]], axis=1)))
+        chosen.append(order[np.unique(cell, axis=0, return_index=True)[1]])
+    return np.unique(np.concatenate(chosen))
+
+
+def _calibrate(kind: Requirement, sizes: Sizes, guess: Estimate) -> dict[str, float]:
+    """Return the median ratio of ratings to estimates by item, of some candidates of the upper three quarters."""
+    torque = capacity(guess)
+    order = np.argsort(torque)[len(torque) // 4 :]
+    rows = order[np.linspace(0, len(order) - 1, SETTINGS.calibrations).astype(int)].tolist()
+    rated = {row: rate_candidate(kind, sizes[row], float(torque[row]), tuple(guess)) for row in rows}
+    known = {row: one for row, one in rated.items() if one}
+    return {
+        key: float(np.exp(np.median([_log_ratio(one.figure(key), values[row]) for row, one in known.items()])))
+        for key, values in guess.items()
+        if known
+    }
+
+
+def _log_ratio(true: Array | float, guess: Array) -> Array:
+    """Return the logarithm of rated over estimated figures, within a factor of 20."""
+    return np.asarray(np.log(np.clip(true / np.maximum(guess, 1e-9), 0.05, 20.0)))
 
 
 def first_drive(requirement: Requirement) -> Reducer | None:
     """Return the first drive of the sequence that can be built, for its materials and friction."""
-    sizes, guess = decode(requirement, _sequence(SETTINGS.start)), 1e3 * requirement.diameter**3
-    drives = (build_drive(requirement, sizes.row(int(index)), guess) for index in np.flatnonzero(sizes.valid)[:200])
-    return next((drive for drive in drives if drive), None)
+    guess = 1e3 * requirement.diameter**3
+    _, sizes = decode(requirement, _sequence(SETTINGS.start))
+    return next((drive for row in sizes[:200] if (drive := build_drive(requirement, row, guess))), None)
 
 
 def _sequence(count: int) -> Array:
@@ -323,35 +375,3 @@ def _sequence(count: int) -> Array:
     for _ in range(50):
         ratio = (1.0 + ratio) ** (1.0 / (DIMENSIONS + 1))
     return np.asarray((0.5 + np.arange(1, count + 1)[:, np.newaxis] / ratio ** np.arange(1, DIMENSIONS + 1)) % 1.0)
-
-
-def _illuminate(requirement: Requirement, sample: Reducer, factors: Mapping[str, float]) -> Pool:
-    """Run MAP-Elites on the estimates, each torque limit times the factor of its item."""
-    random = np.random.default_rng(0)
-    points, elites = _sequence(SETTINGS.start), np.empty((0, DIMENSIONS))
-    for _ in range(SETTINGS.generations + 1):
-        points = np.concatenate([elites, points])
-        sizes = decode(requirement, points)
-        points, sizes = points[sizes.valid], _rows(sizes, sizes.valid)
-        guess = estimate(requirement, sizes, sample.design).scaled(factors)
-        limits = guess.limits
-        capacity = np.min(list(limits.values()), axis=0)
-        strong = np.flatnonzero(capacity > SETTINGS.weakest * capacity.max())
-        order = strong[np.argsort(guess.mass[strong], kind="stable")]
-        cell = np.floor(SETTINGS.cells * np.log(np.stack([capacity[order], guess.length[order]], axis=1)))
-        kept = np.sort(order[np.unique(cell, axis=0, return_index=True)[1]])
-        elites, sizes = points[kept], _rows(sizes, kept)
-        guess = guess.rows(kept)
-        parents, others = random.integers(len(elites), size=(2, SETTINGS.children))
-        along = SETTINGS.line * random.standard_normal((SETTINGS.children, 1))
-        about = SETTINGS.scatter * random.standard_normal((SETTINGS.children, DIMENSIONS))
-        points = np.clip(elites[parents] + about + along * (elites[others] - elites[parents]), 0.0, 1.0 - 1e-9)
-    return Pool(requirement, sample, factors, elites, sizes, guess)
-
-
-def _joined(first: Sizes, second: Sizes) -> Sizes:
-    return Sizes(*(np.concatenate([getattr(first, one.name), getattr(second, one.name)]) for one in fields(Sizes)))
-
-
-def _rows(sizes: Sizes, rows: Integers | Mask) -> Sizes:
-    return Sizes(*(getattr(sizes, one.name)[rows] for one in fields(Sizes)))

@@ -32,8 +32,8 @@ def drives() -> dict[str, Reducer]:
             process=draw.choice(("steel", "printed", "milled")),
             discs=draw.choice((1, 1, 2, 3)),
         )
-        sizes = decode(asked, np.array([[draw.random() for _ in range(DIMENSIONS)]]))
-        if sizes.valid[0] and (reducer := build_drive(asked, sizes.row(0), asked.torque)):
+        _, sizes = decode(asked, np.array([[draw.random() for _ in range(DIMENSIONS)]]))
+        if len(sizes) and (reducer := build_drive(asked, sizes[0], asked.torque)):
             found[f"{asked.process} {asked.ratio}:1, {1e3 * asked.diameter:g} mm, {asked.discs}"] = reducer
     return {name: reducer for name, reducer in found.items() if reducer}
 
