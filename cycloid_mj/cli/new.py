@@ -22,6 +22,7 @@ from cycloid_mj.design import PRESETS, dump, reasons
 
 if TYPE_CHECKING:
     from cycloid_mj.sizing.answer import Answer, FeasibleChange, SizedDrive
+    from cycloid_mj.sizing.process import Process
     from cycloid_mj.sizing.requirement import Requirement
 
 NewName = Annotated[
@@ -88,9 +89,10 @@ AmbientFlag = Annotated[
 MotorFlag = Annotated[
     str,
     Parameter(
-        metavar="FILE",
-        help="CSV file of a motor's curve, columns speed_rpm and torque_nm: the crank turns as fast as the motor "
-        "delivers the required torque, instead of --speed-rpm.",
+        metavar="NAME|FILE",
+        help="Motor frame (nema17, nema23, nema34) or CSV file of a motor's curve, columns speed_rpm and torque_nm: "
+        "the crank turns as fast as the motor delivers the required torque (a frame by its usual power, and no faster "
+        "than the default), instead of --speed-rpm.",
     ),
 ]
 BacklashFlag = Annotated[
@@ -235,7 +237,7 @@ def new(
         diameter_mm=diameter_mm,
         torque_nm=torque_nm,
         life_h=life_h,
-        speed_rpm=_motor_speed(motor, torque_nm / low) if motor else speed_rpm,
+        speed_rpm=_motor_speed(motor, torque_nm / low, process) if motor else speed_rpm,
         output_rpm=output_rpm,
         duty=duty or None,
         cooling=cooling,
@@ -360,16 +362,28 @@ def _flags(way: "FeasibleChange", asked: "Requirement", ranged: bool) -> list[st
     return [*words, "--custom"] if way.requirement.custom and not asked.custom else words
 
 
-def _motor_speed(path: str, torque: float) -> float:
-    """Return the largest speed [rpm] at which a motor's curve in a CSV file delivers a torque [N m]."""
+def _motor_speed(path: str, torque: float, process: "Process") -> float:
+    """Return the largest speed [rpm] at which a motor, a frame or a curve in a CSV file, delivers a torque [N m]."""
     import csv
 
+    from cycloid_mj.base.units import RPM
+    from cycloid_mj.parts.export.motors import MOTORS
+    from cycloid_mj.sizing.process import PROCESSES
+
+    if (frame := MOTORS.get(path)) and frame.torque:
+        if torque > frame.torque:
+            raise UsageError(
+                f"--motor {path}: the crank needs {torque:.4g} N m, and usual motors of the frame have "
+                f"{frame.torque:g} N m: choose a larger frame, a larger ratio or less torque"
+            )
+        return min(PROCESSES[process].speed_rpm, frame.power / torque / RPM)
     try:
         with Path(path).open(newline="", encoding="utf-8-sig") as file:
             points = sorted((float(row["speed_rpm"]), float(row["torque_nm"])) for row in csv.DictReader(file))
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise UsageError(
-            f"--motor {path}: {error}; expected a CSV file with the columns speed_rpm and torque_nm"
+            f"--motor {path}: {error}; expected {', '.join(key for key, one in MOTORS.items() if one.torque)} or a CSV "
+            "file with the columns speed_rpm and torque_nm"
         ) from error
     speeds = [speed for speed, delivered in points if delivered >= torque and speed > 0.0]
     for (low, more), (high, less) in itertools.pairwise(points):

@@ -348,20 +348,16 @@ def other_drives(solution: Solution) -> Iterator[SizedDrive]:
     accept = _Acceptance(requirement)
     strong = [item for item in solution.pool.rated.values() if item and item.mass > first.mass]
     strong = [item for item in strong if item.capacity >= requirement.torque and item.length <= requirement.length]
-    found: dict[str, Rated] = {}
-    for title, merit in (("stiffest", _stiffness_of), ("longest life", _life_of)):
-        better = [item for item in strong if merit(item) > MIN_DIFFERENCE * merit(first)]
-        best = next((item for item in sorted(better, key=merit, reverse=True) if accept(item)), None)
-        if best:
-            found[title] = best
-    if len({id(item) for item in found.values()}) == 1:
-        titles, (best, *_) = " and ".join(found), found.values()
-        found = {next(iter(found)): best}
-    else:
-        titles = ""
-    for title, item in found.items():
-        other = accept.solution(solution.pool, item)
-        yield sized_drive(other, other.rated, title, WHY[titles or title])
+    promising = [item for merit in (_stiffness_of, _capacity_of) for item in sorted(strong, key=merit)[-2:]]
+    found = [accept.solution(solution.pool, item) for item in dict.fromkeys(promising) if accept(item)]
+    best = {
+        title: max(found, key=lambda other: merit(other.rated))
+        for title, merit in (("stiffest", _stiffness_of), ("longest life", _life_of))
+        if any(merit(other.rated) > MIN_DIFFERENCE * merit(first) for other in found)
+    }
+    both = " and ".join(best) if len({id(other) for other in best.values()}) == 1 else ""
+    for title, other in [*best.items()][: 1 if both else 2]:
+        yield sized_drive(other, other.rated, title, WHY[both or title])
 
 
 WHY = {
@@ -374,6 +370,10 @@ WHY = {
 
 def _life_of(rated: Rated) -> float:
     return rated.life
+
+
+def _capacity_of(rated: Rated) -> float:
+    return rated.capacity
 
 
 def sized_drive(solution: Solution, rated: Rated, title: str, why: str) -> SizedDrive:

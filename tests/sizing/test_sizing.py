@@ -514,6 +514,14 @@ def test_the_command_tells_the_most_that_goes(tmp_path: Path, monkeypatch, capsy
             "'few' is not a whole number, or auto",
         ),
         (["--discs", "2"], "applies to new sizes only"),
+        (
+            ["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "40", "--motor", "nema17"],
+            "the crank needs 2 N m, and usual motors of the frame have 0.45 N m",
+        ),
+        (
+            ["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "40", "--motor", "nema99"],
+            "expected nema17, nema23, nema34 or a CSV file",
+        ),
     ],
 )
 def test_the_command_says_what_is_missing(tmp_path: Path, monkeypatch, capsys, flags: list[str], message: str) -> None:
