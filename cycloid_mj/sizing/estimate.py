@@ -16,7 +16,7 @@ from cycloid_mj.geometry.ideal_loads import contact_modulus
 from cycloid_mj.life import rolling
 from cycloid_mj.life.heat import heat_limits
 from cycloid_mj.life.surfaces import PITTING_LIFE, SET_POWER, SET_SHARE, pitting_limit
-from cycloid_mj.parts.export.casing import RULES
+from cycloid_mj.parts.export.casing_rules import RULES
 from cycloid_mj.parts.output import RIM
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.candidates import Sizes
