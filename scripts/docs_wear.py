@@ -1,4 +1,4 @@
-"""Wear the presets for 1000 h, and write docs/data/wear.csv, the data of a chart of docs/wear.md.
+"""Wear presets for 1000 h, and write docs/data/wear.csv, the data of a chart of docs/wear.md.
 
 python scripts/docs_wear.py
 """
@@ -7,16 +7,16 @@ from docs_page import DATA, csv_text
 
 from cycloid_mj.base.atomic_write import write_files
 from cycloid_mj.base.units import ARCMINUTE
-from cycloid_mj.design import PRESETS
 from cycloid_mj.life.accuracy_life import wear
 
+NAMES = ("pin", "nonpin", "printed", "twodisc")
 HOURS = 1000.0
 
 
 def main() -> None:
-    """Write the lost motion of every preset over the hours, in all cases."""
+    """Write the lost motion of each preset over the hours, in all cases."""
     rows = [("preset", "case", "hours", "lost_motion_arcmin")]
-    for name in PRESETS:
+    for name in NAMES:
         for case, course in wear(name, HOURS).courses.items():
             for hours, motion in zip(course.hours, course.lost_motion / ARCMINUTE, strict=True):
                 rows.append((name, case, f"{hours:.5g}", f"{motion:.5g}"))

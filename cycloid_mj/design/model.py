@@ -755,7 +755,8 @@ class Bearing(Section):
     service_factor: float = quantity(1.0, "factor on the loads of bearings, for shocks", ge=0.1, le=10.0)
     viscosity: float = quantity(
         0.0,
-        "kinematic viscosity of the (base) oil at the temperature of the bearings, for a_ISO of ISO 281; 0: L10 only",
+        "kinematic viscosity of the (base) oil at the temperature of the bearings, for a_ISO of ISO 281; 0: that of "
+        "friction.lubricant with friction.law = film, else L10 only",
         u.VISCOSITY,
         ge=0.0,
         le=1e5,

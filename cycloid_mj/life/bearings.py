@@ -8,7 +8,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.units import RPM
-from cycloid_mj.design.model import Bearing as BearingSettings
+from cycloid_mj.design.lubricants import lubricant
 from cycloid_mj.design.stock import StockBearing, ball_bearings
 from cycloid_mj.life import rolling
 from cycloid_mj.life.item import RatedItem
@@ -27,6 +27,7 @@ from cycloid_mj.parts.export import cam_bearing, shaft_bearing
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.parts.export.drive import has_casing
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.film import lubricant_temperature
 
 NEEDLE_SHARE = 0.35
 """Assumed diameter of the needles of an output roller over its wall, where no load rating is given."""
@@ -36,6 +37,10 @@ SHAFT_ROLLERS, SHAFT_ROLLER_SHARE = 14, 0.4
 
 NEEDLE_FRICTION = 0.002
 """Coefficient of friction of needle bearings, referred to the bore (SKF, Rolling bearings, 2018)."""
+
+
+MM2 = 1e6
+"""Square millimetres in a square metre."""
 
 
 @dataclass(frozen=True)
@@ -269,9 +274,9 @@ def _rate_bearing(
         f"{float(turns.sum()) / RPM:.4g} rpm mean speed"
     )
     yield RatedItem(bearing.key, f"{bearing.name}, life", load, ratings.dynamic, "N", None, life, formula, note)
-    if settings.viscosity and turns.any():
+    if (viscosity := oil_viscosity(reducer)) and turns.any():
         speed = float(turns.sum()) / sum(load_case.point.share for load_case in loadings)
-        yield _modified_life(bearing, settings, load, life, speed)
+        yield _modified_life(bearing, viscosity, settings.cleanliness, load, life, speed)
     ratios = (
         float(force.max()) / abs(load_case.point.torque) for force, load_case in zip(forces, loadings, strict=True)
     )
@@ -289,13 +294,24 @@ def _rate_bearing(
     )
 
 
-def _modified_life(bearing: Bearing, settings: BearingSettings, load: float, life: float, speed: float) -> RatedItem:
+def oil_viscosity(reducer: Reducer) -> float:
+    """Return the viscosity of the oil in the bearings [m2/s]: that of the design file, or of its film law; else 0."""
+    design = reducer.design
+    if design.bearing.viscosity or not design.has_film:
+        return design.bearing.viscosity
+    oil = lubricant(design.friction.lubricant)
+    return oil.kinematic_viscosity(lubricant_temperature(reducer, "cam")) / MM2
+
+
+def _modified_life(
+    bearing: Bearing, viscosity: float, cleanliness: float, load: float, life: float, speed: float
+) -> RatedItem:
     """Rate the life of a bearing modified for lubrication and contamination, from L10 [h] and its speed [rad/s]."""
     ratings = bearing.ratings
     curve = life_curve(ratings.exponent)
-    kappa = 1e6 * settings.viscosity / reference_viscosity(speed, ratings.pitch)
+    kappa = MM2 * viscosity / reference_viscosity(speed, ratings.pitch)
     limit = fatigue_load_limit(ratings.static, ratings.pitch, curve)
-    factor = life_factor(kappa, settings.cleanliness, limit, load, curve) if load else MAX_FACTOR
+    factor = life_factor(kappa, cleanliness, limit, load, curve) if load else MAX_FACTOR
     outside = f"; kappa is below {MIN_KAPPA:g}, where ISO 281 has no value" if kappa < MIN_KAPPA else ""
     return RatedItem(
         f"{bearing.key}_modified",
@@ -306,8 +322,8 @@ def _modified_life(bearing: Bearing, settings: BearingSettings, load: float, lif
         None,
         factor * life,
         "L = a_ISO a1 L10, a_ISO by kappa and e_C C_u/P, ISO 281:2007",
-        f"a_ISO {factor:.3g}: kappa {kappa:.3g} = {1e6 * settings.viscosity:.3g} mm2/s over nu_1, "
-        f"e_C {settings.cleanliness:g}, C_u {limit:.4g} N by C0, d_m {1e3 * ratings.pitch:.3g} mm{outside}",
+        f"a_ISO {factor:.3g}: kappa {kappa:.3g} = {MM2 * viscosity:.3g} mm2/s over nu_1, e_C {cleanliness:g}, "
+        f"C_u {limit:.4g} N by C0, d_m {1e3 * ratings.pitch:.3g} mm{outside}",
     )
 
 

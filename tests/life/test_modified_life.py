@@ -6,7 +6,9 @@ import pytest
 
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import PRESETS, override
+from cycloid_mj.design.lubricants import lubricant
 from cycloid_mj.life import rate
+from cycloid_mj.life.bearings import oil_viscosity
 from cycloid_mj.life.modified_life import (
     BALLS,
     MAX_FACTOR,
@@ -17,6 +19,7 @@ from cycloid_mj.life.modified_life import (
     life_factor,
     reference_viscosity,
 )
+from cycloid_mj.reducer import Reducer
 
 
 def test_factor_matches_hand_calculations() -> None:
@@ -60,3 +63,12 @@ def test_rating_states_the_modified_life_next_to_l10() -> None:
     assert "e_C 0.5" in item.note
     thin = rate(override(PRESETS["pin"], {"bearing.viscosity_mm2_s": 5.0}), stops=False).items
     assert thin["cam_bearing_modified"].life < item.life
+
+
+def test_the_lubricant_of_the_film_law_sets_the_viscosity() -> None:
+    """That of PAO 150 at the temperature of the parts; a stated viscosity takes precedence."""
+    oiled = override(PRESETS["pin"], {"friction.law": "film", "friction.lubricant": "PAO 150"})
+    warm = oiled.but(thermal=dict.fromkeys(("disc", "ring", "crank", "output"), 60.0))
+    assert 1e6 * oil_viscosity(Reducer(warm)) == pytest.approx(lubricant("PAO 150").kinematic_viscosity(60.0))
+    assert oil_viscosity(Reducer(warm.but(bearing={"viscosity": 2e-5}))) == 2e-5
+    assert oil_viscosity(Reducer(PRESETS["pin"])) == 0.0
