@@ -314,18 +314,18 @@ def _efficiency(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
         _figure(reducer, "no_load_torque_nm", "No-load running torque", f"{BARE}; on the crank, {_speed(reducer)}"),
         _figure(reducer, "starting_torque_nm", "Starting torque", f"{BARE}; on the crank"),
         Quantity("temperature_rise", "Temperature rise", housing.value - ambient, "K", note=f"{condition}, still air"),
-        *_thermal_limit(design),
+        *_thermal_limit(reducer),
     )
 
 
-def _thermal_limit(design: Design) -> Iterator[Quantity]:
+def _thermal_limit(reducer: Reducer) -> Iterator[Quantity]:
     """Yield the torque that the steady temperatures of all parts allow, and the disc's rise over the ring.
 
     Nothing of a design whose sizes are those of warm parts.
     """
-    if design.thermal.applied:
+    if reducer.design.thermal.applied:
         return
-    state = thermal(design)
+    state = thermal(reducer.design)
     condition = f"{state.condition}; conductances assumed"
     if math.isfinite(state.torque):
         limit = f"{condition}; limit: {state.limited_by}"

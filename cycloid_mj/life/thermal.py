@@ -407,7 +407,7 @@ def rate_jam_difference(reducer: Reducer, loadings: Sequence[Loading]) -> Iterat
     )
 
 
-def rate_thermal_torque(design: Design, duty: Duty) -> RatedItem:
+def rate_thermal_torque(design: Named, duty: Duty) -> RatedItem:
     """Rate the largest torque of a duty against the one that the steady temperatures of all parts allow.
 
     Errors as `thermal`.

@@ -70,4 +70,6 @@ def _figure(key: str, name: str, value: float, unit: str, source: str, note: str
 def pair_coefficient(reducer: Reducer, kind: str) -> Interval:
     """Return the larger of the coefficients of wear of a pair's two surfaces [m3/(N m)]."""
     design = reducer.design
-    return max((wear_coefficient(design, part) for part in design.partners(kind)), key=lambda item: item.typical)
+    return max(
+        (wear_coefficient(design.service, part) for part in design.partners(kind)), key=lambda item: item.typical
+    )

@@ -90,7 +90,8 @@ class WearingDrive:
         for surface in self.surfaces:
             material = design.material_of(surface.part)
             name = material.name or design.material_table(surface.part)
-            laws[surface.key] = WearLaw(name, wear_coefficient(design, material), run_in_depth(design, material))
+            values = (find(design.service, material) for find in (wear_coefficient, run_in_depth))
+            laws[surface.key] = WearLaw(name, *values)
         return laws
 
     @cached_property

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.design import Design, Material
+from cycloid_mj.design import Material
 from cycloid_mj.design.model import Service
 
 MM3 = 1e9
@@ -89,9 +89,9 @@ RUN_IN_SHARE = 0.71
 """Share of run-in in the growth of the RV reducer's lost motion after 1550 h, 9.2 of 12.9 arcsec."""
 
 
-def wear_coefficient(design: Design, material: Material) -> Interval:
+def wear_coefficient(service: Service, material: Material) -> Interval:
     """Return the coefficient of wear of a surface [m3/(N m)]: that of the design file, or of its kind of material."""
-    stated = design.service.wear_coefficient
+    stated = service.wear_coefficient
     if stated != Service.model_fields["wear_coefficient"].default:
         source = "service.wear_coefficient_mm3_nm of the design file, within a factor of ten (assumed)"
         return Interval(stated / SPREAD, stated, stated * SPREAD, source)
@@ -100,9 +100,9 @@ def wear_coefficient(design: Design, material: Material) -> Interval:
     return COEFFICIENTS[KIND_OF_MATERIAL.get(material.name, "plastic")]
 
 
-def run_in_depth(design: Design, material: Material) -> Interval:
+def run_in_depth(service: Service, material: Material) -> Interval:
     """Return the depth that run-in removes from a surface [m]: that of the design file, or of its kind of material."""
-    stated = design.service.run_in_depth
+    stated = service.run_in_depth
     if stated:
         return Interval(stated / 2.0, stated, 2.0 * stated, "service.run_in_depth_um, within a factor of 2 (assumed)")
     return RUN_IN_DEPTHS["plastic" if material.is_plastic else "metal"]

@@ -51,7 +51,7 @@ class WearingSurface:
         Coordinate of the contact along the section [m], from -section/2, at the angles of `table_angles` and at pi,
         shape (`TABLE` + 1,); None for a surface that turns and so wears evenly.
     lever
-        Sliding speed of this surface over that of the contact.
+        SlidingContacts speed of this surface over that of the contact.
     opening
         Opening of the gap per depth of wear.
     """
@@ -85,7 +85,7 @@ class WearingSurface:
 
 
 @dataclass(frozen=True, eq=False)
-class Sliding:
+class SlidingContacts:
     """Contacts of a gap over a turn: angle in the table [rad], force [N], speed [m/s], half width [m], shape (m, n)."""
 
     angle: Array
@@ -163,7 +163,7 @@ def _cam_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
     yield WearingSurface("cam", "cams", "shaft", "cam", gear.discs, around, gear.face_width, place)
 
 
-def slidings(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[Gap, Sliding]:
+def slidings(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[Gap, SlidingContacts]:
     """Return the contacts of each gap under the loads of a turn, with their sliding speeds."""
     design, teeth = reducer.design, springs.teeth
     slip = np.abs(springs.slip)
@@ -176,19 +176,19 @@ def slidings(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[G
     cam_speed = design.gear.bore_radius * relative_speed(reducer, design.drive.speed)
     tooth = design.tooth_pair
     return {
-        "teeth": Sliding(
+        "teeth": SlidingContacts(
             _wrap(-contacts.phase[:, :teeth]),
             contact_loads.teeth,
             slip[:, :teeth],
             _half_width(reducer, tooth, contact_loads.teeth, springs.curvature, design.ring.pin_radius),
         ),
-        "output": Sliding(
+        "output": SlidingContacts(
             np.arctan2(*towards),
             contact_loads.output,
             slip[:, teeth:],
             _half_width(reducer, "output", contact_loads.output, None, design.output.pin_radius),
         ),
-        "cam": Sliding(
+        "cam": SlidingContacts(
             _wrap(np.arctan2(cam[..., 1], cam[..., 0]) - ahead),
             cam_force,
             np.full_like(cam_force, cam_speed),
@@ -212,7 +212,7 @@ def _half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | No
     return np.minimum(width, CONTACT.hertz_reach * radius)
 
 
-def dose_rate(surface: WearingSurface, sliding: Sliding) -> Array:
+def dose_rate(surface: WearingSurface, sliding: SlidingContacts) -> Array:
     """Compute the mean rate of pressure times sliding distance of each cell of a surface [Pa m/s], shape (cells,).
 
     The drive turns half of the time each way, under a load that always brakes.

@@ -187,11 +187,12 @@ def test_an_interruption_keeps_the_finished_steps() -> None:
 
 
 def test_coefficients_follow_the_materials() -> None:
-    disc, pin = (wear_coefficient(PRESETS["printed"], PRESETS["printed"].material_of(part)) for part in ("gear", "pin"))
+    printed = PRESETS["printed"]
+    disc, pin = (wear_coefficient(printed.service, printed.material_of(part)) for part in ("gear", "pin"))
     assert disc.typical == pytest.approx(2.65e-15)
     assert pin.typical == pytest.approx(1e-18)
     stated = override(PIN, {"service.wear_coefficient_mm3_nm": 3e-9})
-    assert wear_coefficient(stated, stated.material).high == pytest.approx(3e-17)
+    assert wear_coefficient(stated.service, stated.material).high == pytest.approx(3e-17)
     with pytest.raises(UsageError, match="hours = 0 is out of range"):
         wear(PIN, 0.0)
 

@@ -175,6 +175,6 @@ def test_a_rating_and_a_sheet_state_the_thermal_torque() -> None:
     assert item.safety == pytest.approx(state.torque / PRESETS["pin"].rated_torque)
     assert not item.decisive, "conductances are assumed"
     assert "closes the teeth" in item.source
-    rows = {row.key: row for row in datasheet._thermal_limit(PRESETS["pin"])}
+    rows = {row.key: row for row in datasheet._thermal_limit(Reducer(PRESETS["pin"]))}
     assert rows["thermal_torque"].value == pytest.approx(state.torque)
     assert rows["disc_over_ring"].value == pytest.approx(state.difference)
