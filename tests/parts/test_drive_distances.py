@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from cycloid_mj.design import PRESETS
+from cycloid_mj.design import PRESETS, presets_for
 from cycloid_mj.parts import PartSection
 from cycloid_mj.parts.curve import Circle
 from cycloid_mj.parts.export import Place, casing
@@ -33,7 +33,7 @@ def test_distances_of_rings_match_closed_forms():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("name", presets_for("export"))
 def test_moving_parts_of_the_presets_never_touch(name):
     reducer = Reducer(PRESETS[name])
     sizes = casing(reducer)
