@@ -51,9 +51,9 @@ def wear(
     coefficient falls from 30 times its value while the roughness is worn off. The drive turns half of the time each
     way. Coefficients follow from the materials, or service.wear_coefficient_mm3_nm and service.run_in_depth_um; they
     are known within a factor of ten, so three courses are computed: typical, and all coefficients at 5 and 95 %. A
-    course ends when the lost motion has grown by --growth-percent. --json: accuracy_life_h, null if the life is longer
-    than the hours; accuracy_life_interval_h; records over time; surfaces with their depths. Ctrl-C keeps the finished
-    steps.
+    course ends when the lost motion has grown by --growth-percent; a longer life is extrapolated with the rate at the
+    end of the hours. --json: accuracy_life_h, accuracy_life_extrapolated, accuracy_life_interval_h; records over time;
+    surfaces with their depths. Ctrl-C keeps the finished steps.
     """
     from cycloid_mj.life.accuracy_life import wear as compute
     from cycloid_mj.life.wear_course import CASES

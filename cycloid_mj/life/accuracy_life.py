@@ -51,10 +51,15 @@ class Course:
     end: str
 
     def life(self, limit: float) -> float:
-        """Return the hours until the lost motion reaches a limit [rad]; inf if it does not."""
+        """Return the hours until the lost motion reaches a limit [rad]; inf if it does not grow.
+
+        Beyond the course it is extrapolated with the rate at the end, which is too short a life where wear slows down.
+        """
         reached = np.flatnonzero(self.lost_motion >= limit)
         if not reached.size:
-            return math.inf
+            hours, grown = (float(np.diff(values[-2:]).sum()) for values in (self.hours, self.lost_motion))
+            missing = limit - float(self.lost_motion[-1])
+            return float(self.hours[-1]) + missing * hours / grown if grown > 0.0 else math.inf
         after = max(int(reached[0]), 1)
         return float(np.interp(limit, self.lost_motion[after - 1 : after + 1], self.hours[after - 1 : after + 1]))
 
@@ -126,7 +131,7 @@ class WearLife(Presented):
         return (1.0 + self.growth) * float(self.courses["typical"].lost_motion[0])
 
     def life(self, case: Case = "typical") -> float:
-        """Return the accuracy life in a case [h]; inf if the limit is not reached, NaN if the case is missing."""
+        """Return the accuracy life in a case [h], as `Course.life`; NaN if the case is missing."""
         course = self.courses.get(case)
         return course.life(self.limit) if course else math.nan
 
@@ -135,7 +140,14 @@ class WearLife(Presented):
         life = self.life(case)
         if math.isnan(life):
             return "not computed"
-        return f"{life:.4g} h" if math.isfinite(life) else f"> {self.courses[case].hours[-1]:.4g} h"
+        if not math.isfinite(life):
+            return "unlimited"
+        return f"about {float(f'{life:.2g}'):g} h, extrapolated" if self.extrapolated(case) else f"{life:.4g} h"
+
+    def extrapolated(self, case: Case = "typical") -> bool:
+        """Return whether the accuracy life in a case is beyond its course."""
+        course = self.courses.get(case)
+        return course is not None and bool(course.life(self.limit) > course.hours[-1])
 
     @property
     def interval_text(self) -> str:
@@ -197,7 +209,7 @@ class WearLife(Presented):
         )
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the result to JSON values; a life that is longer than its course is None."""
+        """Convert the result to JSON values; an unlimited life is None."""
         names = [key for key, _ in self.columns]
         return dict(
             plain(
@@ -207,6 +219,7 @@ class WearLife(Presented):
                     "hours": self.hours,
                     "growth_percent": 100.0 * self.growth,
                     "accuracy_life_h": self.life(),
+                    "accuracy_life_extrapolated": self.extrapolated(),
                     "accuracy_life_interval_h": [self.life("high"), self.life("low")],
                     "accuracy_life": {case: self.life_text(case) for case in CASES},
                     "limit_arcmin": self.limit / ARCMINUTE,

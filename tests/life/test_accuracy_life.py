@@ -11,7 +11,7 @@ import cycloid_mj as cm
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.geometry import profile
-from cycloid_mj.life.accuracy_life import WearLife, wear
+from cycloid_mj.life.accuracy_life import Course, WearLife, wear
 from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.wear_course import WearingDrive, WearSettings, lost_motion, wear_steps
 from cycloid_mj.life.wear_data import RUN_IN_FACTOR, wear_coefficient, wear_rate, worn_depth
@@ -150,19 +150,28 @@ def pin_life() -> WearLife:
 def test_the_life_is_an_interval(pin_life: WearLife) -> None:
     low, typical, high = (pin_life.life(case) for case in ("high", "typical", "low"))
     assert low < typical < 400.0
-    assert math.isinf(high)
+    assert high > 400.0
+    assert (pin_life.extrapolated(), pin_life.extrapolated("low")) == (False, True)
     assert pin_life.courses["low"].hours[-1] == 400.0
     for course in pin_life.courses.values():
         assert np.all(np.diff(course.lost_motion) > 0.0)
     found = pin_life.as_json()
     assert found["accuracy_life_h"] == pytest.approx(typical)
-    assert found["accuracy_life_interval_h"] == [pytest.approx(low), None]
-    assert found["accuracy_life"]["low"] == "> 400 h"
+    assert not found["accuracy_life_extrapolated"]
+    assert found["accuracy_life_interval_h"] == pytest.approx([low, high])
+    assert found["accuracy_life"]["low"].endswith("h, extrapolated")
     last = found["records"][-1]
     assert last["lost_motion_arcmin"] >= found["limit_arcmin"] > found["records"][0]["lost_motion_arcmin"]
     assert json.loads(json.dumps(found)) == found
     assert 0.0 < pin_life.run_in_share < 1.0
     assert pin_life.plot() is not None
+
+
+def test_beyond_its_course_a_life_follows_from_the_last_rate() -> None:
+    course = Course(np.array([0.0, 1.0, 2.0]), np.array([1.0, 1.2, 1.3]), "end")
+    assert course.life(1.1) == pytest.approx(0.5)
+    assert course.life(1.6) == pytest.approx(5.0)
+    assert math.isinf(Course(course.hours, np.ones(3), "end").life(1.6))
 
 
 def test_time_scales_with_the_coefficient_without_run_in() -> None:
@@ -201,8 +210,9 @@ def test_command_prints_life_and_interval() -> None:
     code, text, _ = told("wear", "pin", "--hours", "2", "--json")
     found = json.loads(text)
     assert code == 0
-    assert found["accuracy_life_h"] is None
-    assert found["accuracy_life_interval_h"][1] is None
+    assert found["accuracy_life_extrapolated"]
+    low, high = found["accuracy_life_interval_h"]
+    assert 2.0 < low < found["accuracy_life_h"] < high
     code, _, message = told("wear", "pin", "--hours", "0")
     assert code == 2
     assert "--hours 0 is out of range" in message
