@@ -18,7 +18,7 @@ import numpy as np
 from drive_distances import smallest_distances
 
 from cycloid_mj.cli import main
-from cycloid_mj.design import PRESETS, resolve
+from cycloid_mj.design import presets_for, resolve
 from cycloid_mj.parts.export import Casing, bill, casing, places
 from cycloid_mj.parts.export.drive import drive_mass
 from cycloid_mj.reducer import Reducer
@@ -76,7 +76,7 @@ def failed_exports(name: str) -> Iterator[str]:
 def run(names: list[str]) -> int:
     """Print the faults of designs; return 1 if there are any."""
     count = 0
-    for name in names or PRESETS:
+    for name in names or presets_for("export"):
         found = list(faults(name))
         count += len(found)
         print(f"{name}: {'; '.join(found) or 'good'}", flush=True)
