@@ -45,6 +45,7 @@ from cycloid_mj.dynamics.contact.each_step import EachStep
 from cycloid_mj.dynamics.contact.forces import drag_rows, pair_index
 from cycloid_mj.dynamics.contact.shared import Shared
 from cycloid_mj.dynamics.drive_cycle import DriveCycle, initial_state, ramp_and_hold
+from cycloid_mj.dynamics.film_table import film_rows
 from cycloid_mj.dynamics.jam import jamming_power, moving_means
 from cycloid_mj.dynamics.massless import idle
 from cycloid_mj.dynamics.mjcf import Held, ReducerModel, addresses, build, sensors, unused, xml
@@ -434,7 +435,8 @@ def _by_mujoco(compiled: ReducerModel, reducer: Reducer, data: Any, plan: Schedu
     laws = [reducer.contacts[pair.kind].impact for pair in compiled.pairs]
     impacts = [law for law in laws if law]
     sources, orbits = addresses(data, reducer), disc_freedoms(compiled.model, reducer)
-    steps = EachStep(compiled.model, data, index, plan.stride, sources, [*drags.values()], impacts, orbits)
+    film = film_rows(reducer, compiled.pairs)
+    steps = EachStep(compiled.model, data, index, plan.stride, sources, [*drags.values()], impacts, orbits, film)
 
     def warning() -> str:
         first = int(np.argmax(data.warning.number > 0))

@@ -11,6 +11,7 @@ returning to Python. A fatal error of MuJoCo therefore occurs within one call fr
 """
 
 import ctypes
+import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import astuple
@@ -33,6 +34,7 @@ from cycloid_mj.dynamics.contact.memory import read_address, read_float, read_in
 from cycloid_mj.dynamics.contact.reference_correction import bind_multiplication, correct_references, multiply_jacobian
 from cycloid_mj.dynamics.contact.shared import Shared
 from cycloid_mj.dynamics.contact.step_state import ARRAYS, FIELDS, INDEX, POINTERS, STEP_STATE, StepState, step_state_at
+from cycloid_mj.dynamics.film_table import SEAT, TEETH, FilmRows, look_up
 from cycloid_mj.reducer import impact
 from cycloid_mj.reducer.impact import ImpactLaw
 
@@ -60,14 +62,15 @@ _STAGES = [
 _integrate, _position, _velocity, _actuation, _acceleration, _constraint, _place_energy, _motion_energy = _STAGES
 
 
-def add_sensor(spec: Any, impact: bool = False) -> None:
+def add_sensor(spec: Any, changes_contacts: bool = False) -> None:
     """Add the user data and the user sensor to an editable model.
 
-    With `impact` a second sensor is added, which is evaluated before the forces, to apply the law IMPACT to each
-    contact.
+    With `changes_contacts` a second sensor is added, which is evaluated before the forces, to apply the law IMPACT or
+    the friction law ``film`` to each contact.
     """
     spec.nuserdata = 1
-    stages = {SENSOR: mujoco.mjtStage.mjSTAGE_ACC} | ({IMPACT_SENSOR: mujoco.mjtStage.mjSTAGE_POS} if impact else {})
+    before = {IMPACT_SENSOR: mujoco.mjtStage.mjSTAGE_POS} if changes_contacts else {}
+    stages = {SENSOR: mujoco.mjtStage.mjSTAGE_ACC} | before
     for name, stage in stages.items():
         spec.add_sensor(
             name=name,
@@ -99,6 +102,8 @@ class EachStep:
         Constraint rows of the joint drags.
     impacts
         Law IMPACT of each pair; none if contacts follow the model's own law.
+    film
+        Table and rows of the friction law ``film``; None with the law ``coulomb``.
     orbits
         Index of the degree of freedom along x of each disc; that along y comes next. Their positions are the disc
         centres.
@@ -114,6 +119,7 @@ class EachStep:
         drags: Sequence[int] = (),
         impacts: Sequence[ImpactLaw] = (),
         orbits: Sequence[int] = (),
+        film: FilmRows | None = None,
     ) -> None:
         """Allocate the arrays of the run, and store their addresses in the user data."""
         self._model, self._data, self._index = model, data, index
@@ -122,6 +128,8 @@ class EachStep:
         self._drags = np.array(drags, dtype=np.int32)
         self._impacts = np.array([astuple(impact) for impact in impacts], dtype=np.float64)
         self._orbits, self._circling = np.array(orbits, dtype=np.int32), np.zeros(model.nv)
+        self._film = film
+        self._on_pins = np.zeros((2, film.pins if film else 0))
         self._timestep = np.array([model.opt.timestep])
         self._peak = np.zeros(len(index.origin))
         self._sum = np.zeros_like(self._peak)
@@ -168,6 +176,7 @@ class EachStep:
             "warning_kinds": data.warning.number.size,
             "warning_stride": data.warning.number.strides[0],
             "impact": self._impacts.ctypes.data if self._impacts.size else 0,
+            "pins": self._on_pins.shape[1],
             "due": 1,
             "every": self._every,
             "width": 8 * self._width,
@@ -185,6 +194,9 @@ class EachStep:
             "sum": self._sum,
             "peak": self._peak,
         }
+        if self._film is not None:
+            arrays |= {"film": self._film.table, "film_kind": self._film.kind, "film_pin": self._film.pin}
+            arrays |= {"pin_force": self._on_pins[0], "pin_cosine": self._on_pins[1]}
         record = np.zeros((), STEP_STATE)
         for name, value in (values | {name: array.ctypes.data for name, array in arrays.items()}).items():
             record[name] = value
@@ -246,6 +258,7 @@ def _compile_callback() -> Any:
         run = step_state_at(address)
         if stage == _FIRST_STAGE:
             _apply_impact(run)
+            _apply_film(run)
             return
         _end_step(model, data, run)
         while run.left > 0:
@@ -253,6 +266,7 @@ def _compile_callback() -> Any:
             _integrate(model, data)
             _position(model, data)
             _apply_impact(run)
+            _apply_film(run)
             _velocity(model, data)
             correct_references(layout, model, data)
             _actuation(model, data)
@@ -313,6 +327,60 @@ def _apply_impact(run: StepState) -> None:
         write_float(normal, force / (depth * added))
         write_float(normal + 8, damping / added)
         write_float(normal + 16, 1.0)
+
+
+@compiling.njit(inner=True)
+def _apply_film(run: StepState) -> None:
+    """Set the friction of every contact by the law ``film``, at its force K x of the depth x.
+
+    The seats of moving pins follow the teeth, as the disc that presses a pin most determines its phase.
+    """
+    if not run.film:
+        return
+    for pin in range(run.pins):
+        write_float(run.pin_force + 8 * pin, 0.0)
+        write_float(run.pin_cosine + 8 * pin, 1.0)
+    for seats in (False, True):
+        for k in range(read_int(run.ncon)):
+            contact = read_address(run.contact) + run.stride * k
+            pair, row = abs(pair_of(run, contact)) - 1, read_int(contact + run.efc_address)
+            if pair < 0 or row < 0 or (read_int(run.film_kind + 4 * pair) == SEAT) != seats:
+                continue
+            _rub(run, contact, pair, row)
+
+
+@compiling.njit(inner=True)
+def _rub(run: StepState, contact: int, pair: int, row: int) -> None:
+    """Set the friction of one contact by the law ``film``."""
+    constants = read_address(run.efc_KBIP) + 32 * row
+    depth = max(-read_float(read_address(run.efc_pos) + 8 * row), 0.0)
+    force = read_float(constants) * read_float(constants + 16) * depth / read_float(read_address(run.efc_R) + 8 * row)
+    kind, pin = read_int(run.film_kind + 4 * pair), read_int(run.film_pin + 4 * pair)
+    cosine = 1.0
+    if kind == TEETH:
+        cosine = _phase_cosine(run, contact, pair)
+        if force > read_float(run.pin_force + 8 * pin):
+            write_float(run.pin_force + 8 * pin, force)
+            write_float(run.pin_cosine + 8 * pin, cosine)
+    elif kind == SEAT:
+        cosine = read_float(run.pin_cosine + 8 * pin)
+    before = read_float(contact + run.friction)
+    coefficient = look_up(run.film, kind, cosine, force)
+    if before > 0.0 and coefficient > 0.0:
+        write_float(contact + run.friction, coefficient)
+        write_float(contact + run.friction + 8, coefficient)
+        write_float(contact + run.mu, read_float(contact + run.mu) * coefficient / before)
+
+
+@compiling.njit(inner=True)
+def _phase_cosine(run: StepState, contact: int, pair: int) -> float:
+    """Compute the cosine of the phase of a ring pin or lobe against the eccentricity of a disc in contact."""
+    first, second = read_int(contact + run.geom), read_int(contact + run.geom + 4)
+    mate = second if read_address(run.teeth + 8 * first) else first
+    at, disc = run.geom_xpos + 24 * mate, run.xpos + 24 * read_int(run.origin + 4 * pair)
+    px, py, x, y = read_float(at), read_float(at + 8), read_float(disc), read_float(disc + 8)
+    away = math.sqrt((px * px + py * py) * (x * x + y * y))
+    return (px * x + py * y) / away if away > 0.0 else 1.0
 
 
 @compiling.njit(inner=True)

@@ -13,7 +13,7 @@ StepState = Any
 POINTERS = ("contact", "ncon", "efc_force", "efc_vel", "efc_pos", "efc_R", "efc_D", "efc_KBIP")
 """Addresses of pointers, and of the number of contacts, in ``mjData``."""
 
-FIELDS = ("stride", "pos", "frame", "dim", "geom", "efc_address")
+FIELDS = ("stride", "pos", "frame", "dim", "geom", "efc_address", "friction", "mu")
 """Size of an ``mjContact`` [bytes], and offsets of fields in it; its distance comes first."""
 
 ARRAYS = ("xpos", "geom_xpos", "geom_xmat", "qpos", "qvel", "qacc", "ctrl", "solver_niter")
@@ -23,12 +23,13 @@ INDEX = ("surface", "pair", "origin", "reach", "teeth")
 """Addresses of the arrays of a ``PairIndex``."""
 
 _OWN = ("warning_number", "saved_qvel", "timestep", "half_timestep", "orbits", "circling", "impact", "sources", "drags")
+_FILM = ("film", "film_kind", "film_pin", "pin_force", "pin_cosine", "pins")
 _SIZES = ("nv", "nu", "nuser_geom", "surfaces", "pairs", "source_count", "drag_count", "discs", "islands")
 _WARNINGS = ("warning_kinds", "warning_stride")
 _STEPS = ("sum", "peak", "command", "last", "left", "due", "every", "rows", "width")
 
 STEP_STATE = np.dtype(
-    [(name, np.int64) for name in POINTERS + FIELDS + ARRAYS + INDEX + _OWN + _SIZES + _WARNINGS + _STEPS]
+    [(name, np.int64) for name in POINTERS + FIELDS + ARRAYS + INDEX + _OWN + _FILM + _SIZES + _WARNINGS + _STEPS]
 )
 """State of a run: `POINTERS`, `FIELDS`, `ARRAYS`, `INDEX`, and
 
@@ -39,6 +40,10 @@ orbits, circling
     when the discs circle.
 impact
     Address of the parameters k, e, c and D of each pair, see ``impact``; 0 where contacts follow the model's law.
+film, film_kind, film_pin
+    Addresses of the `film_table`, and of row and ring pin of each pair; 0 with the friction law ``coulomb``.
+pin_force, pin_cosine, pins
+    Addresses of the force of a disc on each ring pin and the cosine of its phase there, and the number of pins.
 sources, drags
     Addresses of the addresses of sampled values, and of the constraint rows of drags.
 nv, nu, nuser_geom, surfaces, pairs, source_count, drag_count, discs, islands, warning_kinds

@@ -15,6 +15,7 @@ from cycloid_mj.parts import MassProperties, attached_parts
 from cycloid_mj.parts.parts import COLOURS, Colour, tint
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Body, Role, Surfaces
+from cycloid_mj.statics.film import drag_torques
 
 VISUAL_GROUP, CONTACT_GROUP = 2, 3
 
@@ -127,7 +128,7 @@ def _add_joints(element: Any, body: Body, reducer: Reducer) -> None:
 def _drag(reducer: Reducer, joint: str) -> dict[str, Any]:
     """Collect the joint attributes of seals and rotor on a shaft."""
     design = reducer.design
-    drag = {names.CRANK_JOINT: design.drag.crank, names.OUTPUT_JOINT: design.drag.output}.get(joint, 0.0)
+    drag = dict(zip((names.CRANK_JOINT, names.OUTPUT_JOINT), drag_torques(reducer), strict=True)).get(joint, 0.0)
     sealed = {"frictionloss": drag, "solref_friction": [SEAL_TIME, 1.0], "solimp_friction": SEAL_IMPEDANCE}
     rotor = {"armature": design.drive.rotor_inertia} if joint == names.CRANK_JOINT else {}
     return rotor | (sealed if drag > 0.0 else {})

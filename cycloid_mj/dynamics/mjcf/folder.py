@@ -52,6 +52,13 @@ class SpeedServo:
 SPEED_SERVO = SpeedServo()
 
 
+FILM_WARNING = (
+    'friction.law = "film" has no equivalent in stock MuJoCo: the sliding contacts of this model have the coefficient '
+    "of boundary lubrication, so that it loses more power than the design"
+)
+"""Warning about the friction of a model folder."""
+
+
 _NUMBER = re.compile(r"-?\d+\.\d{6,}(?:e[+-]?\d+)?")
 
 
@@ -78,6 +85,8 @@ def model_files(reducer: Reducer, settings: ConvexSettings | None = None) -> dic
     mesh.spec.meshdir = ASSETS
     compiled = reducer_model(mesh, reducer, gains)
     warn(reducer.design.name, compiled.warnings)
+    if reducer.design.has_film:
+        warn(reducer.design.name, (FILM_WARNING,))
     files = {f"{ASSETS}/{name}": content for name, content in sorted(mesh.spec.assets.items())}
     files[DESIGN] = dump(reducer.design).encode()
     files[REDUCER] = _reducer_xml(mesh.spec, reducer).encode()

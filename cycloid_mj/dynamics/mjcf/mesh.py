@@ -94,7 +94,7 @@ def build_mesh(reducer: Reducer, settings: ConvexSettings | None = None) -> Redu
     ------
     DesignError
         A part of the design is not feasible, or cannot be sliced; its pins carry sleeves; or its contacts follow
-        IMPACT.
+        IMPACT or the friction law ``film``.
     ContactError
         MuJoCo cannot represent a contact's stiffness at this time step.
     """
@@ -103,6 +103,11 @@ def build_mesh(reducer: Reducer, settings: ConvexSettings | None = None) -> Redu
         raise DesignError(
             f'{design.name}: contact.law = "impact" requires exact profiles and does not support convex meshes: use '
             '--contact profile, or set contact.law = "line"'
+        )
+    if design.has_film:
+        raise DesignError(
+            f'{design.name}: friction.law = "film" requires exact profiles and does not support convex meshes: use '
+            '--contact profile, or set friction.law = "coulomb"'
         )
     mesh = mesh_spec(reducer, settings or ConvexSettings())
     gains = add_actuators(mesh.spec, mesh.crank_inertia)

@@ -119,7 +119,7 @@ def build(design: Named, held: Held = "crank") -> ReducerModel:
     inertias = {"crank": crank, "output": output_inertia(reducer), "": 0.0}
     gains = add_actuators(spec, inertias[held], held)
     add_sensors(spec, reducer)
-    each_step.add_sensor(spec, reducer.design.contact.law == "impact")
+    each_step.add_sensor(spec, reducer.design.contact.law == "impact" or reducer.design.has_film)
     if reducer.design.ring.has_pin_bodies:
         set_solver(spec, stiffest(laws), loaded=reducer.design.load.torque != 0.0)
     model = _add_pairs(spec, reducer.mechanism.pairs, laws)

@@ -24,8 +24,9 @@ from cycloid_mj.dynamics.contact.contact_search import (
 )
 from cycloid_mj.dynamics.contact.gap import Flank, PartialCircle, Pose, outwards
 from cycloid_mj.dynamics.contact.teeth import Teeth
+from cycloid_mj.dynamics.film_table import CAM, OUTPUT, SEAT, TEETH, look_up
 from cycloid_mj.dynamics.planar.settings import CONTACT_SEARCH
-from cycloid_mj.dynamics.planar.system import CAM, OUTPUT, SEAT, TEETH, System
+from cycloid_mj.dynamics.planar.system import System
 from cycloid_mj.reducer import impact
 
 OPEN, STICKS, SLIDES, SLIDES_BACK = range(4)
@@ -36,7 +37,7 @@ CONTACT = np.dtype(
     + [(name, np.float64) for name in ("nx", "ny", "side")]
     + [(f"{part}_{arm}", np.float64) for part in ("disc", "pin", "shaft") for arm in ("normal", "tangent")]
     + [("disc_centre", np.float64), ("shaft_centre", np.float64)]
-    + [(name, np.float64) for name in ("gap", "force", "slope", "friction", "creep", "geometric_stiffness")]
+    + [(name, np.float64) for name in ("gap", "force", "slope", "friction", "creep", "geometric_stiffness", "cosine")]
     + [(name, np.float64) for name in ("speed", "slip", "normal_force", "friction_force")]
 )
 """Fields of a contact:
@@ -65,6 +66,8 @@ friction, creep
 geometric_stiffness
     Tangential force per normal force and speed of the centres [s/m], from the rotation of the normal as round surfaces
     roll in each other.
+cosine
+    Cosine of the phase of the pin against the eccentricity, for the friction law ``film``.
 speed, slip, normal_force, friction_force
     Relative speeds along normal and tangent [m/s], and the forces [N].
 """
@@ -132,7 +135,9 @@ def find(
         pair += 1
         cx, cy = outwards(shaft, system.cams[disc, 0], system.cams[disc, 1])
         cam = Round(cx, cy, q[3 * disc], q[3 * disc + 1], system.cam, 1.0)
-        count += _find_round(contacts, count, mating, cam, bore, out, q, v, half)
+        first, count = count, count + _find_round(contacts, count, mating, cam, bore, out, q, v, half)
+        for k in range(first, count):
+            _rub(system, contacts[k], CAM, 1.0, v)
     hole = PartialCircle(system.hole, 0.0, 1.0, -1.0, 0.0)
     for disc in range(discs):
         gear = _pose(q, 3 * disc, 0.0)
@@ -142,7 +147,9 @@ def find(
             sx, sy = outwards(carrier, system.studs[stud, 0], system.studs[stud, 1])
             hx, hy = outwards(gear, system.holes[disc, stud, 0], system.holes[disc, stud, 1])
             pin = Round(sx, sy, gear.x + hx, gear.y + hy, system.stud, 1.0)
-            count += _find_round(contacts, count, mating, pin, hole, out, q, v, half)
+            first, count = count, count + _find_round(contacts, count, mating, pin, hole, out, q, v, half)
+            for k in range(first, count):
+                _rub(system, contacts[k], OUTPUT, 1.0, v)
     return count
 
 
@@ -171,6 +178,7 @@ def _find_lobes(
         cosine, sine = outwards(ring, system.home[i, 1], -system.home[i, 0])
         for k in range(lobe_touches(out, on_disc, lobes[i], Pose(px, py, cosine, sine), gear, CONTACT_SEARCH.margin)):
             _fill(contacts[count], pair, read_touch(out + STRIDE * k), -1.0, q, v, half)
+            _rub(system, contacts[count], TEETH, _cosine(px, py, gear.x, gear.y), v)
             count += 1
     return count
 
@@ -199,6 +207,7 @@ def _find_pins(
         contact, touch = contacts[count], found.touch
         pair = MatingSurfaces(mating.pair + i, mating.law, mating.disc, own, shaft)
         _fill(contact, pair, touch, -1.0, q, v, half)
+        _rub(system, contact, TEETH, _cosine(px, py, gear.x, gear.y), v)
         count += 1
         if system.free:
             contact.disc_centre = -(px - gear.x) * touch.nx - (py - gear.y) * touch.ny
@@ -228,8 +237,41 @@ def _find_seats(
             ax, ay = outwards(ring, system.home[i, 0], system.home[i, 1])
             around = PartialCircle(system.outer[i], ax, ay, system.arc[0], system.arc[1])
             inner = Round(q[own], q[own + 1], sx, sy, system.inner[i], -1.0)
-        count += _find_round(contacts, count, mating, inner, around, out, q, v, half)
+        first, count = count, count + _find_round(contacts, count, mating, inner, around, out, q, v, half)
+        if system.film.size:
+            cosine = _cosine_of_pin(contacts, first, own)
+            for k in range(first, count):
+                _rub(system, contacts[k], SEAT, cosine, v)
     return count
+
+
+@njit
+def _cosine(px: float, py: float, x: float, y: float) -> float:
+    """Compute the cosine of the phase of a pin at (px, py) against the eccentricity of a disc centred on (x, y)."""
+    away = math.sqrt((px * px + py * py) * (x * x + y * y))
+    return (px * x + py * y) / away if away > 0.0 else 1.0
+
+
+@njit
+def _cosine_of_pin(contacts: Contacts, count: int, own: int) -> float:
+    """Return the cosine of the phase of a moving pin against the disc that presses it most."""
+    most, cosine = -1.0, 1.0
+    for k in range(count):
+        contact = contacts[k]
+        if contact.pin == own and contact.disc >= 0 and contact.normal_force > most:
+            most, cosine = contact.normal_force, contact.cosine
+    return cosine
+
+
+@njit
+def _rub(system: System, contact: Contact, kind: int, cosine: float, v: Array) -> None:
+    """Set the friction of a contact by the law ``film``, if the drive has it."""
+    if system.film.size == 0:
+        return
+    contact.cosine = cosine
+    contact.friction = look_up(system.film.ctypes.data, kind, cosine, contact.normal_force)
+    if contact.normal_force > 0.0:
+        contact.state = friction_state(contact, speeds(contact, v)[1])
 
 
 @njit

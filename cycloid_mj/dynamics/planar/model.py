@@ -15,6 +15,7 @@ from cycloid_mj.dynamics.planar.timestep import choose_step, follows_pins
 from cycloid_mj.dynamics.regime import at_rest, bent_pins
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Pair
+from cycloid_mj.statics.film import drag_torques
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,10 +74,10 @@ def planar_model(reducer: Reducer, held: Held = "crank", timestep: float = 0.0) 
     DesignError
         A part of the design is not feasible.
     """
-    design, laws = reducer.design, stiffest(laws_of_discs(reducer))
+    laws = stiffest(laws_of_discs(reducer))
     system = planar_system(reducer, held)
     shaft = ("output", "crank").index(held) if held else 0
-    losses = {"crank_drag": design.drag.crank, "output_drag": design.drag.output}
+    losses = dict(zip(("crank_drag", "output_drag"), drag_torques(reducer), strict=True))
     return PlanarModel(
         reducer=reducer,
         system=system,

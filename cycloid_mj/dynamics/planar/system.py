@@ -14,6 +14,7 @@ from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.dynamics.contact.contact_search import RingPin
 from cycloid_mj.dynamics.contact.teeth import Teeth
+from cycloid_mj.dynamics.film_table import CAM, OUTPUT, SEAT, TEETH, film_table
 from cycloid_mj.dynamics.mjcf import Held
 from cycloid_mj.dynamics.mjcf.bodies import attributes, crank_inertia, teeth_of_disc
 from cycloid_mj.dynamics.mjcf.laws import laws_of_discs
@@ -22,9 +23,7 @@ from cycloid_mj.geometry.profile import unit
 from cycloid_mj.parts import moving_masses
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Role, Surfaces
-
-TEETH, SEAT, CAM, OUTPUT = range(4)
-"""Kinds of mating pairs by their function."""
+from cycloid_mj.statics.film import drag_torques
 
 LAW = np.dtype(
     [(name, np.float64) for name in ("stiffness", "damping", "friction", "creep")]
@@ -75,6 +74,8 @@ class System(NamedTuple):
         Mass times centroid of output and crank in their frames [kg m], shape (2, 2).
     drag
         Limit [N m] of the drag on output and crank, and its torque per speed below the limit [N m s], shape (2, 2).
+    film
+        Friction coefficients of the law ``film``, see `film_table`; `film_table.NO_TABLE` with the law ``coulomb``.
     servo
         Servo gains [N m/rad], [N m s/rad] of output and crank, shape (2, 2); if the first is 0, commands are torques.
     """
@@ -107,6 +108,7 @@ class System(NamedTuple):
     gravity: Array
     unbalance: Array
     drag: Array
+    film: Array
     servo: Array
 
 
@@ -134,7 +136,8 @@ def planar_system(reducer: Reducer, held: Held = "crank") -> System:
     disc_masses = [masses[disc.part] for disc in mechanism.discs]
     turned_by = {mechanism.turning: 3 * len(discs)}
     pin = masses[names.PIN] if design.ring.has_pin_bodies else None
-    losses = {"output": design.drag.output, "crank": design.drag.crank}
+    on_crank, on_output = drag_torques(reducer)
+    losses = {"output": on_output, "crank": on_crank}
     return System(
         teeth=teeth[0],
         offset=np.array([tooth.flank.offset for tooth in teeth]),
@@ -167,6 +170,7 @@ def planar_system(reducer: Reducer, held: Held = "crank") -> System:
         gravity=np.array([design.environment.gravity_x, design.environment.gravity_y]),
         unbalance=np.array([shaft.mass * shaft.centroid[:2] for shaft in shafts.values()]),
         drag=np.array([[losses[name], SEAL_CREEP * shaft_inertia[name]] for name in shafts]),
+        film=film_table(reducer),
         servo=np.array([servo_gains(shaft_inertia[name]) if name == held else (0.0, 0.0) for name in shafts]),
     )
 

@@ -1,0 +1,134 @@
+"""Friction coefficients of the law ``film`` over phase and normal force, for the solvers of motion.
+
+The law is evaluated once for a drive at its speed; each contact then looks up its coefficient in every step, from the
+phase of its pin against the eccentricity and its current normal force. Speeds other than the design's, as in a ramp,
+have the same coefficients.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.base import compiling
+from cycloid_mj.base.array import Array
+from cycloid_mj.dynamics.contact.memory import read_float
+from cycloid_mj.geometry.envelope import arc_contacts
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer.bodies import Pair
+from cycloid_mj.statics.film import film_surfaces
+
+TEETH, SEAT, CAM, OUTPUT = range(4)
+"""Kinds of mating pairs by their function: rows of the table."""
+
+
+@dataclass(frozen=True)
+class TableSettings:
+    """Size of the table: between its rows, coefficients are linear in the phase and in the logarithm of the force.
+
+    Attributes
+    ----------
+    phases
+        Phases from 0 to pi: half a degree resolves the peak of friction where the entrainment vanishes.
+    forces
+        Forces from `least` to `most` [N], at equal ratios.
+    """
+
+    phases: int = 361
+    forces: int = 46
+    least: float = 1e-3
+    most: float = 1e6
+
+
+TABLE = TableSettings()
+
+
+@dataclass(frozen=True, eq=False)
+class FilmRows:
+    """Table of a drive, and the row and the ring pin of each mating pair, shape (pairs,).
+
+    Attributes
+    ----------
+    table
+        The `film_table`.
+    kind, pin
+        Row of each pair, and index of its ring pin or lobe; 0 where it has none.
+    pins
+        Number of ring pins or lobes.
+    """
+
+    table: Array
+    kind: npt.NDArray[np.int32]
+    pin: npt.NDArray[np.int32]
+    pins: int
+
+
+def film_rows(reducer: Reducer, pairs: Sequence[Pair]) -> FilmRows | None:
+    """Return the rows of mating pairs in the table of a drive; None with the law ``coulomb``."""
+    design = reducer.design
+    if not design.has_film:
+        return None
+    rows = {"cam": CAM, "output": OUTPUT, design.tooth_pair: TEETH, design.seat_pair: SEAT}
+    on_ring = (design.tooth_pair, design.seat_pair)
+    owners = [pair.owner if pair.kind in on_ring else 0 for pair in pairs]
+    return FilmRows(
+        film_table(reducer),
+        np.array([rows[pair.kind] for pair in pairs], dtype=np.int32),
+        np.array(owners, dtype=np.int32),
+        max(owners) + 1,
+    )
+
+
+_LEAST = TABLE.least
+_PHASES, _FORCES, _FIRST = TABLE.phases, TABLE.forces, math.log(TABLE.least)
+_PHASE_STEP = math.pi / (_PHASES - 1)
+_FORCE_STEP = (math.log(TABLE.most) - _FIRST) / (_FORCES - 1)
+
+NO_TABLE: Array = np.zeros((0, _PHASES, _FORCES))
+"""Table of a drive with the law ``coulomb``."""
+
+
+def film_table(reducer: Reducer) -> Array:
+    """Compute the friction coefficients of a drive, shape (4, phases, forces); `NO_TABLE` with the law ``coulomb``.
+
+    Rows are `TEETH`, `SEAT`, `CAM` and `OUTPUT`. A pin with a body of its own chooses itself between rolling and
+    stopping, so that flank and seat have a row each; a massless one has the smaller coefficient in the first.
+    """
+    if not reducer.design.has_film:
+        return NO_TABLE
+    phases: Array = np.linspace(0.0, np.pi, _PHASES)
+    # at the crank angle B the first pin, on +y, has the phase B
+    curvature = arc_contacts(reducer.tooth_profile, phases[:, np.newaxis]).relative_curvature[:, 0]
+    film = film_surfaces(reducer, phases, curvature)
+    force = np.exp(_FIRST + _FORCE_STEP * np.arange(_FORCES))
+    at_teeth = force[:, np.newaxis]
+    through = not reducer.design.ring.has_pin_bodies
+    teeth = (film.easier_friction(at_teeth)[0] if through else film.flank_friction(at_teeth)).coefficient
+    seat = film.seat_friction(at_teeth)
+    values = np.zeros((4, _PHASES, _FORCES))
+    values[TEETH] = np.broadcast_to(teeth, (_FORCES, _PHASES)).T
+    if seat is not None:
+        values[SEAT] = seat.coefficient.T / film.seat_scale
+    values[CAM] = film.cam_friction(force)
+    output = film.output_friction(force)
+    values[OUTPUT] = reducer.design.friction_of("output") if output is None else output.coefficient
+    return values
+
+
+@compiling.njit(inner=True)
+def look_up(table: int, kind: int, cosine: float, force: float) -> float:
+    """Interpolate the coefficient of a contact in the table at an address.
+
+    `kind` is its row, `cosine` that of the phase of its pin, and `force` its normal force [N].
+    """
+    along = math.acos(min(max(cosine, -1.0), 1.0)) / _PHASE_STEP
+    up = (math.log(max(force, _LEAST)) - _FIRST) / _FORCE_STEP
+    i, j = min(int(along), _PHASES - 2), min(int(up), _FORCES - 2)
+    x, y = along - i, min(up - j, 1.0)
+    first = table + 8 * ((kind * _PHASES + i) * _FORCES + j)
+    second = first + 8 * _FORCES
+    low = (1.0 - y) * read_float(first) + y * read_float(first + 8)
+    high = (1.0 - y) * read_float(second) + y * read_float(second + 8)
+    return (1.0 - x) * low + x * high
