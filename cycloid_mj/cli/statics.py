@@ -1,6 +1,6 @@
 """``cycloid-mj statics``: the figures of a data sheet, without a simulation."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import isnan
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,6 +15,7 @@ from cycloid_mj.design import Inheritance
 from cycloid_mj.reducer import reducer_of
 
 if TYPE_CHECKING:
+    from cycloid_mj.figures.film_map import MapPoint
     from cycloid_mj.statics.sheet import Sheet
 
 EXAMPLES = """Examples:
@@ -50,10 +51,22 @@ LoadFlag = Annotated[
 ]
 
 
+MapFlag = Annotated[
+    bool,
+    Parameter(
+        name="--map",
+        negative="",
+        help='With friction.law = "film": efficiency over torque, speed and temperature, and starting, no-load and '
+        "back-driving torque, with intervals.",
+    ),
+]
+
+
 def statics(
     chosen: Annotated[DesignOptions, FLAT],
     *,
     load_nm: LoadFlag = None,
+    map_: MapFlag = False,
     delivery: Annotated[Delivery, FLAT] = DELIVERY,
 ) -> int:
     """Compute data-sheet figures without a simulation, in a second.
@@ -67,19 +80,28 @@ def statics(
     from simulations are printed next to each figure.
     """
     from cycloid_mj.figures import quantities
+    from cycloid_mj.figures.film_map import film_map
     from cycloid_mj.statics.sheet import sheet
 
     design = chosen.resolve_checked()
     place = claim_destination(delivery, f"{design.name}-statics")
     loaded = design if load_nm is None else design.but(load={"torque": load_nm})
     static = sheet(reducer_of(design), load_nm)
-    return deliver(_outcome(static, quantities(reducer_of(loaded)), chosen.inheritance()), place, delivery)
+    points = film_map(reducer_of(design.at_reference)) if map_ else ()
+    outcome = _outcome(static, quantities(reducer_of(loaded)), chosen.inheritance(), points)
+    return deliver(outcome, place, delivery)
 
 
-def _outcome(static: "Sheet", figures: Mapping[str, Quantity], inherited: Inheritance | None) -> Outcome:
+def _outcome(
+    static: "Sheet",
+    figures: Mapping[str, Quantity],
+    inherited: Inheritance | None,
+    points: Sequence["MapPoint"],
+) -> Outcome:
     """Build the outcome of the statics of a design."""
     from cycloid_mj.base.result import quantity_frame
     from cycloid_mj.figures import values_json
+    from cycloid_mj.figures.film_map import map_tables
     from cycloid_mj.statics.sheet import COMPARED
 
     rows = []
@@ -98,6 +120,7 @@ def _outcome(static: "Sheet", figures: Mapping[str, Quantity], inherited: Inheri
         tables=[
             Table(f"statics: {static.design}, {static.condition}", HEADER, tuple(rows)),
             Table("figures by their keys: see `cycloid-mj figures`", ("key", "value", "unit"), _by_key(figures)),
+            *(map_tables(points) if points else ()),
         ],
         summary=[f"{item.name}: {item.note}" for item in static.quantities.values() if item.low is not None],
         notes=[
@@ -108,7 +131,9 @@ def _outcome(static: "Sheet", figures: Mapping[str, Quantity], inherited: Inheri
             *(f"assumed: {sentence}" for sentence in static.assumptions),
         ],
         frame=quantity_frame(static.quantities),
-        result=static.as_json() | {"figures": values_json(figures)},
+        result=static.as_json()
+        | {"figures": values_json(figures)}
+        | ({"map": [point.as_json() for point in points]} if points else {}),
     )
 
 

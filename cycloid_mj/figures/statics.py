@@ -1,7 +1,7 @@
 """Figures of the static data sheet, with friction, under the design's load or else its nominal torque."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from cycloid_mj.base.result import Quantity
 from cycloid_mj.base.units import with_unit
@@ -9,6 +9,7 @@ from cycloid_mj.figures.figure import Compute, Figure, Need
 from cycloid_mj.figures.sampled import BACKLASH, TOUCH
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics.balance import powers
+from cycloid_mj.statics.film_spread import SAMPLES, Spread, lost_powers, sample_inputs, spread_of
 from cycloid_mj.statics.sheet import sheet_part
 from cycloid_mj.statics.sheet_figures import SHEET_FIGURES, SheetFigure, SheetPart
 
@@ -59,7 +60,7 @@ def starting_torque(reducer: Reducer) -> float:
 
     It includes weight and seals, but no centrifugal forces.
     """
-    return no_load_torque(reducer.but(drive={"speed": CREEP_SHARE * reducer.design.drive.speed}))
+    return no_load_torque(_creeping(reducer))
 
 
 def back_driving_torque(reducer: Reducer) -> float:
@@ -67,7 +68,7 @@ def back_driving_torque(reducer: Reducer) -> float:
 
     It solves T w/i = L(T) by secants, with the losses L, the crank's speed w and the ratio i; errors as `powers`.
     """
-    creeping = reducer.but(drive={"speed": CREEP_SHARE * reducer.design.drive.speed})
+    creeping = _creeping(reducer)
     arm = reducer.design.reduction / abs(creeping.design.drive.speed)
     least = torque = TOUCH * reducer.design.rated_torque
     for _ in range(4):
@@ -82,20 +83,63 @@ def back_driving_torque(reducer: Reducer) -> float:
     return torque
 
 
-def _of_balance(key: str, name: str, function: Compute, definition: str) -> Figure:
+def no_load_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:
+    """Compute `no_load_torque` with the law ``film`` and its interval [N m]; errors as `powers`."""
+    speed = abs(reducer.design.drive.speed)
+    lost, outcomes = lost_powers(reducer, TOUCH * reducer.design.rated_torque, samples)
+    return spread_of(lost / speed, outcomes / speed, sample_inputs(samples)[1])
+
+
+def starting_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:
+    """Compute `starting_torque` with the law ``film`` and its interval [N m]; errors as `powers`."""
+    return no_load_spread(_creeping(reducer), samples)
+
+
+def back_driving_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:
+    """Compute `back_driving_torque` with the law ``film`` and its interval [N m]; errors as `powers`.
+
+    The torque of a sample is in proportion to its losses.
+    """
+    torque = back_driving_torque(reducer)
+    lost, outcomes = lost_powers(_creeping(reducer), TOUCH * reducer.design.rated_torque, samples)
+    return spread_of(torque, torque * outcomes / lost, sample_inputs(samples)[1])
+
+
+def _creeping(reducer: Reducer) -> Reducer:
+    """Return the drive at a speed at which the discs' centrifugal force vanishes."""
+    return reducer.but(drive={"speed": CREEP_SHARE * reducer.design.drive.speed})
+
+
+def _of_balance(key: str, name: str, function: Compute, spread: Callable[[Reducer], Spread], definition: str) -> Figure:
     """Return the row of a torque [N m] that is not in the sheet."""
-    return Figure(key=key, name=name, unit="N m", definition=definition, need=Need.STATICS, function=function)
+
+    def interval(reducer: Reducer) -> Quantity:
+        if not reducer.design.has_film:
+            return Quantity(key, name, math.nan, "N m")
+        found = spread(reducer)
+        return Quantity(key, name, found.value, "N m", low=found.low, high=found.high, causes=found.causes)
+
+    return Figure(
+        key=key,
+        name=name,
+        unit="N m",
+        definition=definition,
+        need=Need.STATICS,
+        function=function,
+        interval=interval,
+    )
 
 
 # fmt: off
 OF_BALANCE = (
-    _of_balance("starting_torque_nm", "starting torque on the crank", starting_torque,
+    _of_balance("starting_torque_nm", "starting torque on the crank", starting_torque, starting_spread,
                 "Torque on the crank that starts it without load, mean over a turn: weight of the discs, and drag of "
                 "seals and lubricant, without shaft bearings."),
     _of_balance("back_driving_torque_free_nm", "back-driving torque, crank free", back_driving_torque,
+                back_driving_spread,
                 "Torque on the output that slowly turns a crank without load, mean over a turn; none if the reducer is "
                 "self-locking."),
-    _of_balance("no_load_torque_nm", "no-load torque on the crank", no_load_torque,
+    _of_balance("no_load_torque_nm", "no-load torque on the crank", no_load_torque, no_load_spread,
                 "Torque on the crank without load at the design's speed, mean over a turn: weight and centrifugal "
                 "force of the discs, and drag of seals and lubricant, without shaft bearings."),
 )

@@ -143,3 +143,11 @@ def efficiency_spread(reducer: Reducer, torque: float, samples: int = SAMPLES) -
     lost, outcomes = lost_powers(reducer, torque, samples)
     share = 100.0 * delivered / (delivered + outcomes)
     return spread_of(100.0 * delivered / (delivered + lost), share, sample_inputs(samples)[1])
+
+
+def back_driving_efficiency_spread(reducer: Reducer, torque: float, samples: int = SAMPLES) -> Spread:
+    """Compute the efficiency with its interval [%] when the output drives with a torque [N m]; errors as `powers`."""
+    supplied = torque * abs(reducer.design.drive.speed) / reducer.design.reduction
+    lost, outcomes = lost_powers(reducer, -torque, samples)
+    share = 100.0 * np.maximum(1.0 - outcomes / supplied, 0.0)
+    return spread_of(100.0 * max(1.0 - lost / supplied, 0.0), share, sample_inputs(samples)[1])

@@ -23,7 +23,7 @@ from cycloid_mj.statics import rv_sheet
 from cycloid_mj.statics.balance import Loads, loads, powers
 from cycloid_mj.statics.bearings import Planes, Reactions, reactions
 from cycloid_mj.statics.film import film_assumption, film_text
-from cycloid_mj.statics.film_spread import efficiency_spread
+from cycloid_mj.statics.film_spread import back_driving_efficiency_spread, efficiency_spread
 from cycloid_mj.statics.ideal import ideal_peak
 from cycloid_mj.statics.kernel import CARRYING_SHARE
 from cycloid_mj.statics.load_tracking import inertia_share, tracking_warnings
@@ -415,7 +415,10 @@ def _losses(reducer: Reducer, load: float) -> Iterator[Quantity]:
     back, backward = back_driving(reducer, load)
     locked = self_locking(reducer, load) if math.isnan(backward) else ""
     yield sheet_quantity("back_driving_torque_rated", backward, note=locked)
-    yield sheet_quantity("back_driving_efficiency", 100.0 * back.efficiency, note=locked)
+    if reducer.design.has_film and not math.isnan(backward):
+        yield spread_quantity("back_driving_efficiency", back_driving_efficiency_spread(reducer, backward))
+    else:
+        yield sheet_quantity("back_driving_efficiency", 100.0 * back.efficiency, note=locked)
 
 
 def _efficiency(reducer: Reducer, load: float) -> Iterator[Quantity]:

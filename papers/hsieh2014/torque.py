@@ -17,6 +17,7 @@ from cycloid_mj.life.emergency_stop import rate_emergency_stop
 from cycloid_mj.life.loading import solve_loading
 from cycloid_mj.measure import Measurement
 from cycloid_mj.reducer import Reducer
+from hsieh2014.lubrication import lubrication_table
 from hsieh2014.pictures import pictures
 from hsieh2014.plan import Plan, designs, equal_play_design, rated_runs
 from hsieh2014.stage import PaperFigure, Progress, Runs, StageResult
@@ -67,7 +68,7 @@ def torque(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
     ]
     return StageResult(
         (*views, *plates),
-        (_columns(measurements, alike), _search_table(searches), *tables),
+        (_columns(measurements, alike), _search_table(searches), lubrication_table(), *tables),
         (*claims(measurements, searches), order, precision(runs(rated_runs(plan))), capacity()),
         {
             name: {key: each.as_json() for key, each in measurement.quantities.items()}

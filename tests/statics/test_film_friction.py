@@ -6,10 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cycloid_mj.base.errors import DesignError
+from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.design import resolve
 from cycloid_mj.design.lubricants import lubricant
 from cycloid_mj.figures import quantity, values_json
+from cycloid_mj.figures.film_map import film_map, map_tables
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.surface_speeds import entrainment_zeros
 from cycloid_mj.lubrication.mixed import FilmLaw, asperity_share, journal_friction, line_friction
@@ -178,3 +179,28 @@ def test_figures_have_value_and_interval_under_film_only() -> None:
     assert len(film["causes"]) == 2
     coulomb = values_json({key: quantity(Reducer(resolve("pin", [f"load.torque_nm={LOAD}"])), key)})[key]
     assert set(coulomb) == {"name", "value", "unit"}
+
+
+def test_starting_torque_has_an_interval() -> None:
+    figure = quantity(lubricated(), "starting_torque_nm")
+    assert figure.low is not None
+    assert figure.high is not None
+    assert figure.low < figure.value < figure.high
+    assert quantity(Reducer(resolve("pin")), "starting_torque_nm").low is None
+
+
+def test_map_covers_torque_speed_and_temperature() -> None:
+    points = film_map(lubricated(), shares=(0.5, 1.0), temperatures=(20.0, 60.0))
+    efficiencies = [point for point in points if point.quantity == "efficiency"]
+    assert len(efficiencies) == 8
+    for point in points:
+        assert point.spread.low < point.spread.value < point.spread.high
+    assert efficiencies[3].spread.value == pytest.approx(efficiency(lubricated()), abs=1e-3)
+    idle = {(p.temperature, p.speed): p.spread.value for p in points if p.quantity == "no-load torque"}
+    assert sorted(idle.values()) == [idle[key] for key in sorted(idle, key=lambda key: (-key[0], key[1]))]
+    assert sum(len(table.rows) for table in map_tables(points)) == len(points)
+
+
+def test_map_requires_the_law_film() -> None:
+    with pytest.raises(UsageError, match="--map requires"):
+        film_map(Reducer(resolve("pin")))

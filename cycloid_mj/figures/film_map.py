@@ -1,0 +1,127 @@
+"""Maps with the friction law ``film``: efficiency over torque, speed and temperature, and the torques without load."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from cycloid_mj.base.errors import UsageError
+from cycloid_mj.base.result import Table
+from cycloid_mj.base.units import RPM
+from cycloid_mj.design.model import HEATED
+from cycloid_mj.figures.statics import back_driving_spread, no_load_spread, starting_spread
+from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.film_spread import Spread, efficiency_spread
+
+SHARES = (0.25, 0.5, 1.0)
+"""Torques of the map over the nominal torque, and speeds over the design's speed."""
+
+TEMPERATURES = (0.0, 20.0, 40.0, 60.0)
+"""Temperatures of all parts in the map [°C]."""
+
+SAMPLES = 64
+"""Samples of each interval of the map: their ends are within 0.3 points of those of 128 samples."""
+
+
+@dataclass(frozen=True)
+class MapPoint:
+    """A value of a map with its interval.
+
+    Attributes
+    ----------
+    quantity, unit
+        Name and unit of the value.
+    torque, speed
+        Output torque [N m] and crank speed [rad/s]; None where the value does not depend on them.
+    temperature
+        Temperature of all parts [°C].
+    spread
+        Value and interval [`unit`].
+    """
+
+    quantity: str
+    unit: str
+    torque: float | None
+    speed: float | None
+    temperature: float
+    spread: Spread
+
+    def as_json(self) -> dict[str, Any]:
+        """Convert the point to JSON values."""
+        return {
+            "quantity": self.quantity,
+            "unit": self.unit,
+            "torque_nm": self.torque,
+            "speed_rpm": None if self.speed is None else self.speed / RPM,
+            "temperature_c": self.temperature,
+            "value": self.spread.value,
+            "low": self.spread.low,
+            "high": self.spread.high,
+        }
+
+
+def film_map(
+    reducer: Reducer, shares: Sequence[float] = SHARES, temperatures: Sequence[float] = TEMPERATURES
+) -> tuple[MapPoint, ...]:
+    """Compute efficiency over torque, speed and temperature, and the starting, no-load and back-driving torques.
+
+    Parameters
+    ----------
+    reducer
+        A drive at 20 °C with the law ``film``.
+    shares
+        Torques over the nominal torque, and speeds over the design's speed.
+    temperatures
+        Temperatures of all parts [°C].
+
+    Raises
+    ------
+    UsageError
+        The drive has the law ``coulomb``, whose friction depends on neither speed nor temperature.
+    DesignError
+        The parts jam at a temperature.
+    RunError
+        There is no equilibrium.
+    """
+    design = reducer.design
+    if not design.has_film:
+        raise UsageError(
+            '--map requires friction.law = "film": Coulomb friction does not depend on speed or temperature'
+        )
+    points = []
+    for temperature in temperatures:
+        warm = reducer.but(thermal=dict.fromkeys(HEATED, temperature))
+        points.append(MapPoint("starting torque", "N m", None, None, temperature, starting_spread(warm, SAMPLES)))
+        back = back_driving_spread(warm, SAMPLES)
+        points.append(MapPoint("back-driving torque", "N m", None, None, temperature, back))
+        for speed in (share * design.drive.speed for share in shares):
+            turning = warm.but(drive={"speed": speed})
+            idle = no_load_spread(turning, SAMPLES)
+            points.append(MapPoint("no-load torque", "N m", None, speed, temperature, idle))
+            for torque in (share * design.rated_torque for share in shares):
+                loaded = turning.but(load={"torque": torque})
+                spread = efficiency_spread(loaded, torque, SAMPLES)
+                points.append(MapPoint("efficiency", "%", torque, speed, temperature, spread))
+    return tuple(points)
+
+
+def map_tables(points: Sequence[MapPoint]) -> tuple[Table, ...]:
+    """Tabulate the efficiency, and the torques without load, each with its interval."""
+
+    def row(point: MapPoint) -> tuple[str, ...]:
+        spread = point.spread
+        return (
+            point.quantity,
+            "" if point.torque is None else f"{point.torque:.4g}",
+            "" if point.speed is None else f"{point.speed / RPM:.4g}",
+            f"{point.temperature:g}",
+            f"{spread.value:.3g} ({spread.low:.3g} to {spread.high:.3g})",
+            point.unit,
+        )
+
+    head = ("quantity", "output torque [N m]", "crank speed [rpm]", "temperature [°C]", "value (5 to 95 %)", "unit")
+    efficiencies = [point for point in points if point.quantity == "efficiency"]
+    others = [point for point in points if point.quantity != "efficiency"]
+    return (
+        Table("efficiency map", head, tuple(map(row, efficiencies))),
+        Table("torques on crank and output without load", head, tuple(map(row, others))),
+    )
