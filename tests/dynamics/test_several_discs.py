@@ -212,7 +212,7 @@ def test_contacts_lie_on_the_part_that_they_press_on(kind: str) -> None:
         (prism,) = gear_solid(Reducer(design), 1e-7, disc).prisms
         near = cKDTree(np.concatenate([prism.outline, *prism.holes]))
         pressed = np.linalg.norm(loads.force, axis=2) > 5.0
-        away, _ = near.query(loads.place[pressed])
+        away, _ = near.query(loads.position[pressed])
         assert away.max() < 1e-4
         assert {names.disc_of(label) for label in loads.labels} == {disc}
     shaft = part_loads(run, Reducer(design), "shaft", few)

@@ -393,6 +393,6 @@ def test_the_loads_on_a_part_are_in_balance(turning, part: str) -> None:
     found = part_loads(turning, Reducer(design_of(turning)), part, np.radians(np.arange(0.0, 360.0, 15.0)))
     assert np.abs(found.force).max() > 50.0
     if part in ("output", "ring"):
-        arms = found.place[..., 0] * found.force[..., 1] - found.place[..., 1] * found.force[..., 0]
+        arms = found.position[..., 0] * found.force[..., 1] - found.position[..., 1] * found.force[..., 0]
         held = -30.0 if part == "ring" else 30.0 - turning["crank_torque"][turning.time > 0.008].mean()
         assert abs(np.nansum(arms, axis=1).mean()) == pytest.approx(abs(held), rel=0.01)
