@@ -107,7 +107,7 @@ def loads(forces) -> PartLoads:
     return PartLoads(
         part="gear",
         angle=np.arange(count, dtype=float),
-        place=np.zeros_like(force),
+        position=np.zeros_like(force),
         force=force,
         half_width=every,
         pressure=every,
