@@ -28,6 +28,8 @@ gear, and the carrier's `share` in the torque, are the same functions of either 
 """
 
 RING_MODULE = "cycloid_mj/reducer/member.py"
+RV_MODULES = ("cycloid_mj/geometry/rv.py", "cycloid_mj/reducer/rv.py")
+"""Modules that convert for a turning ring of RV reducers."""
 
 DRAWERS = {
     "share": RING_MODULE,
@@ -107,10 +109,10 @@ def cached_by_design(parsed: Iterable[Module]) -> tuple[str, ...]:
 
 
 def ring_conversions(parsed: Iterable[Module]) -> tuple[str, ...]:
-    """List the lines that ask whether the ring turns, or convert for it, outside of the module that knows how."""
+    """List the lines that ask whether the ring turns, or convert for it, outside of the modules for it."""
     places: dict[str, None] = {}
     for one in parsed:
-        if one.path == RING_MODULE:
+        if one.path in (RING_MODULE, *RV_MODULES):
             continue
         for node in ast.walk(one.tree):
             name = node.attr if isinstance(node, ast.Attribute) else node.id if isinstance(node, ast.Name) else ""

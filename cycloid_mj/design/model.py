@@ -1131,10 +1131,10 @@ class Design(Section, Presented):
         R is -(N - 1) with a central crank, and 1 + N z_p/z_s of an RV reducer with z_s teeth of the sun, z_p of a
         planet; its input is the sun.
         """
-        if self.planet is None:
-            return self.ring.teeth if self.output.turns_ring else -self.lobes
-        to_carrier = 1.0 + self.ring.teeth * self.planet.planet_teeth / self.planet.sun_teeth
-        return 1.0 - to_carrier if self.output.turns_ring else to_carrier
+        to_carrier: float = -self.lobes
+        if self.planet is not None:
+            to_carrier = 1.0 + self.ring.teeth * self.planet.planet_teeth / self.planet.sun_teeth
+        return 1 - to_carrier if self.output.turns_ring else to_carrier
 
     @property
     def reduction(self) -> float:

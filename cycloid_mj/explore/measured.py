@@ -32,7 +32,7 @@ class MeasureSettings:
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuredFigures:
     """Result of one measure of one design."""
 
     values: Mapping[str, Cell]
@@ -44,17 +44,17 @@ class Measured:
     """Sentences about the numbers."""
 
 
-def _from_quantities(quantities: Iterable[Quantity], **more: Any) -> Measured:
+def _from_quantities(quantities: Iterable[Quantity], **more: Any) -> MeasuredFigures:
     """Collect quantities by their keys, each ending in its unit."""
     named = {
         quantity.key if quantity.key in FIGURES else with_unit(quantity.key, quantity.unit): quantity
         for quantity in quantities
     }
     units = {name: quantity.unit for name, quantity in named.items() if quantity.unit not in ("", "1")}
-    return Measured({name: quantity.value for name, quantity in named.items()}, units, **more)
+    return MeasuredFigures({name: quantity.value for name, quantity in named.items()}, units, **more)
 
 
-def _statics(reducer: Reducer, _: MeasureSettings) -> Measured:
+def _statics(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
     """Compute the quantities of the static sheet, under the catalogue's keys."""
     from cycloid_mj.statics.sheet import sheet
 
@@ -63,14 +63,14 @@ def _statics(reducer: Reducer, _: MeasureSettings) -> Measured:
     return _from_quantities(named, assumptions=figures.assumptions)
 
 
-def _measure(name: str, reducer: Reducer, options: MeasureSettings) -> Measured:
+def _measure(name: str, reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
     measurement = MEASURES[name](reducer.design, quick=options.quick, solver=options.solver)
     warnings = {text: None for run in measurement.runs.values() for text in run.warnings}
     assumptions = (f"runs are {SOLVERS[options.solver]}", *measurement.assumptions)
     return _from_quantities(measurement.quantities.values(), assumptions=assumptions, warnings=tuple(warnings))
 
 
-def _simulate(reducer: Reducer, options: MeasureSettings) -> Measured:
+def _simulate(reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
     """Run a design over its drive cycle; under a load without the inertia of its pins, unless `real_pins` is set."""
     from cycloid_mj.analysis import analyze
     from cycloid_mj.dynamics.run import RUN, model_for, schedule, simulate
@@ -90,7 +90,7 @@ def _simulate(reducer: Reducer, options: MeasureSettings) -> Measured:
         if is_massless
         else ()
     )
-    return Measured(values, assumptions=assumptions, warnings=findings.warnings)
+    return MeasuredFigures(values, assumptions=assumptions, warnings=findings.warnings)
 
 
 def _flat(findings: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Cell]]:
@@ -107,15 +107,15 @@ def _flat(findings: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, 
                     yield from _flat(numbers, f"{entry['pair']}_")
 
 
-def _mass(reducer: Reducer, _: MeasureSettings) -> Measured:
+def _mass(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
     from cycloid_mj.figures.geometry import masses
 
     parts = masses(reducer)
     values = {"mass_kg": sum(parts.values()), **{f"{name}_mass_kg": mass for name, mass in parts.items()}}
-    return Measured(dict(values), dict.fromkeys(values, "kg"))
+    return MeasuredFigures(dict(values), dict.fromkeys(values, "kg"))
 
 
-def _checks(reducer: Reducer, _: MeasureSettings) -> Measured:
+def _checks(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
     """Collect the verdicts and values of `design check`, and the summary of a design that can be built."""
     from cycloid_mj.checks import check
 
@@ -135,10 +135,10 @@ def _checks(reducer: Reducer, _: MeasureSettings) -> Measured:
     if not values["failed_errors"]:
         summary_values = _summed_up(reducer)
         values, units = {**values, **summary_values.values}, {**units, **summary_values.units}
-    return Measured(values, units)
+    return MeasuredFigures(values, units)
 
 
-def _summed_up(reducer: Reducer) -> Measured:
+def _summed_up(reducer: Reducer) -> MeasuredFigures:
     """Collect the quantities of the summary of `design check`."""
     from cycloid_mj.checks import summary
 
@@ -155,19 +155,19 @@ def _summed_up(reducer: Reducer) -> Measured:
         Quantity("capacity", "", figures.capacity, "N m"),
     )
     measured = _from_quantities(numbers)
-    return Measured({**measured.values, "weakest": figures.weakest}, measured.units)
+    return MeasuredFigures({**measured.values, "weakest": figures.weakest}, measured.units)
 
 
-def _figures(reducer: Reducer, _: MeasureSettings) -> Measured:
+def _figures(reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
     return _from_quantities(quantities(reducer).values())
 
 
-def _figure(row: Figure, reducer: Reducer, _: MeasureSettings) -> Measured:
+def _figure(row: Figure, reducer: Reducer, _: MeasureSettings) -> MeasuredFigures:
     """Compute one figure of the catalogue: a column under its key."""
-    return Measured({row.key: row.value(reducer)}, {row.key: row.unit} if row.unit != "1" else {})
+    return MeasuredFigures({row.key: row.value(reducer)}, {row.key: row.unit} if row.unit != "1" else {})
 
 
-MEASURED: Mapping[str, Callable[[Reducer, MeasureSettings], Measured]] = {
+MEASURED: Mapping[str, Callable[[Reducer, MeasureSettings], MeasuredFigures]] = {
     "statics": _statics,
     **{name: partial(_measure, name) for name in MEASURES},
     **{"simulate": _simulate, "mass": _mass, "checks": _checks, "figures": _figures},
@@ -175,7 +175,7 @@ MEASURED: Mapping[str, Callable[[Reducer, MeasureSettings], Measured]] = {
 """Name -> measure; only `checks` accepts a design that cannot be built; `figures` are those of geometry and statics."""
 
 
-def measure_design(name: str, reducer: Reducer, options: MeasureSettings) -> Measured:
+def measure_design(name: str, reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
     """Compute a measure of a design, or a figure of the catalogue."""
     if name in MEASURED:
         return MEASURED[name](reducer, options)

@@ -9,7 +9,7 @@ from cycloid_mj.base.errors import CycloidError, CycloidWarning
 from cycloid_mj.base.frame import Cell
 from cycloid_mj.design import override
 from cycloid_mj.explore.linked_keys import Link, apply_links, linked_values
-from cycloid_mj.explore.measured import MEASURED, Measured, MeasureSettings, measure_design
+from cycloid_mj.explore.measured import MEASURED, MeasuredFigures, MeasureSettings, measure_design
 from cycloid_mj.explore.points import Value
 from cycloid_mj.reducer import Reducer
 
@@ -60,7 +60,7 @@ def evaluate_row(task: Task, values: Sequence[Value]) -> PointResult:
         design = apply_links(task.reducer, Reducer(changed), task.links)
     except CycloidError as error:
         return PointResult(error=error_line(error), cpu=time.thread_time() - start)
-    results: dict[str, Measured] = {}
+    results: dict[str, MeasuredFigures] = {}
     errors = []
     for name in task.measures:
         try:
@@ -82,7 +82,7 @@ def evaluate_row(task: Task, values: Sequence[Value]) -> PointResult:
     )
 
 
-def _measure_sound(name: str, reducer: Reducer, options: MeasureSettings) -> Measured:
+def _measure_sound(name: str, reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
     """Measure a design that can be built; only `checks` accepts others. Warnings are part of the result."""
     from cycloid_mj.checks import require_sound
 

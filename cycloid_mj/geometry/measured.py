@@ -22,7 +22,7 @@ from cycloid_mj.geometry.profile import CycloidGear
 
 
 @dataclass(frozen=True)
-class FitSettings:
+class ProfileFitSettings:
     """Settings of the fit of a measured profile."""
 
     orders_per_lobe: int = 8  # highest order over the number of lobes: a lobe's own shape has few undulations
@@ -33,7 +33,7 @@ class FitSettings:
     step_size: float = 1e-12  # change at which the alignment ends [m]
 
 
-FIT = FitSettings()
+FIT = ProfileFitSettings()
 
 ROUNDING = 1e-9
 """Relative rounding error of a gap between equally spaced points."""
@@ -203,8 +203,8 @@ def fit_waves(t: Array, deviation: Array, highest: int, alignment: Alignment | N
 
     A point's weight is the length of t that is nearest to it, because contacts pass t evenly. The highest order is at
     most that which the largest gap between the points determines: less than pi over the gap (Gröchenig 1992,
-    "Reconstruction algorithms in irregular sampling"). Highest orders with an rms below `FitSettings.tail` are left
-    out.
+    "Reconstruction algorithms in irregular sampling"). Highest orders with an rms below
+    `ProfileFitSettings.tail` are left out.
     """
     order = np.argsort(t, kind="stable")
     gaps = np.diff(t[order], append=t[order[0]] + 2.0 * np.pi)

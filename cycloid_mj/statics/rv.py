@@ -25,7 +25,7 @@ from cycloid_mj.statics.springs import tooth_stiffness
 
 
 @dataclass(frozen=True)
-class NewtonSettings:
+class RvNewtonSettings:
     """Settings of the semismooth Newton method (Nocedal & Wright, Numerical Optimization, algorithm 3.2)."""
 
     max_steps: int = 200
@@ -38,7 +38,7 @@ class NewtonSettings:
     """Levenberg-Marquardt term over the largest stiffness, which keeps the tangent regular within clearances."""
 
 
-NEWTON = NewtonSettings()
+NEWTON = RvNewtonSettings()
 
 
 @dataclass(frozen=True)
