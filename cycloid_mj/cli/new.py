@@ -211,7 +211,8 @@ def new(
     if all(value is None for value in asked.values()):
         if discs:
             raise UsageError(
-                f"--discs {discs} applies to new sizes only: to change a copied design, use --set gear.discs={discs}"
+                f"--discs {discs} applies only when a new drive is sized: to change a copied design, use "
+                f"--set gear.discs={discs}"
             )
         started = load_design(source or "pin", set_, ()).but(name=stem)
         files = {f"{stem}.toml": dump(started, reasons(source or "pin", started)).encode()}

@@ -40,8 +40,8 @@ def report(
     point_q = point(q)
     if not logs:
         raise UsageError("no log is given: name at least one, e.g. cycloid-mj report runs/pin.mcap")
-    if len(set(logs)) < len(logs):
-        raise UsageError("a log is given twice: name each log once")
+    if repeated := next((log for index, log in enumerate(logs) if log in logs[:index]), None):
+        raise UsageError(f"log {repeated} is given twice: name each log once")
     # a page is UTF-8, which names of files need not be
     runs = {printable(log): read(log) for log in logs}
     named = tuple(dict.fromkeys((*([out] if out else ()), *(delivery.html or ()))))

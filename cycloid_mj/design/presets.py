@@ -187,7 +187,7 @@ _REASONS: Mapping[str, Mapping[str, str]] = {
 
 
 def reasons(name: str, design: Design) -> dict[str, str]:
-    """Return the reasons of unchanged values of the preset `name`, by ``table.name``."""
+    """Return why the preset `name` has its values, by ``table.key``, for the values that a design still has of it."""
     name = name.casefold()
     return {
         key: reason

@@ -159,7 +159,7 @@ def _words(field: FieldInfo) -> tuple[str, ...]:
 
 
 def parse_axis(key: str, wanted: Wanted) -> Axis:
-    """Parse the values of a key.
+    """Parse the values of a study for a design key: a sequence, a list ``1,2,3``, or a range ``low:high[:count]``.
 
     Raises
     ------

@@ -338,7 +338,7 @@ def tolerance(
     done: dict[int, dict[str, Array]] = {}
     checked: dict[int, DynamicsCheck] = {}
     try:
-        if not _balance(study, done, progress, engine):
+        if not _solve_batches(study, done, progress, engine):
             raise TooManyJams(study.result({0: done[0]}))
         result = study.result(done)
         drives = [Reducer(worst) for worst in result.worst[:verify]]
@@ -394,17 +394,20 @@ def _define_study(reducer: Reducer, samples: int, seed: int, limits: Sequence[Fi
     return _Study(reducer, zones, samples, seed, parsed)
 
 
-def _balance(study: "_Study", done: dict[int, dict[str, Array]], progress: Progress, engine: Engine) -> bool:
-    """Balance the samples of a study and the sets of its budget; add the figures of each batch to `done`, by its index.
+def _solve_batches(
+    study: "_Study", figures_by_batch: dict[int, dict[str, Array]], progress: Progress, engine: Engine
+) -> bool:
+    """Solve the static equilibrium of all samples of a study and of its error budget, batch by batch.
 
-    Return whether all is done: False where too many samples of the first batch jam.
+    Add the figures of each batch to `figures_by_batch`, by its index. Return whether all batches are solved: False if
+    too many samples of the first one jam.
     """
-    total, count = sum(batch.count for batch, _ in study.work), 0
-    work = partial(balance_batch, study.reducer, study.zones, study.seed, ANGLES)
-    for index, figures in engine.stream(work, study.work):
-        done[index] = figures
-        count += study.work[index][0].count
-        progress(count, total)
+    total, solved = sum(batch.count for batch, _ in study.work), 0
+    solve = partial(balance_batch, study.reducer, study.zones, study.seed, ANGLES)
+    for index, figures in engine.stream(solve, study.work):
+        figures_by_batch[index] = figures
+        solved += study.work[index][0].count
+        progress(solved, total)
         if index == 0 and jams_too_often(find_jams(figures)):
             return False
     return True

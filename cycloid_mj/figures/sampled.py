@@ -42,12 +42,15 @@ BACKLASH = Sampled(("ahead", "back"), lambda ahead, back: backlash(ahead, back) 
 def solve_states(
     reducer: Reducer, samples: Samples, states: Collection[State], angles: int = ANGLES
 ) -> dict[State, SampleFigures]:
-    """Solve samples in some of `STATES`, without friction, weight and inertia: the crank hardly turns."""
-    still = {"gravity_x": 0.0, "gravity_y": 0.0}
-    bare = reducer.but(environment=still, drive={"speed": 1e-9 * reducer.design.drive.speed})
+    """Solve the static equilibrium of samples at the torques of some of `STATES`, without friction, weight and inertia.
+
+    Without inertia, because the crank turns at 1e-9 of its speed.
+    """
+    weightless = {"gravity_x": 0.0, "gravity_y": 0.0}
+    slow = reducer.but(environment=weightless, drive={"speed": 1e-9 * reducer.design.drive.speed})
     ordered = [state for state in STATES if state in states]
     torques = [STATES[state] * reducer.design.rated_torque for state in ordered]
-    return dict(zip(ordered, solve_samples(bare, samples, torques, angles), strict=True))
+    return dict(zip(ordered, solve_samples(slow, samples, torques, angles), strict=True))
 
 
 def condition(reducer: Reducer) -> str:

@@ -80,7 +80,7 @@ def read_duty(path: Path, peak: float | None = None) -> Duty:
         columns = ", ".join(header) if header else "none"
         raise UsageError(f"{path}: a duty cycle needs the columns {','.join(COLUMNS)}; the file has {columns}")
     if len(lines) == 1:
-        raise UsageError(f"{path}: the duty cycle has no points; add a line with {','.join(COLUMNS)} for each")
+        raise UsageError(f"{path}: the duty cycle has no points; add a line for each point: {','.join(COLUMNS)}")
     points = [_point(f"{path}, line {number}", dict(zip(header, row, strict=False))) for number, row in lines[1:]]
     total = sum(point.share for point in points)
     if not total > 0.0:

@@ -250,9 +250,10 @@ def spread(places: Array, half_widths: Array, weights: Array, period: float, cel
 
 
 def worn_gaps(surfaces: Sequence[WearingSurface], depths: Mapping[str, Array], rates: Mapping[str, Array]) -> WornGaps:
-    """Compute the openings of the gaps by the depths of wear of the surfaces [m] by key, shape (cells,) each.
+    """Compute how far wear opens the gaps: of teeth and output pins by angle, shape (TABLE,), and of the cam [m].
 
-    Those of a plain cam are weighted by the rate of its dose, as its loaded side alone determines the clearance.
+    `depths` are those of the surfaces [m] by key, shape (cells,) each. The depth of a plain cam is averaged with the
+    rate of its dose, pressure times sliding, as weight: its loaded side alone determines the clearance.
     """
     tables = {"teeth": np.zeros(TABLE), "output": np.zeros(TABLE)}
     cam = 0.0

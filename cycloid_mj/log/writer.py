@@ -231,7 +231,10 @@ class LogWriter:
                     f"({time.size}, {len(group.units)}), one row per time"
                 )
         if not (np.isfinite(time).all() and (time >= 0.0).all() and (np.diff(time, prepend=self._last) > 0.0).all()):
-            raise LogError(f"sample times must be finite, not negative and strictly increasing, after {self._last} s")
+            raise LogError(
+                f"sample times {time[0]:g} to {time[-1]:g} s are not allowed after {self._last:g} s: times must be "
+                "finite, not negative and strictly increasing"
+            )
 
     def _end(self, note: str, complete: bool, attachments: Mapping[str, bytes]) -> None:
         """Write the end of the log and rename it."""

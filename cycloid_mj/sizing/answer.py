@@ -86,7 +86,7 @@ class Answer(Presented):
     @property
     def ways(self) -> tuple[FeasibleChange, ...]:
         """The remedies, under their name before 0.3."""
-        warnings.warn("Answer.ways is Answer.remedies since 0.3", DeprecationWarning, stacklevel=2)
+        warnings.warn("Answer.ways was renamed in version 0.3: use Answer.remedies", DeprecationWarning, stacklevel=2)
         return self.remedies
 
     @property

@@ -46,7 +46,11 @@ Estimate = dict[str, Array]
 
 
 def estimate(requirement: Requirement, sizes: Sizes, design: Design) -> Estimate:
-    """Estimate candidates with the materials and friction of a `design` of one of them."""
+    """Estimate what torque each kind of failure allows candidates [N m], their mass [kg] and length [m], by key.
+
+    Materials and friction are those of a `design` of one of the candidates. Loads depend on the torque: a fixed-point
+    iteration. ``other`` is the smallest torque, 0 for candidates that cannot be built.
+    """
     torque = np.full(sizes.circle.shape, 1e3 * requirement.diameter**3)
     for _ in range(ROUNDS):
         loads = _Loads.of(requirement, sizes, design, torque)

@@ -230,7 +230,7 @@ class Requirement:
         try:
             tightest, _ = clearances(self.fit, LARGEST_PAIR * self.diameter)
         except ValueError as error:
-            raise UsageError(f"the fit is {self.fit!r}: {error}") from None
+            raise UsageError(f"the fit {self.fit!r} is not valid: {error}; use a fit such as H7/g6") from None
         if tightest < 0.0:
             raise UsageError(f"the fit {self.fit} jams, as its parts must move: use a clearance fit such as H7/g6")
 

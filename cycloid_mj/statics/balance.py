@@ -217,8 +217,8 @@ def require_balance(residual: Residual, contacts: KernelSprings, load: Array) ->
             f"clearance, equilibrium exists only up to {limit:.0%} of the friction{near}); lower friction.*"
         )
     raise RunError(
-        f"{failed}; friction does not explain it: without clearance, equilibrium exists up to "
-        f"{JAM.max_friction:.0%} of it; {remedy}"
+        f"{failed}. Friction is not the cause: without clearance, the parts are in equilibrium up to "
+        f"{JAM.max_friction:.0%} of the friction. {remedy[0].upper()}{remedy[1:]}"
     )
 
 

@@ -140,7 +140,11 @@ def extrude_section(section: Grid, levels: Array, filled: Mask, loaded: Sequence
 
 
 def _lift(at: Integers, share: Array, unknowns: int) -> Any:
-    """Return the sparse operator (n, 2 n2) from loads on section nodes to the solid, by each height's `share`."""
+    """Return the sparse matrix (n, 2 m) that spreads loads on m nodes of the section over the heights of the solid.
+
+    `at` is the index of the solid's node by height and node of the section (h, m), -1 for none; `share` the weight of
+    each height (h,). Nodes that are missing at some height get nothing.
+    """
     everywhere = np.flatnonzero((at >= 0).all(axis=0))
     rows = 3 * at[:, everywhere, np.newaxis] + np.arange(2)
     columns = np.broadcast_to(2 * everywhere[:, np.newaxis] + np.arange(2), rows.shape)

@@ -130,7 +130,10 @@ def _values(reducer: Reducer) -> dict[str, Any]:
 
 
 def _last_turn(run: Run, hold: Mask) -> npt.NDArray[np.intp]:
-    """Return the settled samples of the last crank turn, and one more, so that each angle has a near sample."""
+    """Return the rows of the last full crank turn of the samples in `hold`, both ends included.
+
+    Raises LogError if they cover less than a turn.
+    """
     rows = np.flatnonzero(hold)
     crank = run["crank_angle"][rows]
     swept = abs(crank[-1] - crank[0]) if rows.size else 0.0

@@ -204,7 +204,8 @@ def _pin_forces(gaps: Array, flexible: Array) -> Array:
         if np.all(force >= 0.0) and np.all(bent[~closed] >= 0.0):
             return force
     raise RunError(
-        "no set of contacts of a bent output pin is in equilibrium: its compliance matrix is not positive definite"
+        "the forces of the discs on a bent output pin have no equilibrium, because the compliance matrix of the pin is "
+        "not positive definite: check output.* of the design"
     )
 
 

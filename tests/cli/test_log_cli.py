@@ -208,7 +208,7 @@ def test_report_of_one_and_of_several_logs(path, cut, tmp_path):
     assert f"warning: {cut.stem}: the run is incomplete: the log is truncated" in err
     assert "stopped early" in cut.with_suffix(".html").read_text(encoding="utf-8")
     assert rejected("report") == (2, "no log is given: name at least one, e.g. cycloid-mj report runs/pin.mcap")
-    assert rejected("report", path, path) == (2, "a log is given twice: name each log once")
+    assert rejected("report", path, path) == (2, f"log {path} is given twice: name each log once")
     assert rejected("report", tmp_path / "no.mcap")[0] == 2
     assert rejected("report", path, "--out", tmp_path / "no" / "x.html")[0] == 1
 

@@ -513,7 +513,7 @@ def test_the_command_tells_the_most_that_goes(tmp_path: Path, monkeypatch, capsy
             ["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "1", "--discs", "few"],
             "'few' is not a whole number, or auto",
         ),
-        (["--discs", "2"], "applies to new sizes only"),
+        (["--discs", "2"], "applies only when a new drive is sized"),
         (
             ["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "40", "--motor", "nema17"],
             "the crank needs 2 N m, and usual motors of the frame have 0.45 N m",

@@ -47,7 +47,11 @@ ACCURACY = StepAccuracy(
 
 
 def choose_step(reducer: Reducer) -> TimeStep:
-    """Return ``settings.timestep`` of a design, or the longest step that divides the time between two log samples."""
+    """Return the time step of the planar solver, and what determines it.
+
+    It is ``settings.timestep`` if that is set. Otherwise it divides the time between two log samples, and is the
+    longest within the limits by the largest step, the oscillation on all contacts, and the passing of a tooth.
+    """
     design = reducer.design
     if design.settings.timestep:
         return TimeStep(design.settings.timestep, "given")

@@ -82,7 +82,11 @@ def decompose(sector: Sector, settings: ConvexSettings) -> Rest:
 
 
 def _gear(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, Sector]:
-    """Return the hub with one hole, and the band below one valley; raise DesignError if the band does not fit."""
+    """Return the core of the gear below the convex pieces of its surfaces, as two sectors that repeat around the axis.
+
+    The first is the hub with one hole, the second the band between hub and lobes, below one valley. Raises DesignError
+    if the band does not fit.
+    """
     design = reducer.design
     depth, error, output = gear_depth(reducer, settings), settings.rest_chord_error, design.output
     half = design.gear.face_width / 2.0

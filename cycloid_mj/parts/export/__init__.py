@@ -305,7 +305,7 @@ def _encode_parts(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -
 
 
 def _encode_polygons(reducer: Reducer, encoding: _Encoding, sizes: Casing | None) -> Export:
-    """Encode all parts as meshes or polylines."""
+    """Encode all parts as meshes or polylines; return the files by name, and the clearances between the polygons."""
     chord_error = encoding.chord_error
     shaft = bored_shaft(reducer, sizes, chord_error)
     solids = parts(reducer, chord_error) | {names.SHAFT: shaft.solid(chord_error)}

@@ -126,7 +126,9 @@ def balance_few_samples(
                 residual = balance_briefly(springs, load[t], z, force, TRUE, None, system)
             else:
                 residual = balance_by_all(springs, load[t], z, force, TRUE, paths, system)
-            _sum_up(ideal.radius, ideal.turning, room.cam_place, made.cam[s], ideal.cam_stiffness, z, force, out[t, s])
+            _write_sample_figures(
+                ideal.radius, ideal.turning, room.cam_place, made.cam[s], ideal.cam_stiffness, z, force, out[t, s]
+            )
             out[t, s, FIGURES - 1] = residual.force
 
 
@@ -168,44 +170,48 @@ def _make(
 
 
 @njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
-def _sum_up(
+def _write_sample_figures(
     radius: float,
-    turning: Mask,
-    cam_place: Array,
+    is_tooth: Mask,
+    cam_position: Array,
     cam_clearance: float,
     cam_stiffness: float,
     z: Array,
     force: Array,
     out: Array,
 ) -> None:
-    """Write the figures of a sample except the residual.
+    """Write means, ranges and maxima of a sample over its crank angles, from displacements `z` and contact forces.
+
+    `z` has x, y and rotation times `radius` of each disc, then the rotation of the output, shape (angles, 3 D + 1) [m].
+    `out` gets mean and range of the rotation of the discs and of the output [rad] (0 to 3), the largest force on a
+    tooth, an output pin and a cam [N] (4 to 6), and the mean number of teeth that carry (7).
 
     The arguments are single attributes of the springs, as conversion of all of them from Python takes long to compile.
     """
-    count, discs = len(z), cam_place.shape[1]
-    for part in range(2):
-        total, least, most = 0.0, math.inf, -math.inf
-        for k in range(count):
-            turned = z[k, 3 * discs] if part else 0.0
-            for disc in range(0 if part else discs):
-                turned += z[k, 3 * disc + 2] / discs
-            total, least, most = total + turned, min(least, turned), max(most, turned)
-        out[2 * part], out[2 * part + 1] = total / count / radius, (most - least) / radius
-    tooth = pin = cam = 0.0
-    for k in range(count):
+    angles, discs = len(z), cam_position.shape[1]
+    for body in range(2):
+        rotation_sum, smallest, largest = 0.0, math.inf, -math.inf
+        for k in range(angles):
+            rotation = z[k, 3 * discs] if body else 0.0
+            for disc in range(0 if body else discs):
+                rotation += z[k, 3 * disc + 2] / discs
+            rotation_sum, smallest, largest = rotation_sum + rotation, min(smallest, rotation), max(largest, rotation)
+        out[2 * body], out[2 * body + 1] = rotation_sum / angles / radius, (largest - smallest) / radius
+    tooth_force = pin_force = cam = 0.0
+    for k in range(angles):
         for i in range(force.shape[1]):
-            if turning[i]:
-                tooth = max(tooth, force[k, i])
+            if is_tooth[i]:
+                tooth_force = max(tooth_force, force[k, i])
             else:
-                pin = max(pin, force[k, i])
+                pin_force = max(pin_force, force[k, i])
         for disc in range(discs):
-            x, y = z[k, 3 * disc] - cam_place[k, disc, 0], z[k, 3 * disc + 1] - cam_place[k, disc, 1]
-            pressed = cam_contact(x, y, cam_clearance)
+            x, y = z[k, 3 * disc] - cam_position[k, disc, 0], z[k, 3 * disc + 1] - cam_position[k, disc, 1]
+            contact = cam_contact(x, y, cam_clearance)
             # with contact on both sides, the larger force: `depth` is the difference, `both` the sum
-            cam = max(cam, 0.5 * cam_stiffness * (pressed.depth + pressed.both))
-    carrying = 0
-    for k in range(count):
+            cam = max(cam, 0.5 * cam_stiffness * (contact.depth + contact.both))
+    loaded_teeth = 0
+    for k in range(angles):
         for i in range(force.shape[1]):
-            if turning[i] and force[k, i] > CARRYING_SHARE * tooth:
-                carrying += 1
-    out[4], out[5], out[6], out[7] = tooth, pin, cam, carrying / count
+            if is_tooth[i] and force[k, i] > CARRYING_SHARE * tooth_force:
+                loaded_teeth += 1
+    out[4], out[5], out[6], out[7] = tooth_force, pin_force, cam, loaded_teeth / angles
