@@ -177,10 +177,12 @@ def test_changes_of_a_check_equal_its_remedy() -> None:
     ("changes", "name"),
     [
         (["clearance.pin_gear_um=40", "clearance.cam_um=80"], "play"),
-        (["ring.pins=fixed", "clearance.output_um=800", "clearance.cam_um=800"], "jump"),
+        pytest.param(
+            ["ring.pins=fixed", "clearance.output_um=800", "clearance.cam_um=800"], "jump", marks=pytest.mark.slow
+        ),
         (["clearance.pin_gear_um=20", "clearance.pin_socket_um=20", "drive.torque_nm=0.3"], "load concentration"),
         (["gear.discs=2", "output.pins=9"], "identical discs"),
-        (["errors.pin_position_um=0.8"], "pin tolerance"),
+        pytest.param(["errors.pin_position_um=0.8"], "pin tolerance", marks=pytest.mark.slow),
         ([f"errors.pin_dr_um=[{'2, ' * 35}2]"], "pin in socket"),
         (["errors.disc_dr_um=[9]"], "assembly"),
     ],

@@ -285,6 +285,7 @@ def missed(contacts: float, off: float, seeds: int) -> tuple[Counter[str], Count
     return identified, outside
 
 
+@pytest.mark.slow
 def test_two_loops_tell_play_and_stiffness_within_their_intervals() -> None:
     identified, outside = missed(1.0, 0.0, 1)
     assert identified["structure_stiffness"] == 1
@@ -462,7 +463,7 @@ def with_zero_offset(loops: list[MeasuredLoop], share: float) -> list[MeasuredLo
 
 
 @pytest.mark.parametrize("seed", cases((0, 1, 2, 3), 0))
-@pytest.mark.parametrize("share", [0.0, 0.04])
+@pytest.mark.parametrize("share", [pytest.param(0.0, marks=pytest.mark.slow), 0.04])
 def test_a_zero_offset_is_chosen_by_the_information_criterion(seed: int, share: float) -> None:
     """Loops of known values whose zero of torque is off by 4 % have an offset, and those without have none.
 
@@ -476,7 +477,7 @@ def test_a_zero_offset_is_chosen_by_the_information_criterion(seed: int, share: 
     assert found.estimates["structure_stiffness"].value == pytest.approx(LOCKED["structure_stiffness"], rel=0.02)
 
 
-@pytest.mark.parametrize("kind", ["pin", "nonpin"])
+@pytest.mark.parametrize("kind", ["pin", pytest.param("nonpin", marks=pytest.mark.slow)])
 def test_measured_loops_support_friction_that_grows_with_the_load(kind: str) -> None:
     """The default model misses the loops where they are unloaded; friction in proportion to the torque follows them.
 
@@ -497,6 +498,7 @@ def test_measured_loops_support_friction_that_grows_with_the_load(kind: str) -> 
     assert found.fitted.torque_offset
 
 
+@pytest.mark.slow
 def test_a_model_of_its_own_kind_is_preferred() -> None:
     """Loops with hysteresis of constant size are not explained by friction that grows, and the design follows them."""
     found = calibrate(resolve("printed"), locked_loops(1.0, 0.0, 0))
@@ -505,6 +507,7 @@ def test_a_model_of_its_own_kind_is_preferred() -> None:
     assert found.misfits == ()
 
 
+@pytest.mark.slow
 def test_friction_that_grows_in_an_independent_model_is_recognised() -> None:
     """Loops of the authors' figures after run-in, by a model that shares nothing with the fit's (`dead_band_loop`)."""
     found = calibrate(resolve("printed"), made("pin", 4.0, 25.0))

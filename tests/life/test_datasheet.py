@@ -102,6 +102,7 @@ def test_the_momentary_torque_is_that_of_the_weakest_stop(sheet) -> None:
     assert told(sheet)["momentary_torque"].value == pytest.approx(2.0 * 36.68 * min(item.safety for item in stops))
 
 
+@pytest.mark.slow
 def test_the_rated_torque_is_held_once_as_well() -> None:
     """Where first yield comes before what lasts, it governs: no sheet has a momentary torque below its rated one."""
     soft = PIN.but(material={"name": "", "youngs_modulus": 2.1e11, "tensile_strength": 2e9, "yield_strength": 2e8})

@@ -414,6 +414,7 @@ def test_a_crank_that_stands_still_has_no_life_to_rate(capsys) -> None:
     assert "crank that turns" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_torque_that_is_not_held_is_named() -> None:
     with pytest.raises(RunError, match=r"pin: no equilibrium at 9e\+05 N m at 1640 rpm: .*another torque"):
         rate(PIN, constant_duty(9e5, PIN.drive.speed))

@@ -168,6 +168,7 @@ def test_several_discs_share_the_load(discs: int) -> None:
     assert min(shares) > 0.5 / discs
 
 
+@pytest.mark.slow
 def test_a_range_of_ratios_leaves_the_one_that_bears_the_most() -> None:
     assert best_ratio(SMALL, 18, 22).ratio in range(18, 23)
     with pytest.raises(UsageError, match="smaller ratio first"):
@@ -248,6 +249,7 @@ def test_all_that_is_bought_for_other_drives_is_in_stock(asked: Requirement) -> 
         require_in_stock(drive.design)
 
 
+@pytest.mark.slow
 def test_custom_sizes_are_free() -> None:
     free, bought = (solved(SMALL.but(torque=4.0, custom=custom)) for custom in (True, False))
     require_in_stock(bought.design)
@@ -255,6 +257,7 @@ def test_custom_sizes_are_free() -> None:
     assert not stock.bearings_outside(2.0 * free.design.gear.bore_radius)
 
 
+@pytest.mark.slow
 def test_no_parts_in_stock_is_told_with_what_goes() -> None:
     refused = size_drive(Requirement(7, 0.026, 0.1))
     assert "no pins and bearings in stock fit" in refused.refusal
@@ -300,6 +303,7 @@ def test_the_lightest_is_the_lightest() -> None:
     assert min(masses) == masses[0]
 
 
+@pytest.mark.slow
 def test_the_covers_stay_within_the_diameter_where_the_wall_can_take_their_screws() -> None:
     found = solved(Requirement(60, 0.07, 0.5))
     assert casing(found).outer == found.design.housing.outer_radius
@@ -338,6 +342,7 @@ def test_the_lightest_drive_is_lighter_than_the_coordinate_search_had_it() -> No
     assert found.study["yield_percent"] >= 99.0
 
 
+@pytest.mark.slow
 def test_conditions_change_what_is_feasible() -> None:
     asked = Requirement(29, 0.09, 35.0, speed=2000.0 * RPM)
     assert solve(asked)[0] is None
@@ -347,6 +352,7 @@ def test_conditions_change_what_is_feasible() -> None:
     assert cooled.rated.reducer.design.service.duty_share == 0.5
 
 
+@pytest.mark.slow
 def test_a_backlash_that_is_not_feasible_has_no_largest_torque() -> None:
     found, refused = solve(SMALL.but(torque=4.0, backlash=0.1))
     assert found is None
@@ -416,8 +422,8 @@ def test_the_file_has_each_reason_beside_its_value(small: Answer) -> None:
     "asked",
     [
         SMALL,
-        Requirement(15, 0.075, 1.0, process="printed", fit="H7/f7"),
-        Requirement(30, 0.1, 20.0, process="milled", discs=2, clearance=2e-5),
+        pytest.param(Requirement(15, 0.075, 1.0, process="printed", fit="H7/f7"), marks=pytest.mark.slow),
+        pytest.param(Requirement(30, 0.1, 20.0, process="milled", discs=2, clearance=2e-5), marks=pytest.mark.slow),
     ],
     ids=str,
 )
@@ -469,6 +475,7 @@ def test_a_length_is_stated_as_feasible_with_what_it_is_made_of() -> None:
     assert "needs" not in refused.refusal + hopeless.refusal
 
 
+@pytest.mark.slow
 def test_a_way_out_of_a_range_of_ratios_keeps_the_best_of_them(tmp_path: Path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     asked = ["design", "new", "mine", "--ratio-range", "19:21", "--diameter-mm", "40", "--torque-nm", "40"]
