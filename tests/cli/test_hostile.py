@@ -106,7 +106,7 @@ def test_chunk_of_nothing_is_given_up_at_its_first_record(content, tmp_path):
         read(path)
 
 
-@pytest.mark.parametrize("compression", ["zstd", "lz4"])
+@pytest.mark.parametrize("compression", ["zstd", pytest.param("lz4", marks=pytest.mark.slow)])
 def test_chunk_of_countless_empty_messages_is_refused_by_counting(compression, tmp_path):
     """Without a count, 23 million of them took 66 s and 3.3 GB, from a file of 67 kB."""
     empty = b"\x05" + (22).to_bytes(8, "little") + bytes(22)

@@ -396,6 +396,7 @@ def test_step_is_one_solid_and_the_same_every_time() -> None:
         assert read_volume(first) == pytest.approx(mass_properties(parts(Reducer(PIN))[part]).volume, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_the_assembly_is_the_same_every_time_and_prints_nothing(capfd: pytest.CaptureFixture[str]) -> None:
     """Colours that two parts share, and numbers of occurrences, do not depend on addresses or on the process."""
     pytest.importorskip("OCP")

@@ -199,7 +199,8 @@ def test_the_mjx_scene_uses_what_mjx_has(joint: ReducedJoint, tmp_path: Path) ->
     assert data.joint(OUTPUT).qvel[0] * joint.way > 0.0
 
 
-@pytest.mark.parametrize("file_format", ["urdf", pytest.param("sdf", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("file_format", ["urdf", "sdf"])
 def test_the_command_writes_the_format(file_format: str, tmp_path: Path) -> None:
     code, _, err = told(
         *("reduce", "--design", "printed", "--level", "rigid", "--format", file_format, "--out", tmp_path / "joint"),

@@ -204,6 +204,7 @@ def test_absurd_requirements_are_refused(changes: dict[str, float], message: str
         SMALL.but(**changes)
 
 
+@pytest.mark.slow
 def test_a_fit_is_the_mean_clearance_of_each_pair_at_its_own_size() -> None:
     design = solved(SMALL.but(torque=2.0, fit="H7/g6")).design
     for pair, radius in (
