@@ -21,7 +21,7 @@ _log = logging.getLogger(__name__)
 PACKAGE = Path(__file__).parents[1]
 SOURCES = (
     *("base/compiling.py", "dynamics/contact/*.py", "dynamics/planar/*.py", "statics/kernel/*.py"),
-    *("reducer/bodies.py", "reducer/impact.py"),
+    *("dynamics/film_table.py", "reducer/bodies.py", "reducer/impact.py"),
 )
 """Files with compiled functions, and with what is compiled into them."""
 

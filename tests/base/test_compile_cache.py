@@ -3,6 +3,7 @@
 import importlib.util
 import logging
 import pickle
+import re
 import sys
 from pathlib import Path
 
@@ -107,6 +108,19 @@ def test_another_folder_is_used_when_any_source_of_compiled_code_changes(tmp_pat
     assert folders[0] == folders[1]
     assert len(set(folders)) == 4
     assert {path.name for path in (tmp_path / "cache").iterdir()} == {path.name for path in folders[2:]}
+
+
+def test_the_folder_depends_on_every_file_with_compiled_functions() -> None:
+    """Except two whose kernels no other file calls: numba compares their own file."""
+    package = compile_cache.PACKAGE
+    files = {
+        path for path in package.rglob("*.py") if re.search(r"^@(compiling\.)?njit\b", path.read_text("utf-8"), re.M)
+    }
+    listed = {path for pattern in compile_cache.SOURCES for path in package.glob(pattern)}
+    assert {path.relative_to(package).as_posix() for path in files - listed} == {
+        "bench/overlay.py",
+        "statics/locked.py",
+    }
 
 
 def test_without_a_home_and_a_writable_folder_nothing_is_kept(tmp_path, monkeypatch):
