@@ -118,6 +118,13 @@ def film_table(reducer: Reducer) -> Array:
 
 
 @compiling.njit(inner=True)
+def phase_cosine(px: float, py: float, x: float, y: float) -> float:
+    """Compute the cosine of the phase of a pin at (px, py) against the eccentricity of a disc centred on (x, y)."""
+    norms = math.sqrt((px * px + py * py) * (x * x + y * y))
+    return (px * x + py * y) / norms if norms > 0.0 else 1.0
+
+
+@compiling.njit(inner=True)
 def look_up(table: int, kind: int, cosine: float, force: float) -> float:
     """Interpolate the coefficient of a contact in the table at an address.
 

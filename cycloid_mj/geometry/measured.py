@@ -10,8 +10,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.linalg import lstsq
-from scipy.spatial import cKDTree
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.design import Design, material_limits
@@ -179,6 +177,9 @@ def align(gear: CycloidGear, offset: float, points: Array) -> tuple[Array, Array
     Least squares of the deviations from their mean, by Gauss-Newton steps in position and rotation with new foot
     points in each. The rotation is at most half a pitch, as lobes are alike.
     """
+    from scipy.linalg import lstsq
+    from scipy.spatial import cKDTree
+
     t = np.linspace(0.0, 2.0 * np.pi, FIT.samples_per_lobe * gear.lobes, endpoint=False)
     nearest = cKDTree(profile.outline(gear, t, offset))
     centre, rotation = _initial_alignment(gear, points)
@@ -206,6 +207,8 @@ def fit_waves(t: Array, deviation: Array, highest: int, alignment: Alignment | N
     "Reconstruction algorithms in irregular sampling"). Highest orders with an rms below
     `ProfileFitSettings.tail` are left out.
     """
+    from scipy.linalg import lstsq
+
     order = np.argsort(t, kind="stable")
     gaps = np.diff(t[order], append=t[order[0]] + 2.0 * np.pi)
     weights = np.empty(t.size)
@@ -225,6 +228,8 @@ def fit_waves(t: Array, deviation: Array, highest: int, alignment: Alignment | N
 
 def _initial_alignment(gear: CycloidGear, points: Array) -> tuple[Array, float]:
     """Estimate centre [m] and clockwise rotation [rad] of points: their circle, and the phase of their lobes."""
+    from scipy.linalg import lstsq
+
     x, y = points.T
     # x^2 + y^2 = 2 a x + 2 b y + c (Kåsa 1976)
     centre = lstsq(np.column_stack([2.0 * x, 2.0 * y, np.ones(x.size)]), x**2 + y**2)[0][:2]

@@ -11,12 +11,12 @@ from cycloid_mj.design.lubricants import walther
 from cycloid_mj.design.stock import ball_bearings, thin_ball_bearings
 from cycloid_mj.life.bearings import Bearing, bearings_of
 from cycloid_mj.life.loading import relative_speed
-from cycloid_mj.lubrication.bearings import idle_torque, seal_torque
+from cycloid_mj.lubrication.bearings import idle_torque
 from cycloid_mj.parts.cam_bearing import cam_bearing
 from cycloid_mj.parts.export.bearings import shaft_bearing
 from cycloid_mj.parts.export.casing import bearing_width_of, casing, seat_radius
-from cycloid_mj.parts.export.drive import has_casing
 from cycloid_mj.reducer import Reducer
+from cycloid_mj.statics.film import seal_torques
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ def no_load_torque(reducer: Reducer, speed: float, temperature: float) -> NoLoad
         unit = count * share * idle_torque(1.0, diameter, share * abs(speed), viscosity)
         torques.append((mean * unit, low * unit, high * unit))
     bearings, low, high = (sum(column) for column in zip(*torques, strict=True))
-    seals = sum(share * seal_torque(diameter) for diameter, share in _seals(reducer, crank))
+    seals = _seal_torque(reducer, crank)
     return NoLoadTorque(bearings, seals, low + seals, high + seals)
 
 
@@ -99,11 +99,14 @@ def _bearing_size(reducer: Reducer, bearing: Bearing) -> tuple[str, int, float]:
     return "ball" if ball else "needle", 1, design.shaft.radius + seat_radius(reducer, bearing_width_of(reducer))
 
 
-def _seals(reducer: Reducer, crank: float) -> Iterator[tuple[float, float]]:
-    """Yield the shaft diameter [m] of each seal, and its speed over that of the crank; none if `drag` has them."""
+def _seal_torque(reducer: Reducer, crank: float) -> float:
+    """Return the torque of the seals on a crank that turns at a speed [rad/s]; 0 if `drag` states it."""
     design = reducer.design
     if design.drag.crank or design.drag.output:
-        return
-    yield 2.0 * design.shaft.radius, relative_speed(reducer, crank, ("shaft", "housing")) / crank
-    if has_casing(reducer):
-        yield casing(reducer).hub.bore, relative_speed(reducer, crank, ("output", "housing")) / crank
+        return 0.0
+    on_shaft, on_hub = seal_torques(reducer)
+    turning = (
+        relative_speed(reducer, crank, ("shaft", "housing")),
+        relative_speed(reducer, crank, ("output", "housing")),
+    )
+    return turning[0] / crank * on_shaft + turning[1] / crank * on_hub

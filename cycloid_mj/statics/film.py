@@ -15,8 +15,6 @@ from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.surface_speeds import SurfaceSpeeds, hole_speeds, seat_speeds, tooth_speeds
 from cycloid_mj.lubrication.bearings import idle_torque, seal_torque
 from cycloid_mj.lubrication.mixed import FilmLaw, MixedFriction, journal_friction, line_friction
-from cycloid_mj.parts.export.casing import casing
-from cycloid_mj.parts.export.drive import has_casing
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import Gaps
 
@@ -268,7 +266,7 @@ def law_of(reducer: Reducer, pair: str, inputs: FilmInputs = DESIGN_INPUTS) -> F
     """Return the film law of a kind of mating pair at the temperature of its parts."""
     friction, temperature = reducer.design.friction, lubricant_temperature(reducer, pair)
     oil = lubricant(friction.lubricant)
-    nominal = FilmLaw(
+    law = FilmLaw(
         viscosity=inputs.viscosity * oil.viscosity(temperature),
         pressure_coefficient=oil.pressure_coefficient(temperature),
         roughness=inputs.roughness * friction.roughness,
@@ -276,13 +274,11 @@ def law_of(reducer: Reducer, pair: str, inputs: FilmInputs = DESIGN_INPUTS) -> F
         formula=friction.film_formula,
         film_factor=inputs.film,
     )
-    return FilmLaw(
-        **{
-            **vars(nominal),
-            "film_share": inputs.share * nominal.film_share,
-            "eyring_stress": inputs.shear * nominal.eyring_stress,
-            "limiting_shear": inputs.shear * nominal.limiting_shear,
-        }
+    return replace(
+        law,
+        film_share=inputs.share * law.film_share,
+        eyring_stress=inputs.shear * law.eyring_stress,
+        limiting_shear=inputs.shear * law.limiting_shear,
     )
 
 
@@ -319,9 +315,8 @@ def drag_torques(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[
         return crank, output
     speed = abs(mesh_speed(reducer))
     if not (crank or output):
-        per_speed = speed / abs(design.drive.speed) if design.drive.speed else 1.0
-        crank = per_speed * seal_torque(2.0 * design.shaft.radius)
-        output = seal_torque(casing(reducer).hub.bore) if has_casing(reducer) else 0.0
+        crank, output = seal_torques(reducer)
+        crank *= speed / abs(design.drive.speed) if design.drive.speed else 1.0
     crank, output = inputs.seals * crank, inputs.seals * output
     if design.gear.bearing == "rolling":
         turning = speed * design.ring.teeth / design.lobes
@@ -332,6 +327,18 @@ def drag_torques(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[
         per_crank = turning / abs(design.drive.speed) if design.drive.speed else 1.0
         crank += per_crank * idle_torque(factor, cam_mean_diameter(reducer), turning, viscosity)
     return crank, output
+
+
+def seal_torques(reducer: Reducer) -> tuple[float, float]:
+    """Return the friction torques of the seals on the shaft and on the hub of the output [N m].
+
+    Without covers the output has none.
+    """
+    from cycloid_mj.parts.export.casing import casing
+    from cycloid_mj.parts.export.drive import has_casing
+
+    on_hub = seal_torque(casing(reducer).hub.bore) if has_casing(reducer) else 0.0
+    return seal_torque(2.0 * reducer.design.shaft.radius), on_hub
 
 
 def _seat_radius(reducer: Reducer) -> float:

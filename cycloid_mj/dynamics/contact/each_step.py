@@ -11,7 +11,6 @@ returning to Python. A fatal error of MuJoCo therefore occurs within one call fr
 """
 
 import ctypes
-import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import astuple
@@ -34,7 +33,7 @@ from cycloid_mj.dynamics.contact.memory import read_address, read_float, read_in
 from cycloid_mj.dynamics.contact.reference_correction import bind_multiplication, correct_references, multiply_jacobian
 from cycloid_mj.dynamics.contact.shared import Shared
 from cycloid_mj.dynamics.contact.step_state import ARRAYS, FIELDS, INDEX, POINTERS, STEP_STATE, StepState, step_state_at
-from cycloid_mj.dynamics.film_table import SEAT, TEETH, FilmRows, look_up
+from cycloid_mj.dynamics.film_table import SEAT, TEETH, FilmRows, look_up, phase_cosine
 from cycloid_mj.reducer import impact
 from cycloid_mj.reducer.impact import ImpactLaw
 
@@ -346,11 +345,11 @@ def _apply_film(run: StepState) -> None:
             pair, row = abs(pair_of(run, contact)) - 1, read_int(contact + run.efc_address)
             if pair < 0 or row < 0 or (read_int(run.film_kind + 4 * pair) == SEAT) != seats:
                 continue
-            _rub(run, contact, pair, row)
+            _set_film_friction(run, contact, pair, row)
 
 
 @compiling.njit(inner=True)
-def _rub(run: StepState, contact: int, pair: int, row: int) -> None:
+def _set_film_friction(run: StepState, contact: int, pair: int, row: int) -> None:
     """Set the friction of one contact by the law ``film``."""
     constants = read_address(run.efc_KBIP) + 32 * row
     depth = max(-read_float(read_address(run.efc_pos) + 8 * row), 0.0)
@@ -377,10 +376,8 @@ def _phase_cosine(run: StepState, contact: int, pair: int) -> float:
     """Compute the cosine of the phase of a ring pin or lobe against the eccentricity of a disc in contact."""
     first, second = read_int(contact + run.geom), read_int(contact + run.geom + 4)
     mate = second if read_address(run.teeth + 8 * first) else first
-    at, disc = run.geom_xpos + 24 * mate, run.xpos + 24 * read_int(run.origin + 4 * pair)
-    px, py, x, y = read_float(at), read_float(at + 8), read_float(disc), read_float(disc + 8)
-    away = math.sqrt((px * px + py * py) * (x * x + y * y))
-    return (px * x + py * y) / away if away > 0.0 else 1.0
+    pin, disc = run.geom_xpos + 24 * mate, run.xpos + 24 * read_int(run.origin + 4 * pair)
+    return phase_cosine(read_float(pin), read_float(pin + 8), read_float(disc), read_float(disc + 8))
 
 
 @compiling.njit(inner=True)

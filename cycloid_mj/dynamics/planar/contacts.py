@@ -24,7 +24,7 @@ from cycloid_mj.dynamics.contact.contact_search import (
 )
 from cycloid_mj.dynamics.contact.gap import Flank, PartialCircle, Pose, outwards
 from cycloid_mj.dynamics.contact.teeth import Teeth
-from cycloid_mj.dynamics.film_table import CAM, OUTPUT, SEAT, TEETH, look_up
+from cycloid_mj.dynamics.film_table import CAM, OUTPUT, SEAT, TEETH, look_up, phase_cosine
 from cycloid_mj.dynamics.planar.settings import CONTACT_SEARCH
 from cycloid_mj.dynamics.planar.system import System
 from cycloid_mj.reducer import impact
@@ -135,9 +135,7 @@ def find(
         pair += 1
         cx, cy = outwards(shaft, system.cams[disc, 0], system.cams[disc, 1])
         cam = Round(cx, cy, q[3 * disc], q[3 * disc + 1], system.cam, 1.0)
-        first, count = count, count + _find_round(contacts, count, mating, cam, bore, out, q, v, half)
-        for k in range(first, count):
-            _rub(system, contacts[k], CAM, 1.0, v)
+        count += _find_round(system, contacts, count, mating, cam, bore, CAM, 1.0, out, q, v, half)
     hole = PartialCircle(system.hole, 0.0, 1.0, -1.0, 0.0)
     for disc in range(discs):
         gear = _pose(q, 3 * disc, 0.0)
@@ -147,9 +145,7 @@ def find(
             sx, sy = outwards(carrier, system.studs[stud, 0], system.studs[stud, 1])
             hx, hy = outwards(gear, system.holes[disc, stud, 0], system.holes[disc, stud, 1])
             pin = Round(sx, sy, gear.x + hx, gear.y + hy, system.stud, 1.0)
-            first, count = count, count + _find_round(contacts, count, mating, pin, hole, out, q, v, half)
-            for k in range(first, count):
-                _rub(system, contacts[k], OUTPUT, 1.0, v)
+            count += _find_round(system, contacts, count, mating, pin, hole, OUTPUT, 1.0, out, q, v, half)
     return count
 
 
@@ -178,7 +174,7 @@ def _find_lobes(
         cosine, sine = outwards(ring, system.home[i, 1], -system.home[i, 0])
         for k in range(lobe_touches(out, on_disc, lobes[i], Pose(px, py, cosine, sine), gear, CONTACT_SEARCH.margin)):
             _fill(contacts[count], pair, read_touch(out + STRIDE * k), -1.0, q, v, half)
-            _rub(system, contacts[count], TEETH, _cosine(px, py, gear.x, gear.y), v)
+            _set_film_friction(system, contacts[count], TEETH, phase_cosine(px, py, gear.x, gear.y), v)
             count += 1
     return count
 
@@ -207,7 +203,7 @@ def _find_pins(
         contact, touch = contacts[count], found.touch
         pair = MatingSurfaces(mating.pair + i, mating.law, mating.disc, own, shaft)
         _fill(contact, pair, touch, -1.0, q, v, half)
-        _rub(system, contact, TEETH, _cosine(px, py, gear.x, gear.y), v)
+        _set_film_friction(system, contact, TEETH, phase_cosine(px, py, gear.x, gear.y), v)
         count += 1
         if system.free:
             contact.disc_centre = -(px - gear.x) * touch.nx - (py - gear.y) * touch.ny
@@ -237,34 +233,24 @@ def _find_seats(
             ax, ay = outwards(ring, system.home[i, 0], system.home[i, 1])
             around = PartialCircle(system.outer[i], ax, ay, system.arc[0], system.arc[1])
             inner = Round(q[own], q[own + 1], sx, sy, system.inner[i], -1.0)
-        first, count = count, count + _find_round(contacts, count, mating, inner, around, out, q, v, half)
-        if system.film.size:
-            cosine = _cosine_of_pin(contacts, first, own)
-            for k in range(first, count):
-                _rub(system, contacts[k], SEAT, cosine, v)
+        cosine = _cosine_of_pin(contacts, count, own) if system.film.size else 1.0
+        count += _find_round(system, contacts, count, mating, inner, around, SEAT, cosine, out, q, v, half)
     return count
-
-
-@njit
-def _cosine(px: float, py: float, x: float, y: float) -> float:
-    """Compute the cosine of the phase of a pin at (px, py) against the eccentricity of a disc centred on (x, y)."""
-    away = math.sqrt((px * px + py * py) * (x * x + y * y))
-    return (px * x + py * y) / away if away > 0.0 else 1.0
 
 
 @njit
 def _cosine_of_pin(contacts: Contacts, count: int, own: int) -> float:
     """Return the cosine of the phase of a moving pin against the disc that presses it most."""
-    most, cosine = -1.0, 1.0
+    largest, cosine = -1.0, 1.0
     for k in range(count):
         contact = contacts[k]
-        if contact.pin == own and contact.disc >= 0 and contact.normal_force > most:
-            most, cosine = contact.normal_force, contact.cosine
+        if contact.pin == own and contact.disc >= 0 and contact.normal_force > largest:
+            largest, cosine = contact.normal_force, contact.cosine
     return cosine
 
 
 @njit
-def _rub(system: System, contact: Contact, kind: int, cosine: float, v: Array) -> None:
+def _set_film_friction(system: System, contact: Contact, kind: int, cosine: float, v: Array) -> None:
     """Set the friction of a contact by the law ``film``, if the drive has it."""
     if system.film.size == 0:
         return
@@ -313,22 +299,29 @@ class Round(NamedTuple):
 
 @njit
 def _find_round(
+    system: System,
     contacts: Contacts,
     first: int,
     mating: MatingSurfaces,
     inner: Round,
     outer: PartialCircle,
+    kind: int,
+    cosine: float,
     out: int,
     q: Array,
     v: Array,
     half: float,
 ) -> int:
-    """Write the contacts of a circle within another circle from index `first` on, and return their number."""
+    """Write the contacts of a circle within another circle from index `first` on, and return their number.
+
+    `kind` and `cosine` are those of their row in the film table.
+    """
     dx, dy = inner.x - inner.around_x, inner.y - inner.around_y
     count = inner_touches(out, dx, dy, inner.x, inner.y, inner.radius, outer, CONTACT_SEARCH.margin)
     for k in range(count):
         touch, contact = read_touch(out + STRIDE * k), contacts[first + k]
         _fill(contact, mating, touch, inner.sign, q, v, half)
+        _set_film_friction(system, contact, kind, cosine, v)
         away = math.sqrt(dx * dx + dy * dy)
         if dx * touch.nx + dy * touch.ny < (1.0 - CONTACT_SEARCH.edge_tolerance) * away or away == 0.0:
             continue  # a contact at an edge
