@@ -8,8 +8,6 @@ from typing import Any, cast, get_args
 from cycloid_mj.base.errors import CycloidError, DesignError, UsageError
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.life.joints import tightening_torques
-from cycloid_mj.parts import mass_properties
-from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
 from cycloid_mj.parts.export import (
     CHORD_ERROR,
     BillLine,
@@ -20,11 +18,9 @@ from cycloid_mj.parts.export import (
     export,
     widen_clearances,
 )
-from cycloid_mj.parts.export.assembly import assembly_parts, places
 from cycloid_mj.parts.export.bill import consumables, describe_consumable
 from cycloid_mj.parts.export.casing import Casing, casing_or_none
 from cycloid_mj.parts.export.casing_rules import is_plastic, is_printed
-from cycloid_mj.parts.export.drive import BEARING_FILL
 from cycloid_mj.parts.export.motors import MOTORS, MotorName
 from cycloid_mj.parts.export.print_files import PrintSettings, print_files, stock_cam_seat
 from cycloid_mj.parts.export.printing import material_part
@@ -153,28 +149,17 @@ def describe_drive(reducer: Reducer, options: BuildOptions) -> dict[str, Any]:
 
 def bill_rows(reducer: Reducer, sizes: Casing | None) -> list[dict[str, Any]]:
     """Return the bill of materials with source (printed, bought or made), mass [g] and price class of each line."""
-    masses = part_masses(reducer, sizes)
     lines = bill(reducer, stock_cam_seat(reducer), sizes, tightening_torques(reducer) if sizes else None)
-    return [_bill_row(reducer, line, 1000.0 * masses.get(line.item, 0.0)) for line in lines]
+    return [_bill_row(reducer, line) for line in lines]
 
 
-def part_masses(reducer: Reducer, sizes: Casing | None) -> dict[str, float]:
-    """Compute the mass of all copies of each part of the assembly [kg]; bearings are filled by `BEARING_FILL`."""
-    parts, masses = assembly_parts(reducer, sizes), dict[str, float]()
-    each = {name: mass_properties(part.solid(VISUAL_CHORD_ERROR)).mass for name, part in parts.items()}
-    for place in places(reducer, 0.0, sizes):
-        share = BEARING_FILL if place.part.endswith("_bearing") else 1.0
-        masses[place.part] = masses.get(place.part, 0.0) + share * each[place.part]
-    return masses
-
-
-def _bill_row(reducer: Reducer, line: BillLine, mass_g: float) -> dict[str, Any]:
+def _bill_row(reducer: Reducer, line: BillLine) -> dict[str, Any]:
     """Return a line of the bill as the page shows it."""
     source = "bought"
     if line.made_or_bought == "made":
         source = "printed" if is_printed(reducer, material_part(reducer, line.item)) else "made"
     price = PRICES[_price_kind(line.item, source)]
-    piece = max(price.minimum, price.rate * mass_g / 1000.0 / max(line.count, 1))
+    piece = max(price.minimum, price.rate * line.mass_kg / max(line.count, 1))
     return {
         "item": line.item.replace("_", " "),
         "count": line.count,
@@ -183,7 +168,7 @@ def _bill_row(reducer: Reducer, line: BillLine, mass_g: float) -> dict[str, Any]
         "source": source,
         "designation": line.designation,
         "fit": line.fit,
-        "mass_g": mass_g,
+        "mass_g": 1000.0 * line.mass_kg,
         "price": next(words for limit, words in PRICE_CLASSES if piece < limit),
     }
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from cycloid_mj.app.controls import key_in_words, number_with_unit, with_symbols
 from cycloid_mj.app.drawing import PLACES
-from cycloid_mj.app.drive import drive_of, part_masses
+from cycloid_mj.app.drive import drive_of
 from cycloid_mj.app.state import apply_changes, at_load
 from cycloid_mj.app.verdicts import TORQUE_RTOL, rated_item, requirement_verdicts, unmet_without_covers, verdict
 from cycloid_mj.base.errors import CycloidError
@@ -28,6 +28,7 @@ from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.item import Rating
 from cycloid_mj.life.rated import rated_torque
 from cycloid_mj.parts.export import casing_or_none
+from cycloid_mj.parts.export.drive import assembly_mass
 from cycloid_mj.parts.export.motors import MotorName
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sheet import load_of, quick_sheet
@@ -193,7 +194,7 @@ def covered_size(reducer: Reducer, motor: MotorName = "auto") -> tuple[dict[str,
         return {
             "diameter_mm": 2.0 * MILLIMETRES * sizes.outer,
             "length_mm": MILLIMETRES * (high - low),
-            "mass_kg": sum(part_masses(built, sizes).values()),
+            "mass_kg": assembly_mass(built, sizes),
         }, ""
     except CycloidError as error:
         return None, str(error)

@@ -4,7 +4,7 @@ from cycloid_mj.base import names
 from cycloid_mj.parts import mass_properties
 from cycloid_mj.parts.accuracy import EXPORT_CHORD_ERROR
 from cycloid_mj.parts.export.assembly import assembly_parts, places
-from cycloid_mj.parts.export.casing import FLANGE, MOTOR_COVER, OUTPUT_COVER, casing, casing_or_none
+from cycloid_mj.parts.export.casing import FLANGE, MOTOR_COVER, OUTPUT_COVER, Casing, casing, casing_or_none
 from cycloid_mj.parts.export.printing import PrintedPart, manufactured_parts
 from cycloid_mj.reducer import Reducer, once
 
@@ -22,7 +22,7 @@ def has_casing(reducer: Reducer) -> bool:
 
 @once
 def drive_mass(reducer: Reducer) -> float:
-    """Compute the mass of a drive [kg]: that of all solids of its assembly, bearings filled by `BEARING_FILL`.
+    """Compute the mass of a drive with its covers [kg].
 
     Raises
     ------
@@ -30,10 +30,14 @@ def drive_mass(reducer: Reducer) -> float:
         A part does not fit.
     """
     with_one_ring = reducer.but(ring={"halves": 1, "preload": 0.0}) if reducer.design.ring.halves > 1 else reducer
-    sizes = casing(with_one_ring)
-    parts = assembly_parts(with_one_ring, sizes)
+    return assembly_mass(with_one_ring, casing(with_one_ring))
+
+
+def assembly_mass(reducer: Reducer, sizes: Casing) -> float:
+    """Compute the mass of all solids of an assembly [kg], bearings filled by `BEARING_FILL`."""
+    parts = assembly_parts(reducer, sizes)
     mass = {name: filling(name) * mass_properties(part.solid(EXPORT_CHORD_ERROR)).mass for name, part in parts.items()}
-    return sum(mass[place.part] for place in places(with_one_ring, 0.0, sizes))
+    return sum(mass[place.part] for place in places(reducer, 0.0, sizes))
 
 
 def filling(part: str) -> float:
