@@ -1,5 +1,6 @@
 """Loops of torque and turn with friction that remembers, and designs calibrated by them."""
 
+import html
 import json
 import math
 from collections import Counter
@@ -44,6 +45,7 @@ from cycloid_mj.design import Design, load, resolve
 from cycloid_mj.design.model import NO_FRICTION
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.limits import stops
+from cycloid_mj.report.results import calibration_page
 from cycloid_mj.robot import ReducedJoint, reduce
 from cycloid_mj.robot.trial import trial_scene as bench_scene
 from cycloid_mj.statics import loads, springs_of
@@ -753,6 +755,18 @@ def test_a_fit_that_is_stopped_keeps_the_best_there_was() -> None:
         assert STOPPED in found.notes
         assert found.rms < 1.5 * whole.rms
         assert found.estimates.keys() == whole.estimates.keys()
+
+
+def test_the_page_of_a_calibration_lists_correlated_and_undetermined_parameters() -> None:
+    keys = ("structure_stiffness", "drag")
+    pair = (*keys, 0.987)
+    calibration = replace(
+        calibrate(resolve("printed"), locked_loops(1.0, 0.0, 0), keys), indistinguishable=(pair,), notes=("A note.",)
+    )
+    page = html.unescape(calibration_page(calibration, "<svg></svg>", ["A remark."]))
+    assert "structure_stiffness and drag: correlation 0.987" in page
+    assert all(f"{key} is not determined by these loops" in page for key in calibration.unidentified)
+    assert all(sentence in page for sentence in (*calibration.measure_next, "A note.", "A remark."))
 
 
 @pytest.mark.slow
