@@ -15,7 +15,7 @@ from cycloid_mj.cli.delivery import Destination, claim_page, deliver
 from cycloid_mj.cli.flags import COMMON, FLAT, CommonFlags, DesignOptions, whole, within
 from cycloid_mj.cli.outfile import folder
 from cycloid_mj.cli.ranges import RANGES
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 from cycloid_mj.reducer.sockets import require_one_ring
 
 if TYPE_CHECKING:
@@ -252,7 +252,8 @@ def export(
 
     _require_flags(format_, polylines=polylines, arcs=arcs, plate=plate, bore=cam_bearing_bore_mm, bed=bed)
     design, offset, chord_error = chosen.resolve_checked().at_reference, offset_um * 1e-6, chord_error_um * 1e-6
-    reducer, motor = Reducer(design), interface.chosen()
+    reducer, motor = reducer_of(design), interface.chosen()
+    _require_layout(reducer, plate=plate, drawings=drawings)
     drive = plate or assembly or drawings
     if drive:
         require_one_ring(reducer, "print plates, assemblies and drawings")
@@ -311,6 +312,13 @@ def _require_flags(
         raise UsageError(f"{name} is an option of --format dxf, not of {file_format}: remove it, or use --format dxf")
     if polylines and arcs is not None:
         raise UsageError("--polylines and --arcs cannot be used together: remove one of them")
+
+
+def _require_layout(reducer: Reducer, *, plate: bool, drawings: bool) -> None:
+    """Raise an error of usage for options that the layout of the reducer does not support."""
+    if isinstance(reducer, RvReducer) and (plate or drawings):
+        name = "--plate" if plate else "--drawings"
+        raise UsageError(f'{name} does not support layout = "rv" ({reducer.design.name}): remove it')
 
 
 def _bed_size(text: str | None) -> tuple[float, float] | None:
@@ -382,10 +390,15 @@ def _plate(reducer: Reducer, sizes: "Casing | None", settings: "PrintSettings") 
 
 
 def _casing(reducer: Reducer, motor: "Motor", cover_material: str) -> "Casing | None":
-    """Return the sizes of covers and flanges; warn if they do not fit, and of what their joints do not allow."""
+    """Return the sizes of covers and flanges; warn if they do not fit, and of what their joints do not allow.
+
+    An RV reducer has none.
+    """
     from cycloid_mj.parts.export import casing_or_none
     from cycloid_mj.parts.export.rules import broken_rules
 
+    if isinstance(reducer, RvReducer):
+        return None
     sizes, reason = casing_or_none(reducer, motor, cover_material)
     if sizes:
         warn(reducer.design.name, broken_rules(reducer, sizes))

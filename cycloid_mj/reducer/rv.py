@@ -21,6 +21,10 @@ WINDOW_MARGIN = 0.5e-3
 """Gap between a post and its window where they are closest, if the design leaves the window open [m]."""
 
 
+FLANGE_WALL = 0.05
+"""Wall of the flanges outside of the tapered bearings and the posts, per radius of the pin circle."""
+
+
 class RvReducer(Reducer):
     """The reducer of a `design` with ``layout = "rv"``.
 
@@ -113,6 +117,12 @@ class RvReducer(Reducer):
     def window_radius(self) -> float:
         """Radius of the windows of the discs for the posts [m]."""
         return self.cranks.window_radius or self.cranks.post_radius + self.design.gear.eccentricity + WINDOW_MARGIN
+
+    @property
+    def flange_radius(self) -> float:
+        """Outer radius of the carrier's flanges [m]: bearings and posts, and a wall around them."""
+        inner = max(self.crank_radius + self.cranks.taper_radius, self.post_circle_radius + self.cranks.post_radius)
+        return inner + FLANGE_WALL * self.design.ring.pin_circle_radius
 
     @property
     def bearing_stiffness(self) -> float:

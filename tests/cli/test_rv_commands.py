@@ -20,7 +20,6 @@ REFUSED = (
     ("protocol", "rv80e"),
     ("design", "kinematics", "rv80e", "--csv", "k.csv"),
     ("design", "profile", "rv80e", "--csv", "p.csv"),
-    ("export", "rv80e", "--format", "stl", "--out", "parts"),
 )
 """Commands that do not support an RV reducer yet."""
 
@@ -38,6 +37,13 @@ def test_a_command_without_support_names_those_that_have_it(
     out, error = capsys.readouterr()
     assert (out, error.count("\n")) == ("", 1)
     assert all(f"`{command}`" in error for command in SUPPORTED["rv"])
+
+
+def test_export_writes_the_parts(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["export", "rv80e", "--format", "svg", "--chord-error-um", "20", "--out", "parts", "--quiet"]) == 0
+    assert {path.stem for path in Path("parts").glob("*.svg")} >= {"gear_1", "crank", "planet", "sun", "carrier_2"}
+    assert main(["export", "rv80e", "--plate", "--out", "plate"]) == 2
+    assert '--plate does not support layout = "rv" (rv80e): remove it' in capsys.readouterr().err
 
 
 def test_statics_has_the_figures_of_the_rv80e(capsys: pytest.CaptureFixture[str]) -> None:

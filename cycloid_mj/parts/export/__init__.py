@@ -31,7 +31,7 @@ from cycloid_mj.parts.export.casing_parts import bored_shaft
 from cycloid_mj.parts.export.casing_rules import (
     core_radius,
 )
-from cycloid_mj.parts.export.clearance import OutlineClearance, measure_all
+from cycloid_mj.parts.export.clearance import OutlineClearance, measure_all, measure_rings
 from cycloid_mj.parts.export.dxf import DrilledThread, dxf_bytes
 from cycloid_mj.parts.export.joint import PRESSED_PIN
 from cycloid_mj.parts.export.joints import drive_joints
@@ -43,7 +43,9 @@ from cycloid_mj.parts.export.step import SPLINES, Place, read_volume, step_part
 from cycloid_mj.parts.export.threemf import threemf_bytes
 from cycloid_mj.parts.export.triangles import obj_bytes, read_stl, stl_bytes
 from cycloid_mj.parts.housing import SLIT_SHARE
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.parts.rv import chord_error as rv_chord_error
+from cycloid_mj.parts.rv import rv_parts
+from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 from cycloid_mj.reducer.sockets import require_drawn, require_one_ring
 
 __all__ = [
@@ -166,8 +168,10 @@ def export(
     """
     design = resolve(design).at_reference
     encoding = _Encoding(file_format, chord_error, polylines, arcs)
-    reducer = Reducer(design)
+    reducer = reducer_of(design)
     require_drawn(reducer.design, "files of its parts")
+    if isinstance(reducer, RvReducer):
+        return _encode_rv(RvReducer(widen_clearances(reducer, offset).design), encoding)
     if reducer.design.gear.discs > 1:
         require_one_ring(reducer, "files of its parts with several discs")
     sizes = casing_or_none(reducer, motor, cover_material)[0]
@@ -329,6 +333,26 @@ def _separate_pressed_pins(reducer: Reducer, solids: dict[str, Solid]) -> dict[s
     housing = solids[names.HOUSING]
     wheel, core, *_ = (Solid(housing.name, (prism,), housing.density) for prism in housing.prisms)
     return {**solids, names.HOUSING: wheel, PRESSED_PIN: replace(core, name=PRESSED_PIN)}
+
+
+def _encode_rv(reducer: RvReducer, encoding: _Encoding) -> Export:
+    """Encode all parts of an RV reducer; return the files by name, and the clearances of the discs in the ring."""
+    laid = rv_parts(reducer)
+    error = encoding.chord_error
+
+    def encode(name: str, part: Part) -> bytes:
+        if encoding.is_mesh:
+            return encoding.mesh(name, mesh(part.solid(error)))
+        if encoding.is_polylines:
+            return encoding.polylines_of(part)
+        if encoding.file_format == "dxf":
+            return dxf_bytes(part.sections(1), (), encoding.arcs)
+        return _step(reducer, part.solid(rv_chord_error(reducer)), part.sections(SPLINES))
+
+    discs = [laid[gear].solid(error).prisms[0].outline for gear in reducer.gears]
+    ring = laid[names.HOUSING].solid(error).prisms[0].holes[0]
+    files = {f"{name}.{encoding.file_format}": encode(name, part) for name, part in laid.items()}
+    return Export(files, measure_rings(reducer, discs, ring))
 
 
 def _step(reducer: Reducer, solid: Solid, stretches: tuple[PartSection, ...]) -> bytes:

@@ -37,9 +37,10 @@ from cycloid_mj.parts.export.crank_rings import CRANK_RING
 from cycloid_mj.parts.export.joint import OUTPUT_PIN, PRESSED_PIN, SECOND_OUTPUT
 from cycloid_mj.parts.export.printing import STEEL, part_material, separate_parts
 from cycloid_mj.parts.export.round_part import tube, with_holes
+from cycloid_mj.parts.export.rv_assembly import RV_COLOURS, rv_assembly_parts, rv_places
 from cycloid_mj.parts.export.step import SPLINES, Place, step_assembly
 from cycloid_mj.parts.parts import Colour, roller_places, tint
-from cycloid_mj.reducer import Reducer
+from cycloid_mj.reducer import Reducer, RvReducer
 from cycloid_mj.reducer.sockets import require_one_ring
 
 COLOURS: Mapping[str, Colour] = {
@@ -145,6 +146,10 @@ def assembly_step(reducer: Reducer, crank: float = 0.0, sizes: Casing | None = N
     CycloidError
         The package OCP is not installed, or OpenCASCADE cannot build a part.
     """
+    if isinstance(reducer, RvReducer):
+        sections = {name: part.sections(SPLINES) for name, part in rv_assembly_parts(reducer).items()}
+        colours = {name: tint(RV_COLOURS[names.family(name)], name) for name in sections}
+        return step_assembly(reducer.design.name, sections, colours, tuple(rv_places(reducer, crank)))
     parts = assembly_parts(reducer, sizes)
     sections = {name: part.sections(SPLINES) for name, part in parts.items()}
     colours = {name: tint(COLOURS[names.family(name)], name) for name in parts}

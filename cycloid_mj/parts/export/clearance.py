@@ -1,6 +1,6 @@
 """The clearances of the exported outlines, measured on the points that are written."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,11 +61,7 @@ def measure_all(reducer: Reducer, discs: Sequence[Sequence[Array]], ring_loop: A
 
     Raises the errors of `measure`.
     """
-    clearances = [measure(reducer, loops, ring_loop, disc) for disc, loops in enumerate(discs)]
-    return tuple(
-        OutlineClearance(pair[0].pair, pair[0].asked, min(item.least for item in pair), max(item.most for item in pair))
-        for pair in zip(*clearances, strict=True)
-    )
+    return _extremes([measure(reducer, loops, ring_loop, disc) for disc, loops in enumerate(discs)])
 
 
 def measure(
@@ -91,24 +87,51 @@ def measure(
     """
     design = reducer.design
     outline, bore, *holes = gear_loops
-    asked = design.clearance
     hole_points = [hole - centre for hole, centre in zip(holes, output_centres(reducer), strict=True)]
-    teeth = "pin_gear" if design.ring.kind == "pin" else "tooth"
-    points: Mapping[str, Array] = {
-        teeth: _flank_clearance(reducer, rotate_clockwise(outline, -reducer.phases[disc] / design.lobes)),
+    points = {
         "cam": np.linalg.norm(bore, axis=1) - design.gear.bore_radius,
         "output": np.linalg.norm(np.concatenate(hole_points), axis=1) - design.output.hole_radius,
     }
+    flank, *socket = _measure_ring(reducer, outline, ring_loop, disc)
+    return flank, *(_require_asked(reducer, pair, values) for pair, values in points.items()), *socket
+
+
+def measure_rings(reducer: Reducer, discs: Sequence[Array], ring_loop: Array) -> tuple[OutlineClearance, ...]:
+    """Measure the clearances between the outlines of all discs (n, 2) [m] and the ring, and of its sockets.
+
+    Raises the errors of `measure`.
+    """
+    return _extremes([_measure_ring(reducer, outline, ring_loop, disc) for disc, outline in enumerate(discs)])
+
+
+def _measure_ring(reducer: Reducer, outline: Array, ring_loop: Array, disc: int) -> tuple[OutlineClearance, ...]:
+    """Measure the clearance between a disc and the ring, and of the sockets, if any; errors as `measure`."""
+    design = reducer.design
+    teeth = "pin_gear" if design.ring.kind == "pin" else "tooth"
+    turned = rotate_clockwise(outline, -reducer.phases[disc] / design.lobes)
+    points: dict[str, Array] = {teeth: _flank_clearance(reducer, turned)}
     if design.ring.has_sockets:
-        points = {**points, "pin_socket": _socket_points(reducer, ring_loop) - design.ring.pin_radius}
-    measured = tuple(OutlineClearance(pair, getattr(asked, pair), *_range(values)) for pair, values in points.items())
-    for item in measured:
-        if max(item.asked - item.least, item.most - item.asked) > TOLERANCE:
-            raise DesignError(
-                f"the clearance {item.pair} of the outline is {1e6 * item.least:.4g} to {1e6 * item.most:.4g} um, not "
-                f"the requested {1e6 * item.asked:.4g} um; please report this design"
-            )
-    return measured
+        points["pin_socket"] = _socket_points(reducer, ring_loop) - design.ring.pin_radius
+    return tuple(_require_asked(reducer, pair, values) for pair, values in points.items())
+
+
+def _require_asked(reducer: Reducer, pair: str, values: Array) -> OutlineClearance:
+    """Return the range of a clearance, measured at points (n,) [m]; raise DesignError if it is not the design's."""
+    item = OutlineClearance(pair, getattr(reducer.design.clearance, pair), *_range(values))
+    if max(item.asked - item.least, item.most - item.asked) > TOLERANCE:
+        raise DesignError(
+            f"the clearance {item.pair} of the outline is {1e6 * item.least:.4g} to {1e6 * item.most:.4g} um, not "
+            f"the requested {1e6 * item.asked:.4g} um; please report this design"
+        )
+    return item
+
+
+def _extremes(clearances: Sequence[tuple[OutlineClearance, ...]]) -> tuple[OutlineClearance, ...]:
+    """Return the smallest and largest clearance of each pair over all discs."""
+    return tuple(
+        OutlineClearance(pair[0].pair, pair[0].asked, min(item.least for item in pair), max(item.most for item in pair))
+        for pair in zip(*clearances, strict=True)
+    )
 
 
 def _flank_clearance(reducer: Reducer, outline: Array) -> Array:

@@ -1,0 +1,181 @@
+"""External involute spur gears as a rack cuts them: flanks, fillets and radii.
+
+The rack is profile A of ISO 53: addendum m, dedendum 1.25 m, corners of radius 0.38 m. Points are in the frame of the
+gear, with the middle of a tooth space on +y. The functions give the side of that space at x > 0, from root to tip.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cycloid_mj.base.array import Array
+
+DEDENDUM = 1.25
+"""Dedendum of the rack per module (ISO 53, profile A)."""
+
+CORNER_RADIUS = 0.38
+"""Radius of the corners of the rack per module (ISO 53, profile A)."""
+
+TIP_CLEARANCE = DEDENDUM - 1.0
+"""Clearance between tip and mating root per module."""
+
+
+@dataclass(frozen=True)
+class InvoluteGear:
+    """An external spur gear.
+
+    Attributes
+    ----------
+    teeth
+        Number of teeth z.
+    module
+        Module m [m].
+    pressure_angle
+        At the reference circle [rad].
+    shift
+        Profile shift coefficient x.
+    tip_radius
+        Radius of the tip circle [m].
+    thinning
+        Decrease of the tooth thickness at the reference circle, for backlash [m].
+    """
+
+    teeth: int
+    module: float
+    pressure_angle: float
+    shift: float
+    tip_radius: float
+    thinning: float = 0.0
+
+    @property
+    def reference_radius(self) -> float:
+        """Radius of the reference circle [m]: m z/2."""
+        return self.module * self.teeth / 2.0
+
+    @property
+    def base_radius(self) -> float:
+        """Radius of the base circle [m]."""
+        return self.reference_radius * math.cos(self.pressure_angle)
+
+    @property
+    def root_radius(self) -> float:
+        """Radius of the root circle [m]."""
+        return self.reference_radius - self.module * (DEDENDUM - self.shift)
+
+    @property
+    def corner_depth(self) -> float:
+        """Depth of the centre of the rack's corner below the reference circle, at the middle of the space [m]."""
+        return self.module * (DEDENDUM - CORNER_RADIUS - self.shift)
+
+    @property
+    def corner_offset(self) -> float:
+        """Distance of the centre of the rack's corner from the middle of the rack's tooth [m]."""
+        half_tooth = math.pi * self.module / 4.0 + self.thinning / 4.0
+        slope = math.tan(self.pressure_angle) * (DEDENDUM - CORNER_RADIUS)
+        return half_tooth - self.module * (slope + CORNER_RADIUS / math.cos(self.pressure_angle))
+
+    @property
+    def space_half_angle(self) -> float:
+        """Half of the angle of a tooth space at the base circle, extrapolated from the flanks [rad]."""
+        thickness = self.module * (math.pi / 2.0 + 2.0 * self.shift * math.tan(self.pressure_angle)) - self.thinning
+        half_tooth = thickness / (2.0 * self.reference_radius)
+        return math.pi / self.teeth - half_tooth - involute(self.pressure_angle)
+
+    @property
+    def first_roll(self) -> float:
+        """Roll angle at the lower end of the involute [rad]; negative: the rack undercuts the flank."""
+        along_line = self.corner_depth / math.sin(self.pressure_angle) + self.module * CORNER_RADIUS
+        return math.tan(self.pressure_angle) - along_line / self.base_radius
+
+    @property
+    def last_roll(self) -> float:
+        """Roll angle at the tip [rad]."""
+        return math.sqrt((self.tip_radius / self.base_radius) ** 2 - 1.0)
+
+    @property
+    def last_corner(self) -> float:
+        """Position of the rack's corner where it leaves the fillet and cuts the involute [m]; see `fillet`."""
+        return self.corner_depth / math.tan(self.pressure_angle)
+
+    @property
+    def tip_half_angle(self) -> float:
+        """Half of the angle of a tooth at the tip [rad]; not positive: the tooth is pointed below its tip circle."""
+        roll = self.last_roll
+        return math.pi / self.teeth - (self.space_half_angle + roll - math.atan(roll))
+
+    def flank(self, roll: npt.ArrayLike) -> Array:
+        """Compute points (n, 2) [m] of the involute at roll angles (n,) [rad], the tangents of the pressure angles."""
+        t = np.asarray(roll, dtype=np.float64)
+        turned = self.space_half_angle + t
+        along, across = np.stack([np.sin(turned), np.cos(turned)], -1), np.stack([-np.cos(turned), np.sin(turned)], -1)
+        return self.base_radius * (along + t[..., np.newaxis] * across)
+
+    def flank_tangents(self, roll: npt.ArrayLike) -> Array:
+        """Compute unit tangents (n, 2) of the involute towards the tip."""
+        turned = self.space_half_angle + np.asarray(roll, dtype=np.float64)
+        return np.stack([np.sin(turned), np.cos(turned)], -1)
+
+    def flank_length(self, roll: npt.ArrayLike) -> Array:
+        """Compute the arc length of the involute from the base circle [m]."""
+        return np.asarray(self.base_radius * np.square(roll) / 2.0)
+
+    def fillet(self, corner: npt.ArrayLike) -> Array:
+        """Compute points (n, 2) [m] of the fillet, which the corner of the rack cuts.
+
+        `corner` (n,) [m] is the position of the corner's centre along the rack, from the pitch point: 0 at the root
+        circle, `last_corner` at the involute. The contact normal of rack and gear passes through the pitch point.
+        """
+        s = np.asarray(corner, dtype=np.float64)
+        h, r = self.corner_depth, self.reference_radius
+        distance = np.hypot(s, h)
+        stretch = 1.0 + self.module * CORNER_RADIUS / distance
+        return _turned(s * stretch, r - h * stretch, (s - self.corner_offset) / r)
+
+    def fillet_tangents(self, corner: npt.ArrayLike) -> Array:
+        """Compute unit tangents (n, 2) of the fillet towards the involute."""
+        s = np.asarray(corner, dtype=np.float64)
+        distance = np.hypot(s, self.corner_depth)
+        angle = (s - self.corner_offset) / self.reference_radius
+        return _turned(self.corner_depth / distance, s / distance, angle)
+
+    def fillet_length(self, corner: npt.ArrayLike) -> Array:
+        """Compute the arc length of the fillet from the root circle [m]."""
+        s = np.asarray(corner, dtype=np.float64)
+        h, r = self.corner_depth, self.reference_radius
+        centre = (s * np.hypot(s, h) + h * h * np.arcsinh(s / h)) / (2.0 * r)
+        return np.asarray(centre + self.module * CORNER_RADIUS * (s / r + np.arctan(s / h)))
+
+    def fillet_curvature(self, corner: npt.ArrayLike) -> Array:
+        """Compute the curvature of the fillet [1/m]."""
+        s = np.asarray(corner, dtype=np.float64)
+        h, r = self.corner_depth, self.reference_radius
+        distance = np.hypot(s, h)
+        turn = 1.0 / r + h / distance**2
+        return np.asarray(turn / (distance / r + self.module * CORNER_RADIUS * turn))
+
+
+def involute(angle: float) -> float:
+    """Compute the involute function tan(angle) - angle [rad]."""
+    return math.tan(angle) - angle
+
+
+def least_shift(teeth: int, pressure_angle: float) -> float:
+    """Compute the smallest profile shift coefficient, not below 0, at which the rack does not undercut the flanks."""
+    return max(0.0, 1.0 - teeth * math.sin(pressure_angle) ** 2 / 2.0)
+
+
+def shift_sum(teeth: int, module: float, pressure_angle: float, centre_distance: float) -> float:
+    """Compute the sum of the profile shift coefficients of a pair without backlash (ISO 21771, equation for a_w).
+
+    `teeth` is the sum of both numbers of teeth; module and centre distance are in metres.
+    """
+    working_angle = math.acos(module * teeth / 2.0 * math.cos(pressure_angle) / centre_distance)
+    return teeth * (involute(working_angle) - involute(pressure_angle)) / (2.0 * math.tan(pressure_angle))
+
+
+def _turned(x: npt.ArrayLike, y: npt.ArrayLike, angle: Array) -> Array:
+    """Turn vectors counter-clockwise by angles (n,) [rad]; return them as (n, 2)."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.stack([cos * x - sin * y, sin * x + cos * y], -1)

@@ -1,0 +1,195 @@
+"""The parts of an RV reducer: discs, ring, cranks with planets, sun, and the two flanges of the carrier.
+
+Along z, from the motor: planets and sun, flange 1, the discs, flange 2 with the posts. Crank 1 is on +y; cranks and
+posts are numbered clockwise. Not drawn: splines, screws, main bearings, and the shaft of the sun.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.base import names
+from cycloid_mj.base.array import Array
+from cycloid_mj.base.errors import DesignError
+from cycloid_mj.geometry import profile
+from cycloid_mj.geometry.involute import TIP_CLEARANCE, InvoluteGear, least_shift, shift_sum
+from cycloid_mj.parts.accuracy import MASS_CHORD_ERROR
+from cycloid_mj.parts.contour import CircleContour, TurnedContour, circles_at
+from cycloid_mj.parts.fit import require_below
+from cycloid_mj.parts.gear import GearContour
+from cycloid_mj.parts.housing import housing_part, pin_part
+from cycloid_mj.parts.part import Part, Stretch
+from cycloid_mj.parts.spur_gear import SpurGearContour
+from cycloid_mj.reducer import RvReducer, once
+from cycloid_mj.reducer.bending import AXIAL_GAP
+
+CRANK, PLANET, SUN, CARRIER = "crank", "planet", "sun", "carrier"
+"""Parts of an RV reducer, besides housing, pin and discs; the flanges are ``carrier_1`` and ``carrier_2``."""
+
+NEEDLE, TAPERED_BEARING = "needle", "tapered_bearing"
+"""Bearings of the cranks: a needle in a disc, and a tapered bearing in a flange, drawn as a ring."""
+
+SHIFT_STEP = 0.05
+"""Step of the profile shift coefficient of the sun: above the least shift, the flank does not begin in a cusp."""
+
+FLANGES = names.all_numbered(CARRIER, 2)
+
+
+@dataclass(frozen=True)
+class Heights:
+    """Ends along z [m] of the discs, the flanges on both sides of them, and the planets."""
+
+    stack: tuple[float, float]
+    flanges: tuple[tuple[float, float], tuple[float, float]]
+    planets: tuple[float, float]
+
+
+def heights(reducer: RvReducer) -> Heights:
+    """Return the ends of the parts along z, with the axial gap of all drives between turning faces."""
+    half, thickness = reducer.design.gear.stack_width / 2.0, reducer.cranks.flange_thickness
+    near, far = half + AXIAL_GAP, half + AXIAL_GAP + thickness
+    planets = (-far - AXIAL_GAP - reducer.planet.face_width, -far - AXIAL_GAP)
+    return Heights((-half, half), ((-far, -near), (near, far)), planets)
+
+
+def sun_and_planet(reducer: RvReducer) -> tuple[InvoluteGear, InvoluteGear]:
+    """Return the gears of the first stage; the profile shift of the sun avoids undercut (a multiple of `SHIFT_STEP`).
+
+    The shift of the planets brings the pair to the circle of crank axes without backlash; each tooth is thinned by
+    half of the backlash.
+
+    Raises
+    ------
+    DesignError
+        A tooth is undercut or pointed.
+    """
+    planet, distance = reducer.planet, reducer.crank_radius
+    total = shift_sum(planet.sun_teeth + planet.planet_teeth, planet.module, planet.pressure_angle, distance)
+    sun_shift = SHIFT_STEP * math.ceil(least_shift(planet.sun_teeth, planet.pressure_angle) / SHIFT_STEP)
+    shifts = {"sun": (planet.sun_teeth, sun_shift), "planet": (planet.planet_teeth, total - sun_shift)}
+
+    def gear(part: str, mate: str) -> InvoluteGear:
+        (teeth, shift), thinning = shifts[part], planet.backlash / 2.0
+        mate_teeth, mate_shift = shifts[mate]
+        other = InvoluteGear(mate_teeth, planet.module, planet.pressure_angle, mate_shift, 0.0, thinning)
+        tip = distance - other.root_radius - TIP_CLEARANCE * planet.module
+        made = InvoluteGear(teeth, planet.module, planet.pressure_angle, shift, tip, thinning)
+        if made.corner_depth <= 0.0 or made.first_roll < 0.0 or made.tip_half_angle <= 0.0:
+            fault = "pointed" if made.tip_half_angle <= 0.0 else "undercut"
+            raise DesignError(
+                f"planet.{part}_teeth = {teeth}: with the profile shift {shift:.3g} these teeth are {fault}; "
+                "use more teeth or a larger planet.pressure_angle_deg, and set cranks.radius_mm to 0"
+            )
+        return made
+
+    return gear("sun", "planet"), gear("planet", "sun")
+
+
+def rv_parts(reducer: RvReducer) -> dict[str, Part]:
+    """Return the parts by name, each once and in its own frame; housing and flanges in that of the reducer's axis.
+
+    Raises
+    ------
+    DesignError
+        A part cannot be manufactured, or does not fit.
+    """
+    return dict(_rv_parts(reducer.shape))
+
+
+def rv_bearings(reducer: RvReducer) -> dict[str, Part]:
+    """Return a tapered bearing of the cranks as a ring in the plane z = 0, by its name."""
+    half = reducer.cranks.flange_thickness / 2.0
+    bore = (CircleContour(journal_radius(reducer)),)
+    ring = Stretch(TAPERED_BEARING, CircleContour(reducer.cranks.taper_radius), bore, -half, half)
+    return {TAPERED_BEARING: Part(TAPERED_BEARING, (ring,), reducer.design.material_of("shaft").density)}
+
+
+def journal_radius(reducer: RvReducer) -> float:
+    """Return the radius of a crank's journals [m]: the largest that its bearings can pass the eccentrics with."""
+    return reducer.cranks.eccentric_radius - reducer.design.gear.eccentricity
+
+
+def chord_error(reducer: RvReducer) -> float:
+    """Return the chord error for mass properties [m], relative to the thinnest part."""
+    return MASS_CHORD_ERROR * min(reducer.design.ring.pin_radius, reducer.cranks.needle_radius)
+
+
+def crank_centres(reducer: RvReducer) -> Array:
+    """Return the crank axes in the frame of the carrier (n, 2) [m]."""
+    count = reducer.cranks.count
+    return np.asarray(reducer.crank_radius * profile.unit(2.0 * np.pi * np.arange(count) / count))
+
+
+def post_centres(reducer: RvReducer) -> Array:
+    """Return the axes of the posts in the frame of the carrier (n, 2) [m]: one between two cranks."""
+    count = reducer.cranks.count
+    return np.asarray(reducer.post_circle_radius * profile.unit(2.0 * np.pi * (np.arange(count) + 0.5) / count))
+
+
+@once
+def _rv_parts(reducer: RvReducer) -> dict[str, Part]:
+    """Return all parts by name."""
+    parts = [housing_part(reducer), *_discs(reducer), *_crank_and_gears(reducer), *_flanges(reducer)]
+    if reducer.design.ring.kind == "pin":
+        parts.append(pin_part(reducer))
+    half = reducer.design.gear.face_width / 2.0
+    needle = Stretch(NEEDLE, CircleContour(reducer.cranks.needle_radius), (), -half, half)
+    parts.append(Part(NEEDLE, (needle,), reducer.design.material_of("shaft").density))
+    return {part.name: part for part in parts}
+
+
+def _discs(reducer: RvReducer) -> Iterator[Part]:
+    """Yield the discs: valley 1 and crank bore 1 on +y, later discs with their lobes turned by their phase."""
+    design, cranks = reducer.design, reducer.cranks
+    profile.require_no_undercut(reducer.gear_profile, reducer.profile_offset)
+    middle = (CircleContour(cranks.middle_hole_radius),) if cranks.middle_hole_radius else ()
+    holes = (
+        *middle,
+        *circles_at(reducer.bore_radius, crank_centres(reducer)),
+        *circles_at(reducer.window_radius, post_centres(reducer)),
+    )
+    half = design.gear.face_width / 2.0
+    for name, phase in zip(reducer.gears, reducer.phases, strict=True):
+        outline = TurnedContour(GearContour(reducer.shape), -phase / design.lobes)
+        yield Part(name, (Stretch("gear", outline, holes, -half, half),), design.material_of("gear").density)
+
+
+def _crank_and_gears(reducer: RvReducer) -> Iterator[Part]:
+    """Yield a crank in the frame of its axis, and planet and sun in frames of their own, a tooth space on +y."""
+    design, along, radius = reducer.design, heights(reducer), journal_radius(reducer)
+    require_below("gear.eccentricity", design.gear.eccentricity, reducer.cranks.eccentric_radius, "no journal is left")
+    density, journal = design.material_of("shaft").density, CircleContour(radius)
+    half, start, stretches = design.gear.face_width / 2.0, along.planets[0], []
+    for number, (phase, plane) in enumerate(zip(reducer.phases, design.gear.disc_planes, strict=True), start=1):
+        x, y = design.gear.eccentricity * profile.unit(-phase)
+        eccentric = CircleContour(reducer.cranks.eccentric_radius, (float(x), float(y)))
+        stretches.append(Stretch(f"journal {number}", journal, (), start, plane - half))
+        stretches.append(Stretch(f"eccentric {number}", eccentric, (), plane - half, plane + half))
+        start = plane + half
+    stretches.append(Stretch("last journal", journal, (), start, along.flanges[1][1]))
+    yield Part(CRANK, tuple(stretches), density)
+    sun, planet = sun_and_planet(reducer)
+    bore = (CircleContour(radius),)
+    require_below("cranks.eccentric_radius", radius, planet.root_radius, "the crank's journal meets the planet's roots")
+    half = reducer.planet.face_width / 2.0
+    yield Part(PLANET, (Stretch(PLANET, SpurGearContour(planet), bore, -half, half),), density)
+    yield Part(SUN, (Stretch(SUN, SpurGearContour(sun), (), -half, half),), density)
+
+
+def _flanges(reducer: RvReducer) -> Iterator[Part]:
+    """Yield both flanges of the carrier, the second with the posts, which reach to the first."""
+    cranks, along = reducer.cranks, heights(reducer)
+    middle = (CircleContour(cranks.middle_hole_radius),) if cranks.middle_hole_radius else ()
+    holes = (*middle, *circles_at(cranks.taper_radius, crank_centres(reducer)))
+    density = reducer.design.material_of("output").density
+    posts = [
+        Stretch("post", post, (), along.flanges[0][1], along.flanges[1][0])
+        for post in circles_at(cranks.post_radius, post_centres(reducer))
+    ]
+    for name, (z0, z1), own in zip(FLANGES, along.flanges, ((), posts), strict=True):
+        flange = Stretch("flange", CircleContour(reducer.flange_radius), holes, z0, z1)
+        yield Part(name, (flange, *own), density)
+    room = reducer.design.ring.pin_circle_radius - reducer.design.ring.pin_radius
+    require_below("cranks.taper_radius", reducer.flange_radius, room, "the flanges of the carrier meet the ring pins")

@@ -1,0 +1,75 @@
+"""The outline of an involute spur gear, as exact curves and as a polygon."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cycloid_mj.base.array import Array
+from cycloid_mj.geometry.involute import InvoluteGear
+from cycloid_mj.parts.curve import Arc, Curve, SmoothCurve, Spline, fit_splines, rotate_curve
+from cycloid_mj.parts.polygon import arc, rotate_points
+
+MIRROR = np.array([-1.0, 1.0])
+"""Factors that mirror points at the axis y."""
+
+
+@dataclass(frozen=True)
+class SpurGearContour:
+    """The outline of a spur gear, counter-clockwise, with the middle of a tooth space on +y."""
+
+    gear: InvoluteGear
+
+    def curves(self, splines: int) -> tuple[Curve, ...]:
+        """Return tooth after tooth: arc of the root, fillet and flank upwards, arc of the tip, flank and fillet down.
+
+        Fillets and flanks are short, so each is one spline whatever the number of `splines`.
+        """
+        gear, pitch = self.gear, 2.0 * math.pi / self.gear.teeth
+        fillet = SmoothCurve(gear.fillet, gear.fillet_length, gear.fillet_tangents, gear.fillet_curvature)
+        flank = SmoothCurve(gear.flank, gear.flank_length, gear.flank_tangents, lambda roll: -1.0 / (base * roll))
+        base = gear.base_radius
+        up = [
+            *fit_splines(fillet, 0.0, gear.last_corner, 1),
+            *fit_splines(flank, gear.first_roll, gear.last_roll, 1),
+        ]
+        upwards = [Spline(piece.knots, piece.controls * MIRROR) for piece in up]
+        downwards = [rotate_curve(Spline(-piece.knots[::-1], piece.controls[::-1]), -pitch) for piece in reversed(up)]
+        root, tip, middle = gear.corner_offset / gear.reference_radius, gear.tip_half_angle, math.pi / 2.0
+        tooth: tuple[Curve, ...] = (
+            Arc((0.0, 0.0), gear.root_radius, middle - root, middle + root),
+            *upwards,
+            Arc((0.0, 0.0), gear.tip_radius, middle + pitch / 2.0 - tip, middle + pitch / 2.0 + tip),
+            *downwards,
+        )
+        return tuple(rotate_curve(curve, -number * pitch) for number in range(gear.teeth) for curve in tooth)
+
+    def polygon(self, chord_error: float) -> Array:
+        """Return its polygon (n, 2) [m] with a chord error [m], vertices on the outline."""
+        gear, pitch = self.gear, 2.0 * math.pi / self.gear.teeth
+        corner = np.linspace(0.0, gear.last_corner, _chords(gear.last_corner, _fillet_turn(gear), chord_error) + 1)
+        rolled = gear.last_roll - gear.first_roll
+        chords = _chords(rolled, gear.base_radius * gear.last_roll, chord_error)
+        roll = np.linspace(gear.first_roll, gear.last_roll, chords + 1)
+        side = np.concatenate([gear.fillet(corner), gear.flank(roll)[1:]])
+        root, tip, middle = gear.corner_offset / gear.reference_radius, gear.tip_half_angle, math.pi / 2.0
+        bottom = arc(gear.root_radius, middle - root, middle + root, chord_error)
+        top = arc(gear.tip_radius, middle + pitch / 2.0 - tip, middle + pitch / 2.0 + tip, chord_error)
+        down = rotate_points(side[::-1], pitch)
+        tooth = np.concatenate([bottom, (side * MIRROR)[1:], top[1:], down[1:-1]])
+        return np.concatenate([rotate_points(tooth, number * pitch) for number in range(gear.teeth)])
+
+
+def _chords(span: float, turn: float, chord_error: float) -> int:
+    """Return the number of chords, equally spaced in a parameter over a span, whose sagitta is the chord error [m].
+
+    The sagitta of a chord over a step s is s^2/8 times `turn`, the curvature times the squared speed of the curve [m].
+    """
+    return max(2, math.ceil(span * math.sqrt(turn / (8.0 * chord_error))))
+
+
+def _fillet_turn(gear: InvoluteGear) -> float:
+    """Return the largest curvature times squared speed of a fillet [1/m], by the position of the rack's corner."""
+    corner = np.array([0.0, gear.last_corner])
+    turn = 1.0 / gear.reference_radius + gear.corner_depth / (corner**2 + gear.corner_depth**2)
+    return float((turn**2 / gear.fillet_curvature(corner)).max())
