@@ -21,6 +21,7 @@ def rv_checks(reducer: RvReducer) -> Iterator[Check]:
         chain(
             tooth_rules(reducer),
             (_planets_mesh(reducer), _dead_points(reducer), _crank_circle(reducer)),
+            _stage_teeth(reducer),
             _walls(reducer),
             _flange_rules(reducer),
             (_posts_in_windows(reducer),),
@@ -87,6 +88,22 @@ def _crank_circle(reducer: RvReducer) -> Check:
         key="cranks.radius_mm",
         changes=() if passed else ({"cranks.radius_mm": 0.0},),
     )
+
+
+def _stage_teeth(reducer: RvReducer) -> Iterator[Check]:
+    """Yield the checks that the rack does not undercut the teeth of sun and planets, and that they are not pointed."""
+    for name, gear in zip(("sun", "planet"), reducer.stage_gears, strict=True):
+        yield Check(
+            name=f"{name}_teeth",
+            passed=not gear.fault,
+            got=str(gear.teeth),
+            limit="a number of full-depth teeth that the rack of ISO 53, profile A, can cut",
+            why=f"with the profile shift {gear.shift:.2f} the teeth are {gear.fault or 'neither undercut nor pointed'}",
+            remedy=f"raise planet.{name}_teeth or planet.pressure_angle_deg, and set cranks.radius_mm to 0"
+            if gear.fault
+            else "",
+            key=f"planet.{name}_teeth",
+        )
 
 
 def _walls(reducer: RvReducer) -> Iterator[Rule]:

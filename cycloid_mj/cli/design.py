@@ -109,6 +109,7 @@ def _strictly(outcome: Outcome, strict: bool) -> Outcome:
 def _rv_lines(reducer: RvReducer, checks: "Checks") -> list[str]:
     """Return the summary of an RV reducer as lines of text."""
     from cycloid_mj.geometry.rv import are_one_part, flip_clockings
+    from cycloid_mj.parts.export.rv_assembly import rv_mass
 
     ring, lobes, discs = reducer.design.ring, reducer.design.lobes, reducer.design.gear.discs
     lines = [
@@ -118,6 +119,8 @@ def _rv_lines(reducer: RvReducer, checks: "Checks") -> list[str]:
         f"      outer diameter {2e3 * reducer.design.housing.outer_radius:.4g} mm, nominal torque "
         f"{reducer.design.rated_torque:.4g} N m",
     ]
+    if not checks.failures:
+        lines.append(f"      mass {rv_mass(reducer):.4g} kg, without main bearings, screws and the shaft of the sun")
     if discs > 1:
         if are_one_part(ring.teeth, lobes, discs, reducer.cranks.count):
             same = "one part, turned by a step of the crank bores"

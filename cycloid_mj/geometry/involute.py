@@ -5,7 +5,7 @@ gear, with the middle of a tooth space on +y. The functions give the side of tha
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +20,9 @@ CORNER_RADIUS = 0.38
 
 TIP_CLEARANCE = DEDENDUM - 1.0
 """Clearance between tip and mating root per module."""
+
+SHIFT_STEP = 0.05
+"""Step of the profile shift coefficient of a pinion: above the least shift, the flank does not begin in a cusp."""
 
 
 @dataclass(frozen=True)
@@ -105,6 +108,13 @@ class InvoluteGear:
         roll = self.last_roll
         return math.pi / self.teeth - (self.space_half_angle + roll - math.atan(roll))
 
+    @property
+    def fault(self) -> str:
+        """What makes the teeth unusable: "undercut" or "pointed"; empty if nothing does."""
+        if self.corner_depth <= 0.0 or self.first_roll < 0.0:
+            return "undercut"
+        return "pointed" if self.tip_half_angle <= 0.0 else ""
+
     def flank(self, roll: npt.ArrayLike) -> Array:
         """Compute points (n, 2) [m] of the involute at roll angles (n,) [rad], the tangents of the pressure angles."""
         t = np.asarray(roll, dtype=np.float64)
@@ -163,16 +173,51 @@ def involute(angle: float) -> float:
 
 def least_shift(teeth: int, pressure_angle: float) -> float:
     """Compute the smallest profile shift coefficient, not below 0, at which the rack does not undercut the flanks."""
-    return max(0.0, 1.0 - teeth * math.sin(pressure_angle) ** 2 / 2.0)
+    sine = math.sin(pressure_angle)
+    straight = DEDENDUM - CORNER_RADIUS * (1.0 - sine)  # depth of the straight flanks of the rack
+    return max(0.0, straight - teeth * sine**2 / 2.0)
 
 
 def shift_sum(teeth: int, module: float, pressure_angle: float, centre_distance: float) -> float:
     """Compute the sum of the profile shift coefficients of a pair without backlash (ISO 21771, equation for a_w).
 
-    `teeth` is the sum of both numbers of teeth; module and centre distance are in metres.
+    `teeth` is the sum of both numbers of teeth; module and centre distance are in metres. Below the sum of the base
+    radii no flanks touch; the result is that of this distance.
     """
-    working_angle = math.acos(module * teeth / 2.0 * math.cos(pressure_angle) / centre_distance)
+    base_distance = module * teeth / 2.0 * math.cos(pressure_angle)
+    working_angle = math.acos(min(1.0, base_distance / centre_distance))
     return teeth * (involute(working_angle) - involute(pressure_angle)) / (2.0 * math.tan(pressure_angle))
+
+
+def gear_pair(
+    teeth: tuple[int, int], module: float, pressure_angle: float, centre_distance: float, backlash: float
+) -> tuple[InvoluteGear, InvoluteGear]:
+    """Return a pinion and its mate, of which the pinion has the profile shift that avoids undercut.
+
+    The shift of the mate makes the pair fit the centre distance without backlash; then each tooth is thinned by half of
+    the backlash. The tips leave the clearance of the rack at the mating roots.
+
+    Parameters
+    ----------
+    teeth
+        Numbers of teeth of pinion and mate.
+    module, centre_distance, backlash
+        Lengths [m]; the backlash is circumferential, at the reference circles.
+    pressure_angle
+        At the reference circle [rad].
+    """
+    shift = SHIFT_STEP * math.ceil(least_shift(teeth[0], pressure_angle) / SHIFT_STEP)
+    shifts = shift, shift_sum(sum(teeth), module, pressure_angle, centre_distance) - shift
+    clear_distance = centre_distance - TIP_CLEARANCE * module
+    blanks = [
+        InvoluteGear(count, module, pressure_angle, own, 0.0, backlash / 2.0)
+        for count, own in zip(teeth, shifts, strict=True)
+    ]
+    pinion, mate = (
+        replace(blank, tip_radius=clear_distance - other.root_radius)
+        for blank, other in zip(blanks, reversed(blanks), strict=True)
+    )
+    return pinion, mate
 
 
 def _turned(x: npt.ArrayLike, y: npt.ArrayLike, angle: Array) -> Array:

@@ -4,7 +4,6 @@ Along z, from the motor: planets and sun, flange 1, the discs, flange 2 with the
 posts are numbered clockwise. Not drawn: splines, screws, main bearings, and the shaft of the sun.
 """
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -14,8 +13,6 @@ from cycloid_mj.base import names
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.geometry import profile
-from cycloid_mj.geometry.involute import TIP_CLEARANCE, InvoluteGear, least_shift, shift_sum
-from cycloid_mj.parts.accuracy import MASS_CHORD_ERROR
 from cycloid_mj.parts.contour import CircleContour, TurnedContour, circles_at
 from cycloid_mj.parts.fit import require_below
 from cycloid_mj.parts.gear import GearContour
@@ -30,9 +27,6 @@ CRANK, PLANET, SUN, CARRIER = "crank", "planet", "sun", "carrier"
 
 NEEDLE, TAPERED_BEARING = "needle", "tapered_bearing"
 """Bearings of the cranks: a needle in a disc, and a tapered bearing in a flange, drawn as a ring."""
-
-SHIFT_STEP = 0.05
-"""Step of the profile shift coefficient of the sun: above the least shift, the flank does not begin in a cusp."""
 
 FLANGES = names.all_numbered(CARRIER, 2)
 
@@ -52,39 +46,6 @@ def heights(reducer: RvReducer) -> Heights:
     near, far = half + AXIAL_GAP, half + AXIAL_GAP + thickness
     planets = (-far - AXIAL_GAP - reducer.planet.face_width, -far - AXIAL_GAP)
     return Heights((-half, half), ((-far, -near), (near, far)), planets)
-
-
-def sun_and_planet(reducer: RvReducer) -> tuple[InvoluteGear, InvoluteGear]:
-    """Return the gears of the first stage; the profile shift of the sun avoids undercut (a multiple of `SHIFT_STEP`).
-
-    The shift of the planets brings the pair to the circle of crank axes without backlash; each tooth is thinned by
-    half of the backlash.
-
-    Raises
-    ------
-    DesignError
-        A tooth is undercut or pointed.
-    """
-    planet, distance = reducer.planet, reducer.crank_radius
-    total = shift_sum(planet.sun_teeth + planet.planet_teeth, planet.module, planet.pressure_angle, distance)
-    sun_shift = SHIFT_STEP * math.ceil(least_shift(planet.sun_teeth, planet.pressure_angle) / SHIFT_STEP)
-    shifts = {"sun": (planet.sun_teeth, sun_shift), "planet": (planet.planet_teeth, total - sun_shift)}
-
-    def gear(part: str, mate: str) -> InvoluteGear:
-        (teeth, shift), thinning = shifts[part], planet.backlash / 2.0
-        mate_teeth, mate_shift = shifts[mate]
-        other = InvoluteGear(mate_teeth, planet.module, planet.pressure_angle, mate_shift, 0.0, thinning)
-        tip = distance - other.root_radius - TIP_CLEARANCE * planet.module
-        made = InvoluteGear(teeth, planet.module, planet.pressure_angle, shift, tip, thinning)
-        if made.corner_depth <= 0.0 or made.first_roll < 0.0 or made.tip_half_angle <= 0.0:
-            fault = "pointed" if made.tip_half_angle <= 0.0 else "undercut"
-            raise DesignError(
-                f"planet.{part}_teeth = {teeth}: with the profile shift {shift:.3g} these teeth are {fault}; "
-                "use more teeth or a larger planet.pressure_angle_deg, and set cranks.radius_mm to 0"
-            )
-        return made
-
-    return gear("sun", "planet"), gear("planet", "sun")
 
 
 def rv_parts(reducer: RvReducer) -> dict[str, Part]:
@@ -109,11 +70,6 @@ def rv_bearings(reducer: RvReducer) -> dict[str, Part]:
 def journal_radius(reducer: RvReducer) -> float:
     """Return the radius of a crank's journals [m]: the largest that its bearings can pass the eccentrics with."""
     return reducer.cranks.eccentric_radius - reducer.design.gear.eccentricity
-
-
-def chord_error(reducer: RvReducer) -> float:
-    """Return the chord error for mass properties [m], relative to the thinnest part."""
-    return MASS_CHORD_ERROR * min(reducer.design.ring.pin_radius, reducer.cranks.needle_radius)
 
 
 def crank_centres(reducer: RvReducer) -> Array:
@@ -170,7 +126,13 @@ def _crank_and_gears(reducer: RvReducer) -> Iterator[Part]:
         start = plane + half
     stretches.append(Stretch("last journal", journal, (), start, along.flanges[1][1]))
     yield Part(CRANK, tuple(stretches), density)
-    sun, planet = sun_and_planet(reducer)
+    sun, planet = reducer.stage_gears
+    for name, gear in ((SUN, sun), (PLANET, planet)):
+        if gear.fault:
+            raise DesignError(
+                f"planet.{name}_teeth = {gear.teeth}: with the profile shift {gear.shift:.3g} these teeth are "
+                f"{gear.fault}; use more teeth or a larger planet.pressure_angle_deg, and set cranks.radius_mm to 0"
+            )
     bore = (CircleContour(radius),)
     require_below("cranks.eccentric_radius", radius, planet.root_radius, "the crank's journal meets the planet's roots")
     half = reducer.planet.face_width / 2.0

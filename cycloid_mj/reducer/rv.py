@@ -10,6 +10,7 @@ from cycloid_mj.design.rv import CrankErrors, Cranks, CrankTolerance, Planet
 from cycloid_mj.reducer.reducer import Reducer
 
 if TYPE_CHECKING:
+    from cycloid_mj.geometry.involute import InvoluteGear
     from cycloid_mj.geometry.rv import RvKinematics
     from cycloid_mj.geometry.rv_loads import RvStage
     from cycloid_mj.reducer.bodies import Mechanism
@@ -153,6 +154,15 @@ class RvReducer(Reducer):
     def share(self) -> float:
         """Torque on the carrier, seen from the ring, per torque on the output, without losses."""
         return self.kinematics.share
+
+    @property
+    def stage_gears(self) -> "tuple[InvoluteGear, InvoluteGear]":
+        """Sun and planet of the first stage; their `fault` says whether they can be made."""
+        from cycloid_mj.geometry.involute import gear_pair
+
+        planet = self.planet
+        teeth = planet.sun_teeth, planet.planet_teeth
+        return gear_pair(teeth, planet.module, planet.pressure_angle, self.crank_radius, planet.backlash)
 
     @property
     def disc_section(self) -> float:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from cycloid_mj.geometry.involute import InvoluteGear, least_shift, shift_sum
+from cycloid_mj.geometry.involute import InvoluteGear, gear_pair, least_shift, shift_sum
 
 ANGLE = math.radians(20.0)
 
@@ -44,11 +44,19 @@ def test_tooth_and_space_fill_the_pitch_less_the_thinning() -> None:
 
 
 def test_the_least_shift_puts_the_first_point_on_the_base_circle() -> None:
-    """ISO 21771: x = 1 - z sin^2(alpha)/2; here within the clearance 0.25 - 0.38 (1 - sin(alpha)) of profile A."""
-    assert least_shift(17, math.radians(20.0)) == pytest.approx(0.0057, abs=1e-4)
+    """ISO 21771: x = 1 - z sin^2(alpha)/2 at 20 degrees, where the rack is straight to the depth 1.0 m."""
+    assert least_shift(17, ANGLE) == pytest.approx(1.0 - 17.0 * math.sin(ANGLE) ** 2 / 2.0, abs=1e-4)
     assert least_shift(40, ANGLE) == 0.0
-    assert _gear(10, least_shift(10, ANGLE)).first_roll == pytest.approx(0.0, abs=1e-4)
+    assert _gear(10, least_shift(10, ANGLE)).first_roll == pytest.approx(0.0, abs=1e-14)
     assert _gear(10, 0.2).first_roll < 0.0
+
+
+def test_a_pair_states_what_is_wrong_with_its_teeth() -> None:
+    sun, planet = gear_pair((10, 38), 1.75e-3, ANGLE, 0.042, 0.0)
+    assert (sun.fault, planet.fault) == ("", "")
+    assert (sun.shift, planet.shift) == pytest.approx((0.45, -0.45))
+    assert gear_pair((10, 11), 1.75e-3, ANGLE, 0.018375, 0.0)[1].fault == "undercut"
+    assert gear_pair((5, 38), 1.75e-3, ANGLE, 0.037625, 0.0)[0].fault == "pointed"
 
 
 def test_the_shift_of_a_pair_follows_its_centre_distance() -> None:

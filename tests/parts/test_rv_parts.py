@@ -10,7 +10,7 @@ from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import PRESETS, Design
 from cycloid_mj.parts import mass_properties, mesh
 from cycloid_mj.parts.export import assembly_step, export, read_volume
-from cycloid_mj.parts.export.rv_assembly import rv_assembly_parts, rv_places
+from cycloid_mj.parts.export.rv_assembly import rv_assembly_parts, rv_mass, rv_places
 from cycloid_mj.parts.polygon import rotate_points
 from cycloid_mj.parts.rv import rv_parts
 from cycloid_mj.reducer import RvReducer
@@ -95,6 +95,14 @@ def test_exports_have_every_part_and_the_clearances_of_the_design() -> None:
 def test_undercut_planets_are_refused_with_the_key() -> None:
     with pytest.raises(DesignError, match=r"planet\.planet_teeth = 11.*undercut.*use more teeth"):
         rv_parts(RvReducer(RV80E.but(planet={"planet_teeth": 11}, cranks={"radius": 0.0184})))
+
+
+def test_the_mass_is_that_of_an_rv_reducer_of_its_size() -> None:
+    """The catalogue's RV-80E weighs 13.1 kg with main bearings and screws, which are not drawn."""
+    mass = rv_mass(RvReducer(RV80E))
+    closed_form = 2.0 * RvReducer(RV80E).disc_section * RV80E.gear.face_width * RV80E.material.density
+    assert closed_form < mass
+    assert 8.0 < mass < 13.1
 
 
 @pytest.mark.slow

@@ -43,7 +43,6 @@ from cycloid_mj.parts.export.step import SPLINES, Place, read_volume, step_part
 from cycloid_mj.parts.export.threemf import threemf_bytes
 from cycloid_mj.parts.export.triangles import obj_bytes, read_stl, stl_bytes
 from cycloid_mj.parts.housing import SLIT_SHARE
-from cycloid_mj.parts.rv import chord_error as rv_chord_error
 from cycloid_mj.parts.rv import rv_parts
 from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 from cycloid_mj.reducer.sockets import require_drawn, require_one_ring
@@ -347,7 +346,7 @@ def _encode_rv(reducer: RvReducer, encoding: _Encoding) -> Export:
             return encoding.polylines_of(part)
         if encoding.file_format == "dxf":
             return dxf_bytes(part.sections(1), (), encoding.arcs)
-        return _step(reducer, part.solid(rv_chord_error(reducer)), part.sections(SPLINES))
+        return _step(reducer, part.solid(EXPORT_CHORD_ERROR), part.sections(SPLINES))
 
     discs = [laid[gear].solid(error).prisms[0].outline for gear in reducer.gears]
     ring = laid[names.HOUSING].solid(error).prisms[0].holes[0]

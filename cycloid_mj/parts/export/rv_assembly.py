@@ -1,12 +1,15 @@
 """The assembled RV reducer: the places of its parts at a crank angle, and its colours."""
 
+from collections import Counter
 from collections.abc import Iterator, Mapping
 
 import numpy as np
 
 from cycloid_mj.base import names
 from cycloid_mj.geometry.profile import unit
+from cycloid_mj.parts.accuracy import EXPORT_CHORD_ERROR
 from cycloid_mj.parts.export.step import Place
+from cycloid_mj.parts.inertia import mass_properties
 from cycloid_mj.parts.part import Part
 from cycloid_mj.parts.parts import COLOURS, Colour
 from cycloid_mj.parts.rv import (
@@ -39,6 +42,13 @@ RV_COLOURS: Mapping[str, Colour] = {
 def rv_assembly_parts(reducer: RvReducer) -> dict[str, Part]:
     """Return all parts of the assembly by name, each once; raises the errors of `rv.rv_parts`."""
     return rv_parts(reducer) | rv_bearings(reducer)
+
+
+def rv_mass(reducer: RvReducer) -> float:
+    """Compute the mass of all parts of `rv_assembly_parts` in their numbers [kg]; raises the same errors."""
+    counts = Counter(place.part for place in rv_places(reducer))
+    parts = rv_assembly_parts(reducer)
+    return sum(count * mass_properties(parts[name].solid(EXPORT_CHORD_ERROR)).mass for name, count in counts.items())
 
 
 def rv_places(reducer: RvReducer, crank: float = 0.0) -> Iterator[Place]:
