@@ -204,8 +204,8 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
     run = _usable(run, (*MOTION, *planar, *PIN_1) if moving else (*MOTION, *planar))
     if len(run) < window.WINDOW.min_samples:
         raise LogError(
-            f"{run.label} has {len(run)} usable samples, but at least {window.WINDOW.min_samples} are required: "
-            "simulate it again with a longer --hold-s"
+            f"{run.label} has {len(run)} usable samples; the analysis needs at least {window.WINDOW.min_samples}. "
+            "Simulate the design again with a longer --hold-s"
         )
     if window.reaches_hold(reducer, run.time):
         hold = window.in_hold(reducer, run.time, settle)
@@ -263,14 +263,15 @@ def design_of(run: Run) -> Design:
     """
     if DESIGN_FILE not in run.attachments:
         raise LogError(
-            f"{run.label} has no attachment {DESIGN_FILE!r}, but its motion is evaluated for that design: run "
-            "`cycloid-mj simulate` again to write a complete log"
+            f"{run.label} lacks the attached file {DESIGN_FILE}, which the analysis needs. Run `cycloid-mj simulate` "
+            "again to write a complete log"
         )
     try:
         text = run.attachments[DESIGN_FILE].decode()
     except UnicodeDecodeError as problem:
         raise LogError(
-            f"the {DESIGN_FILE} attached to {run.label} is not text ({problem}): simulate it again"
+            f"the file {DESIGN_FILE} attached to {run.label} is not UTF-8 text ({problem}). Run `cycloid-mj simulate` "
+            "again to write a complete log"
         ) from problem
     design = loads(text, f"the run's {DESIGN_FILE}")
     _require_fit(run, Reducer(design))
@@ -286,8 +287,8 @@ def _require_fit(run: Run, reducer: Reducer) -> None:
         has = set(run.pairs(kind))
         if has and has != wanted:
             raise LogError(
-                f"the {DESIGN_FILE} attached to {run.label} has {len(wanted)} {what}, but its columns have {len(has)}: "
-                "the attachment belongs to another run; use the original log, or simulate it again"
+                f"the {DESIGN_FILE} attached to {run.label} has {len(wanted)} {what}, but the log has the forces of "
+                f"{len(has)}: the attachment belongs to another run. Use the original log, or simulate the design again"
             )
 
 
@@ -296,8 +297,8 @@ def _usable(run: Run, needed: tuple[str, ...]) -> Run:
     missing = [name for name in needed if name not in run.columns]
     if missing:
         raise LogError(
-            f"{run.label} lacks {len(missing)} of the {len(needed)} columns that the analysis requires: "
-            f"{', '.join(missing)}; run `cycloid-mj simulate` again to write a complete log"
+            f"{run.label} lacks {len(missing)} of the {len(needed)} columns that the analysis needs: "
+            f"{', '.join(missing)}. Run `cycloid-mj simulate` again to write a complete log"
         )
     sane = np.ones(len(run), dtype=np.bool_)
     for values in run.columns.values():
@@ -314,7 +315,8 @@ def _point(q: npt.ArrayLike | None, reducer: Reducer) -> Array:
     point = np.array([0.0, reducer.design.output.pin_circle_radius] if q is None else q, dtype=np.float64)
     if point.shape != (2,) or not np.isfinite(point).all():
         raise UsageError(
-            f"the point q is {q!r}; it must be two finite coordinates x, y in the frame of the disc, in metres"
+            f"the point q is {q!r}, which is not valid: give two finite coordinates x, y in the frame of the disc, in "
+            "metres, such as (0.026, 0.0)"
         )
     point.setflags(write=False)
     return point

@@ -112,9 +112,9 @@ def periodic_orders(crank: Array, values: Array, base: float = 1.0, most: float 
     uneven = np.abs(np.diff(crank) - increment).max() > SPECTRUM.step_rtol * increment
     if cycles < 1 or uneven or abs(points * increment - cycles * period) > SPECTRUM.step_rtol * period:
         raise UsageError(
-            f"{len(crank)} crank angles spanning {np.degrees(crank[-1] - crank[0]):.6g} deg do not cover full cycles "
-            f"of {np.degrees(period):.6g} deg in equal steps: sample at equally spaced angles, with a whole number of "
-            "samples per cycle"
+            f"the spectrum needs equally spaced crank angles over full cycles of {np.degrees(period):.6g} deg, with a "
+            f"whole number of samples per cycle. The {len(crank)} angles span {np.degrees(crank[-1] - crank[0]):.6g} "
+            "deg: sample the signal again at such angles"
         )
     amplitude = 2.0 / points * np.abs(np.fft.rfft(values[:points]))
     order = base * np.arange(amplitude.size) / cycles

@@ -41,8 +41,9 @@ def require_hold(reducer: Reducer, time: Array) -> None:
         count = np.count_nonzero(~in_ramp(reducer, time))
         reached = f"it ends at {time[-1]:.6g} s" if time.size else "it has no usable samples"
         raise LogError(
-            f"the run has {count} samples at constant crank speed, at least {WINDOW.min_samples} are required: "
-            f"{reached}, the ramp ends at {reducer.design.drive.ramp:.6g} s; run the design to its end"
+            f"the run has {count} samples at constant crank speed, but at least {WINDOW.min_samples} are needed: "
+            f"{reached}, and the ramp of the speed ends at {reducer.design.drive.ramp:.6g} s. Simulate the design "
+            "again without interruption"
         )
 
 
@@ -72,7 +73,10 @@ def in_hold(reducer: Reducer, time: Array, settle: float | None = None) -> Mask:
         loaded = design.load.rise if design.load.torque else 0.0
         settle = max(loaded - ramp, 0.0) + settling(reducer)
     if not settle >= 0.0:
-        raise UsageError(f"the settling time is {settle} s; it must be at least 0 s, or omitted")
+        raise UsageError(
+            f"the settling time is {settle} s, which is out of range: it must be at least 0 s. Omit it to use the "
+            "estimated settling time"
+        )
     start = ramp + min(settle, (time[-1] - ramp) / 2)
     return ~in_ramp(reducer, time) & (time >= start - WINDOW.time_rtol * max(ramp, time[-1]))
 

@@ -46,7 +46,7 @@ def open_design(content: Content) -> dict[str, Any]:
     elif isinstance(text, str):
         design = loads(text, str(content.get("name", "the file"))[:80])
     else:
-        raise UsageError(f"unknown preset {preset!r}; available: {', '.join(presets)}")
+        raise UsageError(f"unknown preset {preset!r}: choose one of {', '.join(presets)}")
     return view(with_load(design), content)
 
 
@@ -66,7 +66,10 @@ def view(design: Design, content: Content) -> dict[str, Any]:
     """
     factor = content.get("play", 1.0)
     if not isinstance(factor, int | float) or not 1.0 <= factor <= MAX_MAGNIFICATION:
-        raise UsageError(f"magnification {factor!r} is out of range: 1 to {MAX_MAGNIFICATION:g}")
+        raise UsageError(
+            f"the magnification of the clearances is {factor!r}, which is out of range: choose a number from 1 to "
+            f"{MAX_MAGNIFICATION:g}"
+        )
     reducer = Reducer(design)
     return {
         "design": values_of(design),
@@ -130,7 +133,7 @@ def forces(content: Content) -> dict[str, Any]:
     """Return the forces over the crank turn with the number ``turn``."""
     number = content.get("turn", 0)
     if type(number) is not int or not 0 <= number <= MAX_TURN:
-        raise UsageError(f"turn {number!r} is out of range: it must be an integer from 0 to {MAX_TURN}")
+        raise UsageError(f"the crank turn is {number!r}, which is out of range: choose an integer from 0 to {MAX_TURN}")
     return turn.forces(_reducer(content), number)
 
 
@@ -200,5 +203,5 @@ def job_of(content: Content) -> JobKind:
         "stress": ("stresses", part_stress.stress, (design,)),
     }
     if kind not in jobs:
-        raise UsageError(f"unknown job {kind!r}; available: {', '.join((*artifacts.FILES, *jobs))}")
+        raise UsageError(f"unknown job {kind!r}: choose one of {', '.join((*artifacts.FILES, *jobs))}")
     return JobKind("studies", *jobs[kind])

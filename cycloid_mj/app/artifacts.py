@@ -131,7 +131,10 @@ def run(on_progress: Progress, values: Any) -> Download:
 
     design = design_of(values)
     if design.drive.speed == 0.0:
-        raise DesignError("the crank speed is zero: set a speed to simulate the drive")
+        raise DesignError(
+            "the crank speed (drive.speed_rpm) is 0, so there is nothing to simulate: set a speed other than 0, such "
+            "as 1640 rpm"
+        )
     started = design.but(drive={"ramp": 0.0})
     settled, turn = settling_time(Reducer(started)), 2.0 * math.pi / abs(design.drive.speed)
     short = started.steady(settled, max(MIN_CRANK_TURNS, settled / turn))  # at most half of a hold is not judged

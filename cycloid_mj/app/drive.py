@@ -91,11 +91,13 @@ def build_options(content: Any) -> BuildOptions:
     options = content if isinstance(content, Mapping) else {}
     motor, offset, bed = options.get("motor") or "auto", options.get("offset_um") or 0.0, options.get("bed") or ""
     if motor not in get_args(MotorName):
-        raise UsageError(f"unknown motor {motor!r}; available: {', '.join(MOTOR_WORDS)}")
+        raise UsageError(f"unknown motor {motor!r}: choose one of {', '.join(MOTOR_WORDS)}")
     if type(offset) not in (int, float) or not 0.0 <= offset <= MAX_OFFSET_UM:
-        raise UsageError(f"the printer offset is {offset!r} um; allowed: 0 to {MAX_OFFSET_UM:g} um")
+        raise UsageError(
+            f"the printer offset is {offset!r} um, which is out of range: choose 0 to {MAX_OFFSET_UM:g} um"
+        )
     if bed not in BEDS:
-        raise UsageError(f"unknown printer bed {bed!r}; available: {', '.join(BEDS[1:])} mm")
+        raise UsageError(f"unknown printer bed {bed!r}: choose one of {', '.join(BEDS[1:])} (length x width in mm)")
     length, _, width = bed.partition("x")
     return BuildOptions(
         cast("MotorName", motor), 1e-6 * offset, (1e-3 * float(length), 1e-3 * float(width)) if bed else None
@@ -206,7 +208,7 @@ def build_files(reducer: Reducer, options: BuildOptions, on_step: Callable[[str,
     reducer = drive_of(reducer)
     sizes, reason = casing_or_none(reducer, options.motor)
     if sizes is None:
-        raise CycloidError(f"the drive cannot be closed, as its covers do not fit: {reason}")
+        raise CycloidError(f"the files of the drive cannot be written, because no covers fit this design: {reason}")
     settings = PrintSettings(CHORD_ERROR, options.offset, stock_cam_seat(reducer), options.bed)
     on_step("laying out the plate and the bill", 0.0)
     printed = print_files(reducer, sizes, settings, tightening_torques(reducer))

@@ -117,7 +117,9 @@ class Jobs:
             Too many jobs are queued.
         """
         if sum(job.state in ("queued", "running") for job in self._jobs.values()) > MAX_QUEUED:
-            raise UsageError(f"{MAX_QUEUED} jobs are queued already: stop one of them, or wait")
+            raise UsageError(
+                f"{MAX_QUEUED} jobs are queued, which is the maximum: stop one of them, or wait until one is finished"
+            )
         job = Job(next(self._numbers), name)
         self._jobs[job.number] = job
         finished = [number for number, other in self._jobs.items() if other.state in ("done", "stopped")]
@@ -148,7 +150,7 @@ class Jobs:
             There is no such job, or its results are no longer kept.
         """
         if number not in self._jobs:
-            raise UsageError("this job is no longer available: start it again")
+            raise UsageError("this job does not exist, or its result is no longer stored: start the job again")
         return self._jobs[number]
 
     def stop(self, number: int) -> Job:

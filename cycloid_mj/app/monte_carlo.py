@@ -51,7 +51,10 @@ def samples(on_progress: Callable[[Any], None], values: Any, spread_um: Any) -> 
     reducer = at_load(Reducer(spread_design(design_of(values), spread_um)))
     zones = tolerance_zones(reducer)
     if not zones:
-        raise UsageError("the design has no tolerances: set a tolerance for each size")
+        raise UsageError(
+            "this design has no tolerances: enter the same tolerance for all sizes in um, or set tolerances in the "
+            "table [tolerance] of the design file"
+        )
     columns: dict[str, Array] = {}
     for batch in list_batches(SAMPLES):
         block = balance_batch(reducer, zones, SEED, ANGLES, (batch, tuple(SAMPLED)))
@@ -80,7 +83,7 @@ def spread_design(design: Design, spread_um: Any) -> Design:
         return design
     if type(spread_um) not in (int, float) or not 0.0 < spread_um <= MAX_HALF_WIDTH_UM or not math.isfinite(spread_um):
         raise UsageError(
-            f"a tolerance of {spread_um!r} um is out of range: it must be more than 0 and at most "
+            f"the tolerance is {spread_um!r} um, which is out of range: choose more than 0 and at most "
             f"{MAX_HALF_WIDTH_UM:g} um"
         )
     zone = f"uniform {spread_um:g}"

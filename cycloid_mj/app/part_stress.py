@@ -50,7 +50,10 @@ def stress(on_progress: Callable[[Any], None], values: Any) -> dict[str, Any]:
             limit = design.material_of(part).yield_strength / MEGAPASCAL
             parts[kind]["bulk"].append(_bulk_row(entry.name, largest, limit, entry.definition))
     if not any(part["bulk"] for part in parts.values()):
-        raise CycloidError("no part of this design has a stress that can be computed")
+        raise CycloidError(
+            "the stress cannot be computed for any part of this design: choose a preset such as pin, or check the "
+            "design with `cycloid-mj design check`"
+        )
     return {"parts": [part for part in parts.values() if part["rated"] or part["bulk"]]}
 
 

@@ -57,24 +57,26 @@ def requirement_of(form: Any) -> Requirement:
     """
     if not isinstance(form, Mapping):
         raise UsageError(
-            'the form must be a JSON object of field names and values, such as {"ratio": 15}; received '
-            f"{type(form).__name__}"
+            f"the form is of type {type(form).__name__}: send a JSON object of field names and values, such as "
+            '{"ratio": 15}'
         )
     values = {key: value for key, value in form.items() if value not in ("", None)}
     allowed = (*INTEGERS, *NUMBERS, *WORDS, "custom")
     if unknown := set(values) - set(allowed):
-        raise UsageError(f"the form has no field {min(unknown)!r}; its fields are {', '.join(allowed)}")
+        raise UsageError(f"the form has an unknown field {min(unknown)!r}: use only {', '.join(allowed)}")
     for key in ("ratio", "diameter_mm", "torque_nm"):
         if key not in values:
-            raise UsageError(f"the {key.partition('_')[0]} is missing")
+            raise UsageError(f"the {key.partition('_')[0]} is missing: enter a number greater than 0")
     for key in (*INTEGERS, *NUMBERS):
         if key in values and not (type(values[key]) in (int, float) and math.isfinite(values[key])):
-            raise UsageError(f"the {key.partition('_')[0]} is {values[key]!r}: expected a number")
+            raise UsageError(
+                f"the {key.partition('_')[0]} is {values[key]!r}, which is not a number: enter a finite number"
+            )
     if values.get("process", "steel") not in PROCESSES:
-        raise UsageError(f"unknown process {values['process']!r}; available: {', '.join(PROCESSES)}")
+        raise UsageError(f"unknown process {values['process']!r}: choose one of {', '.join(PROCESSES)}")
     for key in WORDS:
         if not isinstance(values.get(key, ""), str):
-            raise UsageError(f"the {key} is {values[key]!r}: expected text")
+            raise UsageError(f'the {key} is {values[key]!r}, which is not text: send a string, such as "auto"')
     motor = build_options(values).motor
     values.pop("motor", None)
     if "duty_percent" in values:

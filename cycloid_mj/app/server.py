@@ -176,7 +176,10 @@ def open_socket(port: int) -> socket.socket:
         listener.bind(("127.0.0.1", port))
     except OSError as error:
         listener.close()
-        raise CycloidError(f"port {port} is in use: choose another port with --port") from error
+        raise CycloidError(
+            f"port {port} of this computer is in use or not permitted: choose another port from 1024 to 65535 with "
+            "--port"
+        ) from error
     listener.listen(LIMITS.backlog)
     return listener
 

@@ -28,8 +28,8 @@ def design_of(values: Any) -> Design:
     """
     if not isinstance(values, Mapping):
         raise UsageError(
-            'the design must be a JSON object of keys of the design file and values, such as {"ring.teeth": 36}; '
-            f"received {type(values).__name__}"
+            f"the design is of type {type(values).__name__}: send a JSON object of design-file keys and values, such "
+            'as {"ring.teeth": 36}'
         )
     return override(BASE, {str(key): _integer(key, value) for key, value in values.items()})
 
@@ -47,7 +47,8 @@ def values_of(design: Design) -> dict[str, Any]:
     own, base = _flat(design), _base()
     if missing := [key for key in base if key not in own]:
         raise DesignError(
-            f"this page cannot edit a design that has no {', '.join(missing)}: edit the design file directly"
+            f"the page cannot edit this design, because it has no {', '.join(missing)}: edit the design file in a text "
+            "editor"
         )
     values = {key: value for key, value in own.items() if base.get(key) != value}
     for name in [key for key in values if key.endswith("material.name")]:
@@ -78,8 +79,8 @@ def apply_changes(design: Design, changes: Any) -> Design:
     """
     if not isinstance(changes, Mapping):
         raise UsageError(
-            'the changes must be a JSON object of keys of the design file and values, such as {"ring.teeth": 36}; '
-            f"received {type(changes).__name__}"
+            f"the changes are of type {type(changes).__name__}: send a JSON object of design-file keys and values, "
+            'such as {"ring.teeth": 36}'
         )
     if not changes:
         return design

@@ -78,7 +78,9 @@ class Worker:
             except (EOFError, OSError) as error:
                 if not self._closed:
                     self._start()
-                raise WorkerDied("the job was stopped, or its process ended (out of memory?)") from error
+                raise WorkerDied(
+                    "the job was stopped, or its process ended, possibly for lack of memory: start the job again"
+                ) from error
 
     def stop(self) -> None:
         """End the process: a call of `do` that is under way raises `WorkerDied`."""

@@ -69,7 +69,7 @@ def atomic_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]
                 note_output(target)
     except OSError as problem:
         raise CycloidError(
-            f"cannot write {at}: {reason(problem)}; choose a file in a folder that exists, is writable and has space"
+            f"cannot write {at}: {reason(problem)}. Choose a file in a writable folder with free disk space"
         ) from problem
     finally:
         with defer_signals():
@@ -100,10 +100,10 @@ def hidden_path(path: Path) -> Path:
 def _create_hidden_file(path: Path, called: Path) -> Path:
     """Create a hidden file next to `path`; errors name it as the user does."""
     if path.suffix.lower() == LOG:
-        raise UsageError(f"cannot write {called}: the ending {LOG} is reserved for logs; choose another ending")
+        raise UsageError(f"cannot write {called}: only logs may have the ending {LOG}. Choose another ending")
     require_replaceable(called)
     if path.exists() and not path.is_file():
-        raise CycloidError(f"cannot write {called}: it is not a regular file; choose the name of a file")
+        raise CycloidError(f"cannot write {called}: it is not a regular file. Choose another file name")
     hidden = hidden_path(path)
     with hidden.open("xb"):
         return hidden

@@ -51,7 +51,8 @@ class Presented(Drawn):
         package = next((name for name in ("pandas", "polars") if find_spec(name)), None)
         if package is None:
             raise CycloidError(
-                "a data frame requires pandas or polars: pip install pandas, or use the arrays of .frame.columns"
+                "a data frame needs pandas or polars, and neither is installed: run pip install pandas, or use the "
+                "arrays of .frame.columns"
             )
         return import_module(package).DataFrame({name: item.tolist() for name, item in self.frame.columns.items()})
 

@@ -158,7 +158,9 @@ def require_replaceable(path: Path) -> None:
         return
     if (source := command.read.get(_identity(path))) is not None:
         same = "itself" if source == path else f"{source}, which is the same file"
-        raise TakenError(f"cannot write {path} over {same}: this command reads that file; choose another name")
+        raise TakenError(
+            f"cannot write {path} over {same}, because this command reads that file: choose another file name"
+        )
     real = _real(path)
     if command.replaceable.isdisjoint((real, *real.parents)):
         raise TakenError(
@@ -172,7 +174,7 @@ def require_ending(path: Path, ending: str) -> None:
     suffix = path.suffix.lower()
     if suffix in KINDS and suffix != ending:
         raise UsageError(
-            f"cannot write {path}: {suffix} is the ending of {KINDS[suffix].name}; use the ending {ending}"
+            f"cannot write {path}: the ending {suffix} is for {KINDS[suffix].name}. Use the ending {ending}"
         )
 
 
@@ -194,7 +196,8 @@ def _require_own_kind(path: Path) -> None:
         return
     if (kind := _kind(head)) or wanted.start:
         raise TakenError(
-            f"cannot write {path}: the existing file is {kind or f'not {wanted.name}'}; choose another name"
+            f"cannot write {path}: the existing file is {kind or f'not {wanted.name}'}, and only files of the same "
+            "type are replaced. Choose another file name"
         )
 
 

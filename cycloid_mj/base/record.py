@@ -183,8 +183,9 @@ class Run(Presented):
         if not pairs:
             present = sorted({str(kind_of(pair)) for pair in self.by_stem(FORCE_X)})
             raise LogError(
-                f"{self.label} has no contact forces of the kind {kind!r}; it has {', '.join(present) or 'none'}. "
-                "Run `cycloid-mj simulate` again with the same design: it logs all contact forces"
+                f"{self.label} has no contact forces of the kind {kind!r}; the kinds in this log are: "
+                f"{', '.join(present) or 'none'}. Run `cycloid-mj simulate` again with the same design: it logs all "
+                "contact forces"
             )
         names = [column(pair, part) for pair in pairs for part in (FORCE_X, FORCE_Y)]
         return self.block(names).reshape(len(self), len(pairs), 2)
@@ -196,7 +197,10 @@ class Run(Presented):
     def of_topic(self, topic: str) -> "Run":
         """Return the run with the columns of one topic alone; raise LogError if there is no such topic."""
         if topic not in self.topics:
-            raise LogError(f"no topic {topic!r} in this run: it has {', '.join(self.topics) or 'none'}")
+            raise LogError(
+                f"{self.label} has no topic {topic!r}: choose one of "
+                f"{', '.join(self.topics) or 'none (the run has no topics)'}"
+            )
         names = self.topics[topic]
         columns = {name: self.columns[name] for name in names}
         return replace(self, columns=columns, units={name: self.units[name] for name in names}, topics={topic: names})
@@ -205,8 +209,8 @@ class Run(Presented):
         """Return the run with only the samples `rows`: a mask of shape (n,) or a forward slice."""
         if not isinstance(rows, slice) and (rows.dtype != np.bool_ or rows.shape != self.time.shape):
             raise LogError(
-                f"cannot select samples by an array of {rows.dtype}, shape {rows.shape}: "
-                f"give a slice or a mask of bool, shape {self.time.shape}"
+                f"cannot select samples of {self.label} by an array of type {rows.dtype} and shape {rows.shape}: use a "
+                f"slice, or a mask of type bool and shape {self.time.shape}"
             )
         columns = {name: own(values[rows]) for name, values in self.columns.items()}
         return replace(self, time=own(self.time[rows]), columns=columns)
@@ -233,17 +237,20 @@ def _check_time(time: Array) -> None:
     """Raise LogError unless times are finite, strictly increasing and of shape (n,)."""
     if time.ndim != 1:
         raise LogError(
-            f"the times of the run have shape {time.shape}; expected a 1-D array of shape (n,), one time per sample"
+            f"the times of the run have shape {time.shape}: pass a 1-D array of shape (n,) with one time per sample"
         )
     if not np.isfinite(time).all():
         sample = int(np.argmin(np.isfinite(time)))
-        raise LogError(f"the time of the run at sample {sample} is {time[sample]} s; times must be finite")
+        raise LogError(
+            f"the time of sample {sample} of the run is {time[sample]} s: all times must be finite; correct or remove "
+            "this sample"
+        )
     backward = np.flatnonzero(np.diff(time) <= 0.0)
     if backward.size:
         before = int(backward[0])
         raise LogError(
             f"the times of the run do not increase at sample {before + 1}: {time[before]!s} s is followed by "
-            f"{time[before + 1]!s} s; times must be strictly increasing"
+            f"{time[before + 1]!s} s. Times must be strictly increasing; sort the samples and remove repeated times"
         )
 
 
@@ -252,12 +259,17 @@ def _check_columns(samples: int, columns: Mapping[str, Array], units: Mapping[st
     for name, values in columns.items():
         if values.shape != (samples,):
             raise LogError(
-                f"column {name!r} has shape {values.shape}: give shape ({samples},), one value for each time"
+                f"column {name!r} has shape {values.shape}: pass an array of shape ({samples},), one value per time"
             )
         if name not in units:
-            raise LogError(f"column {name!r} has no unit: add it to units ('1' for a plain number)")
+            raise LogError(
+                f"column {name!r} has no unit: add its unit to the argument `units` ('1' for a dimensionless column)"
+            )
     if surplus := [name for name in units if name not in columns]:
-        raise LogError(f"units has {surplus[0]!r}, which is not a column: {_unknown_column(surplus[0], list(columns))}")
+        raise LogError(
+            f"the argument `units` has the key {surplus[0]!r}, which is not a column: "
+            f"{_unknown_column(surplus[0], list(columns))}"
+        )
 
 
 def _topics(topics: Mapping[str, Sequence[str]], columns: Mapping[str, Array]) -> dict[str, tuple[str, ...]]:
@@ -266,11 +278,12 @@ def _topics(topics: Mapping[str, Sequence[str]], columns: Mapping[str, Array]) -
     listed = [name for names in names_by_topic.values() for name in names]
     if unknown := [name for name in listed if name not in columns]:
         raise LogError(
-            f"topics has {unknown[0]!r}, which is not a column: {_unknown_column(unknown[0], list(columns))}"
+            f"the argument `topics` lists {unknown[0]!r}, which is not a column: "
+            f"{_unknown_column(unknown[0], list(columns))}"
         )
     if len(set(listed)) < len(listed):
         twice = next(name for name in listed if listed.count(name) > 1)
-        raise LogError(f"topics has column {twice!r} twice: give it one topic")
+        raise LogError(f"the argument `topics` lists the column {twice!r} twice: list each column under one topic only")
     if rest := tuple(name for name in columns if name not in set(listed)):
         first = next(iter(names_by_topic), REDUCER)
         names_by_topic[first] = (*names_by_topic.get(first, ()), *rest)

@@ -396,7 +396,7 @@ def calibrate(
     """
     reducer = Reducer(resolve(design))
     if not loops:
-        raise UsageError("a calibration needs a measured loop: add at least one with --loop LOOP.csv")
+        raise UsageError("no measured loop is given: add at least one CSV file with --loop LOOP.csv")
     drag = reducer.design.drag.output + (reducer.design.lobes * reducer.design.drag.crank if held == "output" else 0.0)
     model = Model(reducer, Losses(drag), needs_contact_friction(keys))
     bench = LoopCondition(held, crank, max(loop.most for loop in loops))
@@ -626,15 +626,15 @@ def _require_units(model: Model, loops: Sequence[MeasuredLoop], bench: LoopCondi
         expected = float(np.ptp(turn))
         if loop.height * RADIANS_FACTOR < expected < loop.height / DEGREE * RADIANS_FACTOR:
             raise UsageError(
-                f"{loop.name}: the deflection has a range of {loop.height / DEGREE:.3g} deg, the design's own loop one "
-                f"of {expected / DEGREE:.3g} deg. Is {DEFLECTION} in radians? Then multiply it by 57.2958; if not, set "
-                "clearances of the design nearer to those of the drive"
+                f"{loop.name}: the measured deflection has a range of {loop.height / DEGREE:.3g} deg, but that of the "
+                f"model is {expected / DEGREE:.3g} deg. If the column {DEFLECTION} is in radians, multiply it by "
+                "57.2958; if not, set the clearances of the design closer to those of the drive"
             )
         if loop.height > ARCMINUTES_FACTOR * expected:
             raise UsageError(
-                f"{loop.name}: the deflection has a range of {loop.height / DEGREE:.3g} deg, the design's own loop one "
-                f"of {expected / DEGREE:.3g} deg. Is {DEFLECTION} in arcminutes? Then divide it by 60; if not, set "
-                "clearances and stiffness of the design nearer to those of the drive"
+                f"{loop.name}: the measured deflection has a range of {loop.height / DEGREE:.3g} deg, but that of the "
+                f"model is {expected / DEGREE:.3g} deg. If the column {DEFLECTION} is in arcminutes, divide it by 60; "
+                "if not, set the clearances and the stiffness of the design closer to those of the drive"
             )
 
 
@@ -643,6 +643,6 @@ def _require_sensitivity(search: FitProblem) -> None:
     start = np.array([item.to_scale(item.start) for item in search.parameters] + [0.0] * (2 * len(search.loops)))
     if not np.any(np.abs(search.slopes(start, range(len(search.parameters)), central=True)) > MIN_SENSITIVITY):
         raise UsageError(
-            f"--fit {','.join(item.key for item in search.parameters)}: the loop determines none of these. Fit values "
-            f"on which it depends, such as {','.join(DEFAULT)}"
+            f"--fit {','.join(item.key for item in search.parameters)}: the measured loop does not depend on any of "
+            f"these parameters. Fit parameters on which it depends, such as {','.join(DEFAULT)}"
         )

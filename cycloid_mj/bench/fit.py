@@ -261,8 +261,8 @@ def evaluate_fit(search: FitProblem, scaled: Array) -> Fitted:
     failed = [loop.name for loop, part in zip(search.loops, parts, strict=True) if np.all(part == FAILED_RESIDUAL)]
     if failed:
         raise RunError(
-            f"{' and '.join(failed)}: no model has a static balance near the design. Lower its friction coefficients "
-            "(friction.*), or set clearances nearer to those of the drive"
+            f"{' and '.join(failed)}: the model has no static equilibrium for any parameters near the design. Reduce "
+            "the friction coefficients of the design (friction.*), or set its clearances closer to those of the drive"
         )
     # the residuals of the priors are last
     slopes = search.slopes(scaled, range(len(scaled)), central=True)[: sum(map(len, parts))]

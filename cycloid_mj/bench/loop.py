@@ -171,13 +171,13 @@ def read_columns(path: Path, names: tuple[str, ...], content: str) -> dict[str, 
     header = next((row for row, (_, line) in enumerate(numbered) if names[0] in line), None)
     columns = ", ".join(numbered[0][1].lstrip("# ").split(",")) if numbered else "no line: the file is empty"
     if header is None:
-        raise UsageError(f"{path}: the header is missing: {form}, named in the first line. It has {columns[:80]}")
+        raise UsageError(f"{path}: no header line with the column names was found; the file has {columns[:80]}; {form}")
     keys = [key.strip() for key in numbered[header][1].lstrip("# ").split(",")]
     if missing := [name for name in names if name not in keys]:
-        raise UsageError(f"{path}: the column {missing[0]} is missing: {form}. It has {', '.join(keys)}")
+        raise UsageError(f"{path}: the column {missing[0]} is missing; the file has {', '.join(keys)}; {form}")
     rows = [(number, row) for number, row in numbered[header + 1 :] if not row.lstrip().startswith("#")]
     if not rows:
-        raise UsageError(f"{path}: there are no rows below the header; {form}")
+        raise UsageError(f"{path}: there are no rows below the header; {form}, with one row per measured point")
     values: dict[str, list[float]] = {name: [] for name in names}
     for number, line in rows:
         words = next(csv.reader([line]))
@@ -194,7 +194,9 @@ def _number(word: str, origin: str) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise UsageError(f"{origin} is {word.strip()!r}, not a number. Correct or remove the line")
+        raise UsageError(
+            f"{origin} is {word.strip()!r}, which is not a finite number: correct the value, or remove the line"
+        )
     return value
 
 
@@ -218,15 +220,22 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, origin: str =
     """
     origin, count = origin or name, len(torque)
     if count < SETTINGS.min_points:
-        raise UsageError(f"{origin}: {count} points are too few for a loop; at least {SETTINGS.min_points} are needed")
+        raise UsageError(
+            f"{origin}: a loop needs at least {SETTINGS.min_points} points, but this one has {count}. Record the loop "
+            "with more points"
+        )
     height = float(np.ptp(deflection_deg))
     if not np.ptp(torque) > 0.0 or not height > 0.0:
         constant = TORQUE if not np.ptp(torque) > 0.0 else DEFLECTION
-        raise UsageError(f"{origin}: {constant} is the same in all rows, so this is not a loop: record a full loop")
+        raise UsageError(
+            f"{origin}: {constant} is the same in all rows, but both torque and deflection of a loop must vary. Record "
+            "a full loop"
+        )
     turns, branch = _turns(torque)
     if count < SETTINGS.min_branch_points * (branches := len(np.unique(branch))):
         raise UsageError(
-            f"{origin}: the torque reverses {branches - 1} times in {count} points. Are the rows in the order of time?"
+            f"{origin}: the torque reverses {branches - 1} times in {count} points; a loop needs at least "
+            f"{SETTINGS.min_branch_points} points per branch. Check that the rows are in the order of time"
         )
     _require_no_outlier(torque, TORQUE, origin)
     _require_no_outlier(deflection_deg, DEFLECTION, origin)
@@ -235,13 +244,14 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, origin: str =
             "in arcminutes or arcseconds" if height > SETTINGS.max_height_deg else "in turns, or of another drive"
         )
         raise UsageError(
-            f"{origin}: the deflection has a range of {height:.3g} deg, which is not that of a locked drive. Is it "
-            f"{likely_unit}? {DEFLECTION} must be in degrees"
+            f"{origin}: the deflection has a range of {height:.3g} deg; a drive with a locked crank has "
+            f"{SETTINGS.min_height_deg:g} to {SETTINGS.max_height_deg:g} deg. The values may be {likely_unit}: convert "
+            f"{DEFLECTION} to degrees"
         )
     if len(turns) < 2 or len(np.unique(branch)) < 2 or min(turns) >= 0.0 or max(turns) <= 0.0:
         raise UsageError(
-            f"{origin}: a single branch from {torque[0]:.4g} to {torque[-1]:.4g} N m. Record a loop from one torque to "
-            "one of the opposite sign and back: a single branch does not separate friction from stiffness"
+            f"{origin}: the file contains only one branch, from {torque[0]:.4g} to {torque[-1]:.4g} N m, which does "
+            "not separate friction from stiffness. Record a loop from one torque to one of opposite sign and back"
         )
     flipped = float(np.polyfit(torque, deflection_deg, 1)[0]) < 0.0
     deflection = DEGREE * deflection_deg * (-1.0 if flipped else 1.0)
@@ -249,8 +259,8 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, origin: str =
     loop = MeasuredLoop(name, torque, deflection, turns, branch, flipped, points_left_out)
     if _opening(loop) < -SETTINGS.max_negative_opening * loop.height:
         raise UsageError(
-            f"{origin}: the loop releases energy: at the same torque, the output is turned less far while the torque "
-            "falls than while it rises. Are the two columns exchanged, or the rows in the reverse order of time?"
+            f"{origin}: the loop releases energy, because at the same torque the output deflects less while the torque "
+            "falls than while it rises. Exchange the two columns, or reverse the order of the rows"
         )
     return loop
 
@@ -259,16 +269,16 @@ def require_torque(loop: MeasuredLoop, rated: float) -> None:
     """Raise UsageError for a loop whose torque fits a drive's rated torque [N m] only in N mm or kN m."""
     if rated and loop.most > SETTINGS.max_rated_torques * rated:
         raise UsageError(
-            f"{loop.name}: the torque reaches {loop.most:.4g} N m, {loop.most / rated:.3g} times the design's rated "
-            f"torque of {rated:.4g} N m. If {TORQUE} is in N mm, divide it by 1000; otherwise set drive.torque_nm "
-            "of the design"
+            f"{loop.name}: the torque reaches {loop.most:.4g} N m, {loop.most / rated:.3g} times the rated torque of "
+            f"the design, {rated:.4g} N m; at most {SETTINGS.max_rated_torques:g} times is allowed. If the column "
+            f"{TORQUE} is in N mm, divide it by 1000; otherwise correct drive.torque_nm of the design"
         )
     min_torque = SETTINGS.min_rated_torques * rated
     if loop.most < min_torque:
         raise UsageError(
-            f"{loop.name}: the torque reaches only {loop.most:.4g} N m, at least {min_torque:.4g} N m is needed for "
-            f"the design's rated torque of {rated:.4g} N m. If {TORQUE} is in kN m, multiply it by 1000; otherwise "
-            "measure a loop at higher torque"
+            f"{loop.name}: the torque reaches only {loop.most:.4g} N m; at least {min_torque:.4g} N m is needed for "
+            f"the rated torque of the design, {rated:.4g} N m. If the column {TORQUE} is in kN m, multiply it by 1000; "
+            "otherwise measure a loop up to a higher torque"
         )
 
 
@@ -280,7 +290,7 @@ def _require_no_outlier(values: Array, column: str, origin: str) -> None:
     if away[worst] > np.ptp(smooth):
         raise UsageError(
             f"{origin}: {column} is {values[worst]:.4g} in row {worst + 1} below the header, but about "
-            f"{smooth[worst]:.4g} in the rows next to it. Remove that row"
+            f"{smooth[worst]:.4g} in the rows next to it, so it is an outlier. Remove that row"
         )
 
 

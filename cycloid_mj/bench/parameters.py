@@ -133,7 +133,7 @@ def needs_contact_friction(keys: Sequence[str]) -> bool:
     if rubbing and standing:
         raise UsageError(
             f"--fit: {standing[0]} and {rubbing[0]} describe the same friction, and a loop determines only one of "
-            "them. Remove one from --fit"
+            "them. Remove one of the two"
         )
     return bool(rubbing)
 
@@ -149,9 +149,9 @@ def fit_parameters(reducer: Reducer, keys: Sequence[str], loops: Sequence[Measur
         There is no key, or a key is unknown, not a number, or repeated.
     """
     if not keys:
-        raise UsageError(f"--fit needs at least one value, such as {','.join(DEFAULT)}")
+        raise UsageError(f"--fit is empty: name at least one parameter, such as {','.join(DEFAULT)}")
     if repeated := next((key for index, key in enumerate(keys) if key in keys[:index]), None):
-        raise UsageError(f"--fit: {repeated} is listed twice; list each value once")
+        raise UsageError(f"--fit: {repeated} is listed twice. List each parameter once")
     parameters = _named_parameters(reducer, loops)
     return tuple(parameters[key] if key in parameters else _of_file(reducer, key) for key in keys)
 
@@ -392,13 +392,16 @@ def _of_file(reducer: Reducer, key: str) -> Parameter:
     names = {file_key(item, declared): item for item, declared in section.model_fields.items()} if section else {}
     if name not in names:
         raise UsageError(
-            f"--fit: unknown value {key!r}. Available: {', '.join(NAMED)}, and numbers of the design file, such as "
-            "clearance.output_um"
+            f"--fit: unknown parameter {key!r}. Choose from {', '.join(NAMED)}, and numbers of the design file, such "
+            "as clearance.output_um"
         )
     declared: FieldInfo = section.model_fields[names[name]]
     value = getattr(getattr(reducer.design, table) or reducer.design.material, names[name])
     if not isinstance(value, float):
-        raise UsageError(f"--fit: {key} is {value!r}; only real numbers of the design file can be fitted")
+        raise UsageError(
+            f"--fit: {key} is {value!r}, but only real numbers of the design file can be fitted. Choose another key, "
+            "such as clearance.output_um"
+        )
     unit = unit_of(declared)
     start = unit.from_si(value)
     bounds = bounds_of(declared)

@@ -320,7 +320,10 @@ def read_breakaway_torque(path: Path, torque: str) -> float:
     columns = read_columns(path, (CRANK, torque), "a start from rest")
     value = breakaway_torque(DEGREE * columns[CRANK], columns[torque])
     if math.isnan(value):
-        raise UsageError(f"{path}: {CRANK} stays within 0.1 deg of its first value: record until the crank turns")
+        raise UsageError(
+            f"{path}: {CRANK} stays within 0.1 deg of its first value, so the crank never starts to turn. Increase the "
+            "torque during the measurement until the crank turns"
+        )
     return value
 
 

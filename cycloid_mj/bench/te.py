@@ -184,12 +184,16 @@ def read_te(path: Path | str) -> MeasuredError:
     measured = MeasuredError(path.stem, crank, error)
     if measured.turns < 1.0 - 2.0 / len(crank):
         span = f"{measured.turns * 360.0:.4g} deg"
-        radians = f". Is {CRANK} in radians?" if np.ptp(columns[CRANK]) < 70.0 and len(crank) > 70 else ""
-        raise UsageError(f"{path}: {CRANK} covers {span}; at least a full turn of 360 deg is needed{radians}")
+        radians = " (these seem to be in radians)" if np.ptp(columns[CRANK]) < 70.0 and len(crank) > 70 else ""
+        raise UsageError(
+            f"{path}: {CRANK} covers {span}, but at least one full turn of 360 deg is needed. Record at least one "
+            f"turn, with angles in degrees{radians}"
+        )
     if np.ptp(columns[ERROR]) > TE.max_error or not np.ptp(columns[ERROR]) > 0.0:
         raise UsageError(
-            f"{path}: {ERROR} has a range of {np.ptp(columns[ERROR]):.4g} arcsec, which is not a transmission "
-            "error. It must be the output angle minus (crank angle / ratio), in arcseconds"
+            f"{path}: {ERROR} has a range of {np.ptp(columns[ERROR]):.4g} arcsec; a transmission error has more than 0 "
+            f"and at most {TE.max_error:g} arcsec. Compute it as output angle minus (crank angle / ratio), in "
+            "arcseconds"
         )
     return measured
 
@@ -222,7 +226,8 @@ def compare_bench(design: Named, measured: MeasuredError, load: float | None = N
     torque = (reducer.design.load.torque or 0.01 * reducer.design.rated_torque) if load is None else load
     if not torque:
         raise UsageError(
-            "--load-nm 0: without a load the parts are loose in their clearances; set a torque other than 0"
+            "--load-nm 0 is not allowed, because without a load the parts are loose in their clearances: set a torque "
+            "other than 0"
         )
     lobes = reducer.design.lobes
     ideal = model_error(reducer, torque)
@@ -231,8 +236,8 @@ def compare_bench(design: Named, measured: MeasuredError, load: float | None = N
     order = _orders(reducer, measured)
     if len(measured.crank) < 2 * len(order) + 1:
         raise UsageError(
-            f"{measured.name}: {len(measured.crank)} points cannot resolve {len(order)} orders; at least "
-            f"{2 * len(order) + 1} points are needed"
+            f"{measured.name}: {len(measured.crank)} points are too few to resolve {len(order)} orders; at least "
+            f"{2 * len(order) + 1} points are needed. Record more points"
         )
     waves = np.exp(1j * np.outer(measured.crank, order))
     basis = np.concatenate([np.ones((len(waves), 1)), waves.real, waves.imag], axis=1)

@@ -64,7 +64,9 @@ def main(argv: Sequence[str] | None = None) -> int:
             app = application(words[:1])
             if group := _group_alone(app, words):
                 app.help_print(words, console=page.console(stderr=True))
-                raise UsageError(f"{group} needs a command: {', '.join(page.commands(app[group])) or 'none is there'}")
+                commands = ", ".join(page.commands(app[group]))
+                choice = f"choose one of {commands}" if commands else "none is installed"
+                raise UsageError(f"{group} needs a command: {choice}")
             command, bound = parse(app, words)
             with at_most(_workers(bound)):
                 code = command(*bound.args, **bound.kwargs)
@@ -172,7 +174,10 @@ def _expand_folded_command(words: list[str]) -> list[str]:
     """Return a command line with the group before a command that was called without it."""
     if not words or (group := FOLDED.get(words[0])) is None:
         return words
-    tell(f"warning: `{words[0]}` is now `{' '.join(group)}`; the old name will be removed in the next release")
+    tell(
+        f"warning: the command `{words[0]}` is deprecated: use `{' '.join(group)}`; the old name will be removed in "
+        "the next release"
+    )
     return [*group, *words[1:]]
 
 
@@ -181,7 +186,7 @@ def _rename_flag(word: str) -> str:
     flag, equals, value = word.partition("=")
     if (name := RENAMED.get(flag)) is None:
         return word
-    tell(f"warning: {flag} is now {name}; the old name will be removed in the next release")
+    tell(f"warning: the flag {flag} is deprecated: use {name}; the old name will be removed in the next release")
     return f"{name}{equals}{value}"
 
 

@@ -39,7 +39,7 @@ def run_all(
     workers = min(Engine(kind="threads").local_workers, len(jobs))
     total = sum(design.drive.ramp + design.drive.hold for design in jobs)
     with Progress(total, quiet) as progress, ThreadPoolExecutor(workers) as pool:
-        progress.tell(f"{len(jobs)} runs, {workers} at a time")
+        progress.tell(f"{len(jobs)} simulations, {workers} at the same time")
         whole = _Whole(progress)
         runs = [
             pool.submit(

@@ -138,7 +138,7 @@ def calibrate(
 
     if not math.isfinite(crank_deg):
         raise UsageError(
-            f"--crank-deg {crank_deg:g} is not a finite number: give an angle in degrees, e.g. --crank-deg 0"
+            f"--crank-deg {crank_deg:g} is not a finite number: give the crank angle in degrees, e.g. --crank-deg 0"
         )
     keys = tuple(key.strip() for key in fit.split(",") if key.strip()) if fit else DEFAULT
     loops = _read_loops(loop)
@@ -154,8 +154,8 @@ def calibrate(
     except CalibrationStopped as stop:
         write(_calibration_outcome(stop.calibration, place), place, silent)
         raise RunError(
-            f"stopped by {signal_name(stop)}; the values fitted so far are in {place.folder}. "
-            "Run the command again for the complete calibration"
+            f"stopped by {signal_name(stop)}; the values fitted so far are in {place.folder}. Run the command again "
+            "for the complete calibration"
         ) from stop
     if losses:
         write(_calibration_outcome(calibration, place), place, silent)
@@ -179,8 +179,8 @@ def _read_loops(paths: Iterable[Path]) -> list["MeasuredLoop"]:
     names = [loop.name for loop in loops]
     if len(set(names)) < len(names):
         raise UsageError(
-            f"two loops have the file name {max(names, key=names.count)}: rename one file, so that the "
-            "results can be distinguished"
+            f"--loop: two files have the name {max(names, key=names.count)}, but their results are identified by name. "
+            "Rename one of the files"
         )
     return loops
 
@@ -199,8 +199,8 @@ def _fit_loss_models(calibration: "Calibration", place: Destination, delivery: C
         )
     except KeyboardInterrupt as stop:
         raise RunError(
-            f"stopped by {signal_name(stop)}; the calibration and the losses fitted so far are in {place.folder}. "
-            "Run the command again to fit the other losses"
+            f"stopped by {signal_name(stop)}; the calibration and the loss models fitted so far are in {place.folder}. "
+            "Run the command again to fit the other loss models"
         ) from stop
 
 

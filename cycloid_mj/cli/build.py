@@ -77,7 +77,7 @@ def build(
     page = claim_page(delivery, f"{reducer.design.name}-model")
     settings = ConvexSettings(chord_error=chord_error_um * 1e-6)
     settings = replace(settings, coacd=replace(settings.coacd, seed=seed))
-    note("cutting the parts into convex pieces")
+    note("decomposing the parts into convex pieces")
     files = model_files(reducer, settings)
     into = folder(out, "the model", files, delivery.force)
     write_folder(files, into)
@@ -100,8 +100,8 @@ def _require_room(out: str) -> None:
     while not there.exists() and there != there.parent:
         there = there.parent
     if not there.is_dir() or not os.access(there, os.W_OK):
-        reason = "may not be written to" if there.is_dir() else "is a file"
-        raise CycloidError(f"cannot write the model to {out}: {there} {reason}; give another folder with --out")
+        reason = "is not writable" if there.is_dir() else "is a file"
+        raise CycloidError(f"cannot write the model to {out}: {there} {reason}. Choose another folder with --out")
 
 
 def _surface_figures(manifest: bytes) -> dict[str, dict[str, Any]]:
@@ -121,7 +121,7 @@ def _plain_figures(reducer: Reducer, seed: int) -> dict[str, dict[str, Any]]:
     figures: dict[str, dict[str, Any]] = {}
     for threshold in (0.05, 0.02):
         settings = CoacdSettings(threshold=threshold, seed=seed)
-        note(f"plain CoACD at threshold {threshold:g}")
+        note(f"decomposing the parts by CoACD alone, for comparison (threshold {threshold:g})")
         cut: list[Plain] = [plain_gear(reducer, settings)]
         if reducer.design.ring.kind == "nonpin":
             cut.append(plain_ring(reducer, settings))

@@ -188,12 +188,17 @@ def compare(
     logs = [name for name in designs if name.endswith(".mcap")]
     if logs and len(logs) < len(designs):
         raise UsageError(
-            f"{logs[0]} is a log, but {_first_design(designs)} is a design: give designs only, or logs only"
+            f"{logs[0]} is a log, but {_first_design(designs)} is a design, and they cannot be mixed: name designs "
+            "only, or logs only"
         )
     if len(designs) < 2:
-        raise UsageError("a comparison needs at least two designs, e.g. cycloid-mj compare pin nonpin")
+        raise UsageError(
+            "a comparison needs at least two designs: name another one, e.g. cycloid-mj compare pin nonpin"
+        )
     if logs and options.for_runs:
-        raise UsageError(f"{options.for_runs[0]} is a simulation flag and has no effect on logs: remove it")
+        raise UsageError(
+            f"{options.for_runs[0]} applies to new simulations only and has no effect on logs: remove this flag"
+        )
     if logs:
         usual = f"{logs[0].removesuffix('.mcap')}-compare"
         place = _place(folder(delivery.out or usual, "the figures", FILES, delivery.force), delivery)
@@ -279,7 +284,10 @@ def _measure_trial(log: Path, q: tuple[float, float] | None) -> "tuple[Series, T
 
     run = read(log)
     if not run.complete:
-        raise LogError(f"the run in {log} is incomplete ({run.note}): simulate it again to compare it")
+        raise LogError(
+            f"the run in {log} is incomplete ({run.note}), and only complete runs can be compared: simulate the design "
+            "again"
+        )
     motion = settle_run(run, q)
     return motion, Trial(motion.design, measure_run(motion, str(log)))
 

@@ -50,7 +50,9 @@ def datasheet(
     from cycloid_mj.life.datasheet import datasheet as computed
 
     if life_h is not None and not 0.0 < life_h < float("inf"):
-        raise UsageError(f"--life-h {life_h:g} is out of range: it must be more than 0")
+        raise UsageError(
+            f"--life-h {life_h:g} is out of range: give a finite number of hours greater than 0, e.g. --life-h 6000"
+        )
     design = chosen.resolve_checked()
     stem = f"{design.name}-datasheet"
     place = claim_destination(delivery, stem, [f"{stem}.pdf"], RUNS, paged=True)

@@ -104,11 +104,13 @@ def claim_page(
         return None
     named = wanted.html or ()
     if len(named) > 1:
-        raise UsageError(f"--html takes one file, but {len(named)} are given ({', '.join(named)}): give one")
+        raise UsageError(
+            f"--html takes one file, but {len(named)} are given ({', '.join(named)}): give only one of them"
+        )
     if named and named[0] in PRESETS:
         raise UsageError(
-            f"--html {named[0]} would name the page after a preset: put the design before the flags, or name "
-            f"the page {named[0]}.html"
+            f"--html {named[0]} would name the page after a preset: name the page {named[0]}.html, or move the design "
+            f"{named[0]} in front of the flags"
         )
     path = Path(named[0]) if named else (into or folder(RUNS, "the page", (), wanted.force)) / f"{stem}.html"
     require_ending(path, ".html")
@@ -223,13 +225,13 @@ def show_outcome(outcome: Outcome, everything: bool) -> None:
         for note in outcome.notes:
             say(note)
     hidden = {
-        "more warnings": len(outcome.warnings) - len(shown),
-        "that pass": len(outcome.passes) - len(passes),
-        "rows of tables": 0 if everything else sum(len(table.rows) for table in outcome.tables),
-        "notes": 0 if everything else len(outcome.notes),
+        "more warning": len(outcome.warnings) - len(shown),
+        "passed check": len(outcome.passes) - len(passes),
+        "table row": 0 if everything else sum(len(table.rows) for table in outcome.tables),
+        "note": 0 if everything else len(outcome.notes),
     }
-    if left := ", ".join(f"{count} {what}" for what, count in hidden.items() if count):
-        say(f"with --all: {left}")
+    if left := ", ".join(f"{count} {what}{'s' if count > 1 else ''}" for what, count in hidden.items() if count):
+        say(f"--all also shows {left}")
     for line in outcome.summary:
         say(line)
 

@@ -124,7 +124,10 @@ def _simulate_self_test() -> str:
     run = simulate(design)
     error = float(abs(run["gear_angle"] + run["crank_angle"] / design.lobes).max())
     if not error < MOST_ERROR:
-        raise CycloidError(f"the disc of the self-test is {error:.3g} rad from its closed form; reinstall the package")
+        raise CycloidError(
+            f"self-test: the angle of the disc differs by {error:.3g} rad from the closed form (allowed: "
+            f"{MOST_ERROR:.0e} rad). Reinstall cycloid-mj, and report the problem if it remains"
+        )
     return f"{len(run.time)} samples, disc angle within {error:.1g} rad of the closed form"
 
 

@@ -40,11 +40,11 @@ def duty_cycle(
     for flag, value in (("--load-nm", load_nm), ("--speed-rpm", speed_rpm)):
         if value is not None and duty:
             raise UsageError(
-                f"{flag} and --duty cannot be used together, because the duty cycle contains torques and speeds: "
-                "remove one of them"
+                f"{flag} and --duty cannot be used together, because the duty cycle defines torques and speeds: remove "
+                "one of the two"
             )
         if value is not None and not (value != 0.0 and isfinite(value)):
-            raise UsageError(f"{flag} {value:g} is not allowed: it must be a finite number other than 0")
+            raise UsageError(f"{flag} {value:g} is not allowed: give a finite number other than 0")
     if duty:
         return read_duty(duty, peak_nm)
     torque = design.rated_torque if load_nm is None else load_nm

@@ -194,12 +194,15 @@ class MotorInterface:
         motor = replace(MOTORS.get(self.motor, own), **changes)
         if not (motor.circle and motor.thread):
             raise UsageError(
-                "a motor of your own needs --motor-circle-mm and --motor-thread-mm; or choose one by --motor"
+                "a motor of another size needs both --motor-circle-mm and --motor-thread-mm: give both, or choose a "
+                "motor with --motor"
             )
         threads = [bolt.thread for bolt in stock.bolts()]
         if not any(abs(thread - motor.thread) < stock.ROUNDING for thread in threads):
             sizes = ", ".join(f"{1e3 * thread:g}" for thread in threads)
-            raise UsageError(f"--motor-thread-mm {1e3 * motor.thread:g} is not in stock; allowed: {sizes}")
+            raise UsageError(
+                f"--motor-thread-mm {1e3 * motor.thread:g} is not a thread in stock: choose one of {sizes} mm"
+            )
         return motor
 
 
@@ -304,14 +307,16 @@ def _require_flags(
 ) -> None:
     """Raise an error of usage for options that the others rule out."""
     if bore is not None and not plate:
-        raise UsageError("--cam-bearing-bore-mm applies to the parts of the plate only: add --plate")
+        raise UsageError("--cam-bearing-bore-mm applies to --plate only: add --plate, or remove --cam-bearing-bore-mm")
     if bed is not None and not plate:
-        raise UsageError("--bed applies to the plate only: add --plate")
+        raise UsageError("--bed applies to --plate only: add --plate, or remove --bed")
     if (polylines or arcs is not None) and file_format != "dxf":
         name = "--polylines" if polylines else "--arcs"
-        raise UsageError(f"{name} is an option of --format dxf, not of {file_format}: remove it, or use --format dxf")
+        raise UsageError(
+            f"{name} applies to --format dxf only, not to {file_format}: remove {name}, or use --format dxf"
+        )
     if polylines and arcs is not None:
-        raise UsageError("--polylines and --arcs cannot be used together: remove one of them")
+        raise UsageError("--polylines and --arcs cannot be used together: remove one of the two")
 
 
 def _require_layout(reducer: Reducer, *, plate: bool, drawings: bool) -> None:
@@ -336,7 +341,9 @@ def _bed_size(text: str | None) -> tuple[float, float] | None:
     except ValueError:
         length = width = 0.0
     if not (0.0 < length < math.inf and 0.0 < width < math.inf):
-        raise UsageError(f"--bed {text} is not a size: give length and width in mm, such as 220x220")
+        raise UsageError(
+            f"--bed {text} is not a valid size: give length and width in mm, both greater than 0, e.g. --bed 220x220"
+        )
     return length, width
 
 

@@ -362,7 +362,7 @@ class ClusterDelivery(Delivery):
         if self.workers and self.scheduler is not None:
             raise UsageError(
                 "--scheduler and --workers cannot be used together, because a cluster has its own workers: remove one "
-                "of them"
+                "of the two"
             )
         return Engine(self.workers or 0, kind, self.scheduler or "")
 
@@ -372,8 +372,8 @@ def require_distinct(designs: Iterable[Design]) -> None:
     names = [design.name for design in designs]
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise UsageError(
-            f"two designs have the name {twice!r}, so they would overwrite each other's files: change "
-            "`name` in one of the design files"
+            f"two designs have the name {twice!r}, so they would overwrite each other's files: change the key `name` "
+            "in one of the design files"
         )
 
 
@@ -384,10 +384,10 @@ def point(text: str | None) -> tuple[float, float] | None:
     try:
         x, y = (float(word) for word in text.split(","))
     except ValueError:
-        raise UsageError(f"--q {text!r} is not a point: give X,Y in mm, e.g. --q 26,0") from None
+        raise UsageError(f"--q {text!r} is not a point: give two coordinates X,Y in mm, e.g. --q 26,0") from None
     low, high = RANGES.point_q_mm
     if not (low <= x <= high and low <= y <= high):
-        raise UsageError(f"--q {text} is out of range: each coordinate must be from {low:g} to {high:g} mm")
+        raise UsageError(f"--q {text} is out of range: give coordinates from {low:g} to {high:g} mm, e.g. --q 26,0")
     return x / 1e3, y / 1e3
 
 

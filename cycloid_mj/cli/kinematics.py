@@ -104,7 +104,8 @@ def _step(design: Design, step: float | None) -> float:
         return step
     if design.drive.speed == 0.0:
         raise UsageError(
-            "drive.speed_rpm is 0, so there is no time step of one degree of crank: give --step-s or --speed-rpm"
+            "drive.speed_rpm is 0, so the default time step (one degree of crank rotation) is undefined: set the step "
+            "with --step-s, or a speed with --speed-rpm"
         )
     return math.radians(1.0) / abs(design.drive.speed)
 
@@ -114,7 +115,7 @@ def _rows(until: float, step: float) -> int:
     rows = math.floor(until / step + ROUNDING) + 1
     if rows > RANGES.rows[1]:
         raise UsageError(
-            f"--until-s {until:g} with a step of {step:g} s gives {rows:.3g} rows; at most {RANGES.rows[1]} are "
+            f"--until-s {until:g} with a step of {step:g} s needs {rows:.3g} rows, but at most {RANGES.rows[1]} are "
             "allowed: increase --step-s or reduce --until-s"
         )
     return rows

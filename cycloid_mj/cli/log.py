@@ -233,7 +233,7 @@ def _read(log: str) -> "Run":
 
     run = read(log)
     if not run.complete:
-        note(f"note: the run is incomplete: {run.note}")
+        note(f"note: the run in {log} is incomplete: {run.note}")
     return run
 
 

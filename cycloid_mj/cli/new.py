@@ -211,8 +211,8 @@ def new(
     if all(value is None for value in asked.values()):
         if discs:
             raise UsageError(
-                f"--discs {discs} applies only when a new drive is sized: to change a copied design, use "
-                f"--set gear.discs={discs}"
+                f"--discs {discs} applies only when a new drive is sized: to change a copied design, use --set "
+                f"gear.discs={discs}"
             )
         started = load_design(source or "pin", set_, ()).but(name=stem)
         files = {f"{stem}.toml": dump(started, reasons(source or "pin", started)).encode()}
@@ -222,12 +222,14 @@ def new(
         missing = " and ".join(flag for flag, value in asked.items() if value is None)
         verb = "are" if " and " in missing else "is"
         raise UsageError(
-            f"{missing} {verb} missing: a new size requires --ratio, --diameter-mm and --torque-nm together"
+            f"{missing} {verb} missing: to size a new drive, give --ratio, --diameter-mm and --torque-nm together"
         )
     if source:
-        raise UsageError(f"--from {source} copies a design and --ratio computes a new one: remove one of them")
+        raise UsageError(f"--from {source} copies a design, but --ratio sizes a new one: remove one of the two")
     if ratio is not None and ratio_range:
-        raise UsageError(f"--ratio {ratio} and --ratio-range {ratio_range} cannot be used together: remove one of them")
+        raise UsageError(
+            f"--ratio {ratio} and --ratio-range {ratio_range} cannot be used together: remove one of the two"
+        )
     from cycloid_mj.sizing.answer import best_ratio
     from cycloid_mj.sizing.drives import size_drive
     from cycloid_mj.sizing.requirement import required
@@ -254,7 +256,7 @@ def new(
         custom=custom,
     )
     if motor and (speed_rpm is not None or output_rpm is not None):
-        raise UsageError("--motor sets the speed: remove --speed-rpm or --output-rpm")
+        raise UsageError("--motor determines the speed: remove --speed-rpm and --output-rpm, or remove --motor")
     if ratio_range:
         wanted = best_ratio(wanted, low, high)
     place = _claim_files(stem, delivery)
@@ -374,8 +376,8 @@ def _motor_speed(path: str, torque: float, process: "Process") -> float:
     if (frame := MOTORS.get(path)) and frame.torque:
         if torque > frame.torque:
             raise UsageError(
-                f"--motor {path}: the crank needs {torque:.4g} N m, and usual motors of the frame have "
-                f"{frame.torque:g} N m: choose a larger frame, a larger ratio or less torque"
+                f"--motor {path}: the crank needs {torque:.4g} N m, but usual motors of this frame size have at most "
+                f"{frame.torque:g} N m. Choose a larger frame, a larger ratio or less torque"
             )
         return min(PROCESSES[process].speed_rpm, frame.power / torque / RPM)
     try:
@@ -383,8 +385,8 @@ def _motor_speed(path: str, torque: float, process: "Process") -> float:
             points = sorted((float(row["speed_rpm"]), float(row["torque_nm"])) for row in csv.DictReader(file))
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise UsageError(
-            f"--motor {path}: {error}; expected {', '.join(key for key, one in MOTORS.items() if one.torque)} or a CSV "
-            "file with the columns speed_rpm and torque_nm"
+            f"--motor {path}: {error}. Choose one of {', '.join(key for key, one in MOTORS.items() if one.torque)}, or "
+            "a CSV file with the columns speed_rpm and torque_nm"
         ) from error
     speeds = [speed for speed, delivered in points if delivered >= torque and speed > 0.0]
     for (low, more), (high, less) in itertools.pairwise(points):
@@ -393,8 +395,8 @@ def _motor_speed(path: str, torque: float, process: "Process") -> float:
     if not speeds:
         most = max((delivered for _, delivered in points), default=0.0)
         raise UsageError(
-            f"--motor {path}: there is no speed at which the motor can deliver {torque:.4g} N m at the crank (its "
-            f"maximum is {most:.4g} N m): choose a stronger motor or require less torque"
+            f"--motor {path}: the motor cannot deliver the {torque:.4g} N m that the crank needs at any speed (its "
+            f"maximum is {most:.4g} N m). Choose a stronger motor, a larger ratio or less torque"
         )
     return max(speeds)
 
@@ -416,7 +418,7 @@ def _discs(text: str) -> int:
     try:
         number = whole_number(text)
     except ValueError as error:
-        raise UsageError(f"--discs: {error}, or auto") from None
+        raise UsageError(f"--discs: {error}; give a number from 1 to 4, or auto") from None
     if number < 1:
-        raise UsageError(f"--discs {number} is out of range: it must be from 1 to 4, or auto")
+        raise UsageError(f"--discs {number} is out of range: give a number from 1 to 4, or auto")
     return number

@@ -157,7 +157,8 @@ def optimize(
         optimum = optimum if quick else check_best(optimum, solver)
     except KeyboardInterrupt as stop:
         raise RunError(
-            f"stopped by {signal_name(stop)}; the points so far are in {into}. Run the same command again to resume"
+            f"stopped by {signal_name(stop)}; the points evaluated so far are in {into}. Run the same command again to "
+            "resume"
         ) from stop
     return deliver(_outcome(optimum, into / BEST), place, delivery)
 
@@ -169,9 +170,11 @@ def _ranges(vary: tuple[str, ...]) -> dict[str, str]:
         key, equals, wanted = text.partition("=")
         key = key.strip()
         if not equals or not key or not wanted.strip():
-            raise UsageError(f"--vary {text!r} is not a range: give KEY=LO:HI, e.g. gear.eccentricity_mm=0.5:1.1")
+            raise UsageError(
+                f"--vary {text!r} is not a range: give KEY=LO:HI, e.g. --vary gear.eccentricity_mm=0.5:1.1"
+            )
         if key in ranges:
-            raise UsageError(f"--vary {key} is repeated: give its range once")
+            raise UsageError(f"--vary {key} is repeated: give one range for this key")
         ranges[key] = wanted.strip()
     return ranges
 

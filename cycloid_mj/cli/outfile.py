@@ -78,9 +78,9 @@ def folder(name: str, what: str, files: Iterable[str], force: bool) -> Path:
     """
     path = Path(name)
     if new_folder(name, what) is None and not path.is_dir():
-        raise CycloidError(f"cannot write {what} to {name}: it is a file; choose a folder with --out")
+        raise CycloidError(f"cannot write {what} to {name}: it is a file, not a folder. Choose a folder with --out")
     if not os.access(path, os.W_OK | os.X_OK):
-        raise CycloidError(f"cannot write {what} to {name}: permission denied; choose another folder with --out")
+        raise CycloidError(f"cannot write {what} to {name}: permission denied. Choose another folder with --out")
     claim(*(path / file for file in files), force=force)
     if force:
         claim(path, force=True)
@@ -95,7 +95,7 @@ def new_folder(name: str, what: str) -> Path | None:
             return None
     except OSError as problem:
         raise CycloidError(
-            f"cannot create the folder {name} for {what}: {reason(problem)}; choose another folder with --out"
+            f"cannot create the folder {name} for {what}: {reason(problem)}. Choose another folder with --out"
         ) from problem
     return path
 
@@ -113,5 +113,5 @@ def _written(file: str) -> Iterator[TextIO]:
             yield stream
     except (OSError, ValueError) as problem:
         raise CycloidError(
-            f"cannot write {file}: {reason(problem)}; choose a file in a folder that exists, is writable and has space"
+            f"cannot write {file}: {reason(problem)}. Choose a file in a writable folder with free disk space"
         ) from problem

@@ -90,8 +90,8 @@ def _ring(reducer: Reducer, points: int | None) -> Columns:
     design = reducer.design
     if design.ring.kind == "pin":
         raise UsageError(
-            f"--part ring: the design {design.name!r} has pins (ring.kind = pin), not an internal gear; "
-            "give a nonpin design, such as --design nonpin"
+            f'--part ring needs an internal gear, but the design {design.name!r} has ring pins (ring.kind = "pin"): '
+            'choose a design with ring.kind = "nonpin", e.g. --design nonpin'
         )
     outline = sample_ring(reducer.tooth_profile, points or POINTS_PER_TOOTH * design.ring.teeth)
     return {**_columns(outline.points, outline.normals, outline.curvature), "part": outline.part}
@@ -107,7 +107,9 @@ def _curvature(reducer: Reducer, crank_angles: int | None) -> Columns:
     crank_angles = crank_angles or CRANK_ANGLES
     if crank_angles * design.ring.teeth > RANGES.rows[1]:
         raise UsageError(
-            f"--points {crank_angles} gives more than {RANGES.rows[1]} lines with {design.ring.teeth} teeth: reduce it"
+            f"--points {crank_angles} with {design.ring.teeth} ring teeth gives {crank_angles * design.ring.teeth:,} "
+            f"rows, but at most {RANGES.rows[1]:,} are allowed: use --points {RANGES.rows[1] // design.ring.teeth} or "
+            "fewer"
         )
     lines = contact_lines(gear, design.ring.kind, mesh_period(gear, crank_angles))
     modulus = reducer.contacts[design.tooth_pair].modulus

@@ -101,10 +101,10 @@ def protocol(
     from cycloid_mj.cli.progress import count_progress
 
     if rated_nm is not None and not (rated_nm > 0.0 and isfinite(rated_nm)):
-        raise UsageError(f"--rated-nm {rated_nm:g} is out of range: it must be more than 0")
+        raise UsageError(f"--rated-nm {rated_nm:g} is out of range: give a finite torque greater than 0 N m")
     low, high = RANGES.angles
     if not low <= angles <= high:
-        raise UsageError(f"--angles {angles} is out of range: it must be from {low} to {high}")
+        raise UsageError(f"--angles {angles} is out of range: give a number from {low} to {high}")
     files = BenchFiles(
         tuple(read_loop(path) for path in loop), read_te(te) if te else None, starting, running, back_driving
     )

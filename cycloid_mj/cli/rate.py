@@ -80,7 +80,7 @@ def rate(
 
     for flag, value in (("--life-h", life_h), ("--peak-nm", peak_nm)):
         if value is not None and not 0.0 < value < float("inf"):
-            raise UsageError(f"{flag} {value:g} is out of range: it must be more than 0")
+            raise UsageError(f"{flag} {value:g} is out of range: give a finite number greater than 0")
     design = chosen.resolve_checked()
     cycle = duty_cycle(design, load_nm, speed_rpm, duty, peak_nm)
     ranges = read_ranges(stress, Reducer(design)) if stress else None

@@ -170,22 +170,24 @@ def reduce(
 def _require_scene_values(timestep_ms: float | None, load_inertia: float | None) -> None:
     """Raise UsageError if the time step [ms] or the inertia of the load [kg m2] is out of range."""
     if timestep_ms is not None and not 0.01 <= timestep_ms <= 10.0:
-        raise UsageError(f"--timestep-ms {timestep_ms:g} is out of range: it must be from 0.01 to 10")
+        raise UsageError(f"--timestep-ms {timestep_ms:g} is out of range: give a time step from 0.01 to 10 ms")
     if load_inertia is not None and not 0.0 < load_inertia < float("inf"):
-        raise UsageError(f"--load-inertia-kgm2 {load_inertia:g} is out of range: it must be more than 0")
+        raise UsageError(
+            f"--load-inertia-kgm2 {load_inertia:g} is out of range: give a finite inertia greater than 0 kg m2"
+        )
 
 
 def _choose_samples(spread: bool, samples: int | None, seed: int | None) -> tuple[int, int]:
     """Return number and seed of the samples; raise UsageError for those out of range, or without --spread."""
     if not spread and (samples, seed) != (None, None):
         flag = "--seed" if samples is None else "--samples"
-        raise UsageError(f"{flag} can only be used with --spread: add --spread")
+        raise UsageError(f"{flag} applies to --spread only: add --spread, or remove {flag}")
     samples, seed = USUAL_SAMPLES if samples is None else samples, seed or 0
     low, high = RANGES.joint_samples
     if not low <= samples <= high:
-        raise UsageError(f"--samples {samples} is out of range: it must be from {low} to {high}")
+        raise UsageError(f"--samples {samples} is out of range: give a number from {low} to {high}")
     if seed < 0:
-        raise UsageError(f"--seed {seed} is out of range: it must be 0 or more")
+        raise UsageError(f"--seed {seed} is out of range: give an integer of 0 or more")
     return samples, seed
 
 

@@ -70,12 +70,12 @@ def render(
 
     if Path(out).suffix.lower() not in FORMATS:
         raise UsageError(
-            f"cannot write {out}: images are written as {', '.join(FORMATS)}; change the ending of the name"
+            f"cannot write {out}: unknown image format. Use a file name that ends in {' or '.join(FORMATS)}"
         )
     run = read(log)
     if time_s is not None and not run.time[0] <= time_s <= run.time[-1]:
         raise UsageError(
-            f"--time-s {time_s:g} is outside of the run: it must be from {run.time[0]:g} to {run.time[-1]:g} s"
+            f"--time-s {time_s:g} is outside the run: give a time from {run.time[0]:.6g} to {run.time[-1]:.6g} s"
         )
     claim(Path(out), force=delivery.force)
     page = claim_page(delivery, f"{Path(out).stem}-picture")

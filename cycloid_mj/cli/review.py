@@ -39,7 +39,7 @@ def report(
 
     point_q = point(q)
     if not logs:
-        raise UsageError("no log is given: name at least one, e.g. cycloid-mj report runs/pin.mcap")
+        raise UsageError("no log is given: name at least one log, e.g. cycloid-mj report runs/pin.mcap")
     if repeated := next((log for index, log in enumerate(logs) if log in logs[:index]), None):
         raise UsageError(f"log {repeated} is given twice: name each log once")
     # a page is UTF-8, which names of files need not be

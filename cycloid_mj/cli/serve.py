@@ -32,12 +32,12 @@ def app(
     in 3-D. Simulate it in MuJoCo and download its files. The page is served on this computer only, until Ctrl-C.
     """
     if not 1 <= port <= 65535:
-        raise UsageError(f"--port {port} is out of range: it must be from 1 to 65535")
+        raise UsageError(f"--port {port} is out of range: give a number from 1 to 65535")
     design = chosen.resolve()
     from cycloid_mj.app.server import new_token, open_socket, page_address, serve
 
     token = new_token()
     with open_socket(port) as listener:
-        tell(f"{page_address(listener, token)} (stop with Ctrl-C)")
+        tell(f"open {page_address(listener, token)} in a browser (stop with Ctrl-C)")
         serve(design, listener, token, show=not no_browser)
     return 0

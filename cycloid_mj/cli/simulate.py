@@ -240,8 +240,8 @@ class Ran:
         """Return the findings of the run; raise LogError if it cannot be judged."""
         if isinstance(self.findings, CycloidError):
             raise LogError(
-                f"the run was logged to {self.log}, but cannot be evaluated: {self.findings}. Correct that and "
-                f"simulate again, or replay the log with `{join(['cycloid-mj', 'view', str(self.log)])}`"
+                f"the run is logged in {self.log}, but cannot be evaluated: {self.findings}. Correct the cause and "
+                f"simulate again, or look at the run with `{join(['cycloid-mj', 'view', str(self.log)])}`"
             ) from self.findings
         return replace(self.findings, steps=self.steps, wall_s=self.wall)
 
@@ -250,7 +250,9 @@ def require_possible(design: Design, solver: "Solver" = "mujoco") -> None:
     """Raise UsageError for a run that is too long or does not turn, DesignError for an unsound design."""
     reducer = Reducer(design)
     if design.drive.speed == 0.0:
-        raise UsageError("drive.speed_rpm is 0, so the crank would not turn: give --speed-rpm")
+        raise UsageError(
+            "drive.speed_rpm is 0, so the crank would not turn: set a speed other than 0, e.g. --speed-rpm 1640"
+        )
     from cycloid_mj.checks import require_sound
     from cycloid_mj.dynamics.run import RUN, STEP_RULES
 
@@ -259,7 +261,7 @@ def require_possible(design: Design, solver: "Solver" = "mujoco") -> None:
     steps = (design.drive.ramp + design.drive.hold) / step
     if steps > RUN.max_steps:
         raise UsageError(
-            f"the run would take {steps:.3g} steps of {step * 1e6:g} us; at most {RUN.max_steps:.0e} are "
+            f"the run would take {steps:.3g} time steps of {step * 1e6:g} us, but at most {RUN.max_steps:.0e} are "
             "allowed: increase --timestep-us, or reduce --ramp-s and --hold-s"
         )
 
@@ -335,7 +337,7 @@ def run_into_log(
         wall = time.perf_counter() - start
         progress.judging()
         log.flush()
-        unjudged = LogError(f"{log.name} has not been evaluated: run cycloid-mj analyze")
+        unjudged = LogError(f"the run in {log.name} has not been evaluated: evaluate it with `cycloid-mj analyze`")
         findings, run = _judgement(log, note) if shown else (unjudged, None)
         attached = {} if isinstance(findings, CycloidError) else _findings_attachment(findings)
         log.close(note, attachments=attached)
@@ -347,7 +349,9 @@ def _first(names: Iterable[Path], opened: Callable[[Path], "LogWriter"]) -> "Log
     """Open the first unused log of `names`; raise LogTakenError if all are taken."""
     from cycloid_mj.log import LogTakenError
 
-    taken: LogError = LogError("no file name is free for the log: choose another folder with --out")
+    taken: LogError = LogError(
+        "there is no free file name left for the log in the output folder: choose another folder with --out"
+    )
     for path in names:
         try:
             return opened(path)
@@ -376,8 +380,9 @@ def _require_held_samples(design: Design, plan: "Schedule") -> None:
     sampling = plan.stride * plan.timestep
     if design.drive.hold < FEWEST_HELD * sampling:
         raise UsageError(
-            f"the hold of {design.drive.hold:g} s is too short: it must contain at least {FEWEST_HELD} "
-            f"samples at intervals of {sampling:g} s. Increase --hold-s or settings.log_rate_hz"
+            f"--hold-s {design.drive.hold:g} (drive.hold_s) is too short: it must contain at least {FEWEST_HELD} "
+            f"samples at intervals of {sampling:g} s. Increase --hold-s to {FEWEST_HELD * sampling:.4g} or more, or "
+            "increase settings.log_rate_hz"
         )
 
 

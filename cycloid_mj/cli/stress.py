@@ -193,11 +193,14 @@ def stress(
     """
     asked = (*designs, *design)
     if not asked and not log:
-        raise UsageError("no design or log given: name one, e.g. cycloid-mj stress --design pin")
+        raise UsageError("no design or log is given: name one, e.g. cycloid-mj stress --design pin")
     if log and (set_ or load_nm is not None):
         raise UsageError("--set and --load-nm have no effect on logs: remove them, or remove --log")
     if log and asked and len(log) != len(asked):
-        raise UsageError(f"{len(asked)} designs and {len(log)} logs are given: give one log for each design")
+        raise UsageError(
+            f"the number of designs ({len(asked)}) and of logs ({len(log)}) differ: name one design per --log, in the "
+            "same order, or name no design"
+        )
     from cycloid_mj.base.memory import keep_freed
     from cycloid_mj.stress.figures import for_one_turn
     from cycloid_mj.stress.packages import package
@@ -207,12 +210,12 @@ def stress(
         package(name)
     keep_freed()
     if mounts is not None and not springs:
-        raise UsageError("--mounts applies to --springs only: add --springs")
+        raise UsageError("--mounts applies to --springs only: add --springs, or remove --mounts")
     if springs:
         if log or part or figure or solid or angle_deg is not None:
             raise UsageError(
-                "--springs always covers all parts of the designs: remove --log, --part, --figure, --solid and "
-                "--angle-deg"
+                "--springs always covers all parts of the designs and cannot be combined with --log, --part, --figure, "
+                "--solid and --angle-deg: remove those flags"
             )
         from cycloid_mj.stress.mounts import read_mounts
 
@@ -252,7 +255,7 @@ def _springs(reducers: Sequence[Reducer], load: float | None, mounts: "Mounts | 
     sprung = []
     for design in designs:
         if not delivery.quiet:
-            tell(f"{design.name}: a run without friction, and finite elements of its parts at 12 crank angles")
+            tell(f"{design.name}: simulating without friction, then computing stresses of its parts at 12 crank angles")
         torque = load if load is not None else design.load.torque or round(design.rated_torque, 9)
         sprung.append(part_springs(Reducer(design.but(load={"torque": torque})), mounts))
     outcome = Outcome(
@@ -307,8 +310,8 @@ def _plan_cost(designs: Sequence[Design], parts: Sequence[str], settings: "Study
     unknowns = sum(grid.unknowns for each in grids for grid in each.values())
     if not quiet:
         tell(
-            f"grids of {unknowns} unknowns at {settings.angles} crank angles: about {needed.seconds:.0f} s of "
-            f"processor time and {needed.memory / GIGABYTE:.1f} GB"
+            f"finite elements: {unknowns:,} unknowns at {settings.angles} crank angles; about {needed.seconds:.0f} s "
+            f"of CPU time and {needed.memory / GIGABYTE:.1f} GB of memory"
         )
     return grids
 

@@ -154,14 +154,15 @@ def sweep(
         swept = sweep_in_folder(task, wanted, into, engine, count_progress("sweep", delivery.quiet))
     except KeyboardInterrupt as stop:
         raise RunError(
-            f"stopped by {signal_name(stop)}; the rows so far are in {into}. Run the same command again to resume"
+            f"stopped by {signal_name(stop)}; the points evaluated so far are in {into}. Run the same command again to "
+            "resume"
         ) from stop
     quantities = select_quantities(swept, tuple(name for name in show_.split(",") if name))
     code = deliver(_outcome(swept, quantities, place), place, delivery)
     for error, count in list(swept.errors.items())[:MOST_ERRORS]:
-        tell(f"{count} of {len(swept.points)} failed: {error}")
+        tell(f"{count} of {len(swept.points)} points failed: {error}")
     if (more := len(swept.errors) - MOST_ERRORS) > 0:
-        tell(f"{more} other errors are listed in {into}")
+        tell(f"{more} more kinds of errors: see the column error of the files in {into}")
     return code
 
 
@@ -176,7 +177,7 @@ def _points(vary: tuple[str, ...], table: Path | None, sample: str | None, point
         if not equals or not key.strip() or not values.strip():
             raise UsageError(f"--vary {text!r} has no values: give KEY=VALUES, e.g. --vary clearance.cam_um=1:5:5")
         if key.strip() in ranges:
-            raise UsageError(f"--vary {key.strip()} is repeated: list all its values in one --vary")
+            raise UsageError(f"--vary {key.strip()} is repeated: list all values of this key in one --vary")
         ranges[key.strip()] = values.strip()
     if table is not None and not (vary or sample or points):
         return read_table(table)

@@ -116,7 +116,8 @@ def tolerance(
     except StudyInterrupted as stop:
         deliver(_outcome(stop.tolerances), place, delivery)
         raise RunError(
-            f"stopped by {signal_name(stop)}; {stop.tolerances.samples_text} are in {place.folder}"
+            f"stopped by {signal_name(stop)}; the results of the {stop.tolerances.samples_text} so far are in "
+            f"{place.folder}. Run the command again for all samples"
         ) from stop
     except TooManyJams as jam:
         outcome = _outcome(jam.tolerances)
@@ -132,9 +133,9 @@ def _require_in_range(samples: int, seed: int) -> None:
     """Raise UsageError if the number of samples or the seed is out of range."""
     low, high = RANGES.tolerance_samples
     if not low <= samples <= high:
-        raise UsageError(f"--samples {samples} is out of range; allowed: {low} to {high}")
+        raise UsageError(f"--samples {samples} is out of range: give a number from {low} to {high}")
     if seed < 0:
-        raise UsageError(f"--seed {seed} is out of range; allowed: 0 or more")
+        raise UsageError(f"--seed {seed} is out of range: give an integer of 0 or more")
 
 
 def _outcome(tolerances: "Tolerances") -> Outcome:

@@ -59,7 +59,10 @@ def _run(parts: "tuple[ValidationPart, ...]", quick: bool, workers: int) -> "lis
         finished.append((index, rows))
         done += parts[index].cost[not quick]
         left = seconds_left(start, done / total)
-        note(f"{len(finished)} of {len(parts)} parts finished, last {parts[index].rung!r}; about {left:.0f} s left")
+        note(
+            f"{len(finished)} of {len(parts)} parts of the validation finished, last: {parts[index].rung}; about "
+            f"{left:.0f} s left"
+        )
     return sort_rows(finished)
 
 

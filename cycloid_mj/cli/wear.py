@@ -60,7 +60,7 @@ def wear(
 
     for flag, value in (("--hours", hours), ("--growth-percent", growth_percent)):
         if not 0.0 < value < float("inf"):
-            raise UsageError(f"{flag} {value:g} is out of range: it must be more than 0")
+            raise UsageError(f"{flag} {value:g} is out of range: give a finite number greater than 0")
     design = chosen.resolve_checked()
     cycle = duty_cycle(design, load_nm, speed_rpm, duty)
     place = claim_destination(delivery, f"{design.name}-wear")
@@ -71,7 +71,7 @@ def wear(
 
     result = compute(design, hours, growth_percent / 100.0, cycle, on_progress=report)
     if result.interrupted:
-        tell("stopped: the result contains the steps that were finished")
+        tell("stopped by Ctrl-C: the result contains only the steps that were finished")
     return deliver(_outcome(result, place), place, delivery)
 
 

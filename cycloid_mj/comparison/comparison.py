@@ -129,11 +129,14 @@ def comparable(cases: Sequence[Design]) -> dict[str, Design]:
         first = by_name.setdefault(case.name, case)
         if differing := [key for key in differences([first, case]) if key != HOLD]:
             raise UsageError(
-                f"two designs are named {case.name!r}, but differ in {', '.join(differing[:3])}: "
-                "give each its own name in its file"
+                f"two designs are named {case.name!r}, but differ in {', '.join(differing[:3])}: set another `name` in "
+                "one of the design files"
             )
     if len(by_name) < 2:
-        raise UsageError(f"a comparison requires two designs, got {', '.join(by_name) or 'none'}: add another design")
+        raise UsageError(
+            f"a comparison needs at least two designs, but the designs given are: {', '.join(by_name) or 'none'}. Add "
+            "another design"
+        )
     _require_every_case(cases, list(by_name))
     _require_same_conditions(cases)
     return by_name
@@ -148,7 +151,8 @@ def _require_every_case(cases: Sequence[Design], names: Sequence[str]) -> None:
             if count != 1:
                 problem = "is missing" if count == 0 else f"is given {count} times"
                 raise UsageError(
-                    f"the run of {name} at {load_words(load)} {problem}: give one run of each design under each load"
+                    f"the run of {name} at {load_words(load)} {problem}, but a comparison needs exactly one run of "
+                    f"each design under each load: {'add that run' if count == 0 else 'remove the repeated runs'}"
                 )
 
 
@@ -165,7 +169,7 @@ def _same_solver(trials: Sequence[Trial]) -> str:
     by_solver = {trial.measures.findings.solver: trial for trial in trials}
     if len(by_solver) > 1:
         runs = " and ".join(f"{trial.name} {SOLVERS[solver]}" for solver, trial in by_solver.items())
-        raise UsageError(f"the runs differ in their solver: {runs}; run all with the same --solver")
+        raise UsageError(f"the runs used different solvers: {runs}. Simulate all of them with the same --solver")
     return next(iter(by_solver))
 
 
@@ -175,9 +179,9 @@ def _require_alike(first: Reducer, case: Reducer, but: Sequence[str]) -> None:
     for key in wanted | shared:
         if shared.get(key) != wanted.get(key) and key not in but:
             raise UsageError(
-                f"the runs differ in their settings: {key} is {wanted.get(key)} for {first.design.name} at "
+                f"the runs have different settings: {key} is {wanted.get(key)} for {first.design.name} at "
                 f"{load_words(first.design.load.torque)}, but {shared.get(key)} for {case.design.name} at "
-                f"{load_words(case.design.load.torque)}; run them with equal settings"
+                f"{load_words(case.design.load.torque)}. Simulate them again with equal settings"
             )
 
 

@@ -91,9 +91,11 @@ def load(path: Path) -> Design:
     except FileNotFoundError as error:
         raise UsageError(_unknown_design(path)) from error
     except IsADirectoryError as error:
-        raise UsageError(f"{path} is a folder: choose a design file (TOML)") from error
+        raise UsageError(f"{path} is a folder: give the name of a design file (.toml) in it") from error
     except (OSError, ValueError) as error:
-        raise DesignError(f"cannot read the design file {path}: {reason(error)}; choose a TOML text file") from error
+        raise DesignError(
+            f"cannot read the design file {path}: {reason(error)}. Choose a readable TOML file with UTF-8 text"
+        ) from error
     return loads(text, str(path), path.parent)
 
 
@@ -105,7 +107,10 @@ def loads(text: str, where: str = "the design", folder: Path | None = None) -> D
     """
     tables = parse_toml(text, where)
     if not tables:
-        raise DesignError(f"{where} is empty: `cycloid-mj design new my` writes a complete design file to start from")
+        raise DesignError(
+            f"{where} is empty: write the values of a design into it, or create a complete design file with "
+            "`cycloid-mj design new my`"
+        )
     if folder is not None and isinstance(tables.get("measured"), Mapping):
         tables["measured"] = read_measurements(tables["measured"], folder)
     if BASE in tables:
@@ -128,7 +133,9 @@ def _base(table: Any, where: str) -> Design:
     """Return the preset that ``[base]`` names."""
     name = table.get("preset") if isinstance(table, Mapping) and len(table) == 1 else None
     if not isinstance(name, str) or name.casefold() not in PRESETS:
-        raise DesignError(f'{where}: [base] must be preset = "NAME", one of: {", ".join(PRESETS)}')
+        raise DesignError(
+            f'{where}: the table [base] must contain only preset = "NAME". Choose NAME from {", ".join(PRESETS)}'
+        )
     return PRESETS[name.casefold()]
 
 
@@ -154,16 +161,20 @@ def parse_toml(
     """
     if len(text) > LIMITS.size:
         raise DesignError(
-            f"{where} has {len(text):,} characters; at most {LIMITS.size:,} are read. Is it a TOML file? {example}"
+            f"{where} has {len(text):,} characters, but at most {LIMITS.size:,} are allowed. Check that it is a TOML "
+            f"file; {example}"
         )
     try:
         if DEEP_KEY.search(text):
             raise RecursionError
         return tomllib.loads(text)
     except RecursionError as error:
-        raise DesignError(f"{where} is nested too deeply: it has tables with keys, no more; {example}") from error
+        raise DesignError(
+            f"{where} is nested too deeply: a design file contains tables with keys, and no tables inside tables. "
+            f"Remove the inner tables; {example}"
+        ) from error
     except ValueError as error:
-        raise DesignError(f"{where} is not valid TOML: {error}; {example}") from error
+        raise DesignError(f"{where} is not valid TOML: {error}. Correct this line; {example}") from error
 
 
 def record(kind: type[S], tables: Mapping[str, Any], where: str) -> S:
@@ -202,7 +213,9 @@ def _change(design: Design, pairs: Sequence[tuple[str, Any]], where: str, folder
         elif isinstance(tables.get(keys[0], {}), dict):
             changed.setdefault(keys[0], {})[keys[1]] = value
         else:
-            raise UsageError(f"{where} {path!r}: {keys[0]} is a value, not a table; give {keys[0]} alone")
+            raise UsageError(
+                f"{where} {path!r} is not a key, because {keys[0]} is a value and not a table: give {keys[0]} alone"
+            )
     for name, change in changed.items():
         section = section_of(field) if (field := Design.model_fields.get(name)) else None
         tables[name] = (section or Section).merge_change(tables.get(name, {}), change)
@@ -251,7 +264,7 @@ def _pair(change: str) -> tuple[str, Any]:
     """Split ``table.key=value``."""
     path, equals, value = change.partition("=")
     if not equals or not _keys(path.strip()):
-        raise UsageError(f"--set {change!r} is not a change: give table.key=value, e.g. --set load.torque_nm=36")
+        raise UsageError(f"--set {change!r} is not an assignment: give table.key=value, e.g. --set load.torque_nm=36")
     return path.strip(), _parse_value(value.strip())
 
 
@@ -367,7 +380,10 @@ def _to_si(
         inner, table_of = field.annotation, section_of(field)
         if table_of:
             if not isinstance(value, Mapping):
-                raise DesignError(f"{where}: {key} is a table, not a value: write [{key}] and its keys below")
+                raise DesignError(
+                    f"{where}: {key} is a table, but is given as a value: write [{key}], and its keys on the lines "
+                    "below"
+                )
             values[name] = _to_si(table_of, value, where, f"{prefix}{key}.", root)
         elif get_origin(inner) is tuple and isinstance(value, Mapping):
             values[name] = {part: _number_to_si(unit_of(field), item) for part, item in value.items()}
@@ -417,7 +433,7 @@ def _full_list(sparse: Mapping[str, Any], counts: Sequence[Any], where: str) -> 
     parts = [str(part) for part in range(1, number + 1)]
     for part in sparse:
         if part not in parts:
-            raise DesignError(f"{where}: there is no part {part:.40}; parts are numbered from 1 to {len(parts)}")
+            raise DesignError(f"{where}: part {part:.40} does not exist: use part numbers from 1 to {len(parts)}")
     return tuple(sparse.get(part, 0.0) for part in parts)
 
 

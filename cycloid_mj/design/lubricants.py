@@ -120,7 +120,7 @@ def lubricant(name: str) -> Lubricant:
     if name.casefold() not in names:
         near = get_close_matches(name.casefold(), names, n=1)
         hint = f'did you mean "{names[near[0]]}"? ' if near else ""
-        raise DesignError(f"there is no lubricant {name!r}; {hint}the lubricants are {', '.join(lubricants())}")
+        raise DesignError(f"unknown lubricant {name!r}; {hint}choose one of {', '.join(lubricants())}")
     return lubricants()[names[name.casefold()]]
 
 

@@ -153,7 +153,8 @@ def _read_pins(path: Path) -> Columns:
     for pin in range(1, len(columns["pin"]) + 1):
         if pin not in order:
             raise DesignError(
-                f"{path}: pin {pin} is missing, or another pin is listed twice; list each pin once, pin 1 on +y"
+                f"{path}: pin {pin} is missing, or another pin is listed twice: list each pin once, beginning with pin "
+                "1 on the +y axis"
             )
     return {name: tuple(columns[name][order[pin]] for pin in sorted(order)) for name in PINS[1:]}
 
@@ -166,19 +167,19 @@ def _lines(path: Path) -> Iterator[tuple[int, list[str]]]:
     """Yield number and cells of each line that is neither empty nor a comment (#)."""
     try:
         if note_input(path).stat().st_size > MAX_SIZE:
-            raise DesignError(f"{path} has more than {MAX_SIZE:,} bytes: thin it to at most {MAX_ROWS:,} rows")
+            raise DesignError(f"{path} has more than {MAX_SIZE:,} bytes: reduce it to at most {MAX_ROWS:,} rows")
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, ValueError) as error:
         raise DesignError(
-            f"cannot read the measurements {path}: {reason(error)}; a path is relative to the design file, or to the "
-            "current folder in --set"
+            f"cannot read the measurements {path}: {reason(error)}. Give a path relative to the design file, or with "
+            "--set relative to the current folder"
         ) from error
     lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), 1)]
     lines = [(number, line) for number, line in lines if line and not line.startswith("#")]
     if len(lines) < 2:
-        raise DesignError(f"{path} has no rows of measurements: write a header and a row for each point")
+        raise DesignError(f"{path} has no measurements: write a header and one row per measured point")
     if len(lines) > MAX_ROWS + 1:
-        raise DesignError(f"{path} has {len(lines):,} rows: thin it to at most {MAX_ROWS:,}")
+        raise DesignError(f"{path} has {len(lines):,} rows: reduce them to at most {MAX_ROWS:,}")
     for number, line in lines:
         yield number, _cells(line)
 
@@ -199,7 +200,7 @@ def _columns(path: Path, names: tuple[str, ...], lines: Iterable[tuple[int, list
         values = [value for cell in cells if (value := _number(cell)) is not None]
         if len(values) != len(cells) or not len(names) <= len(cells) <= most:
             raise DesignError(
-                f"{path}, line {number}: {','.join(cells)[:60]!r} must be {len(names)} numbers: {','.join(names)}"
+                f"{path}, line {number} is {','.join(cells)[:60]!r}: write {len(names)} numbers, {','.join(names)}"
             )
         if (wrong := _out_of_range(dict(zip(names, values, strict=False)))) is not None:
             raise DesignError(f"{path}, line {number}: {wrong}")
@@ -228,4 +229,4 @@ def _number(cell: str) -> float | None:
 
 def _wrong_header(path: Path, number: int, cells: list[str], allowed: list[tuple[str, ...]]) -> DesignError:
     headers = " or ".join(",".join(names) for names in allowed)
-    return DesignError(f"{path}, line {number}: the header is {','.join(cells)[:60]!r}, must be {headers}")
+    return DesignError(f"{path}, line {number}: the header is {','.join(cells)[:60]!r}. Change it to {headers}")

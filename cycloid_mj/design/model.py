@@ -127,8 +127,8 @@ class Ring(Section):
         """
         if self.preload_torque:
             raise DesignError(
-                "ring.preload_torque_nm cannot be used here, because commands convert it to an angle first: "
-                "vary ring.preload_arcmin, or call cm.preloaded(design)"
+                "ring.preload_torque_nm must be converted to an angle before this calculation: set or vary "
+                "ring.preload_arcmin instead, or call cm.preloaded(design) in Python"
             )
         return (0.5 * self.preload, -0.5 * self.preload) if self.halves == 2 else (0.0,)
 
@@ -1046,7 +1046,7 @@ class Design(Section, Presented):
         if self.thermal.applied:
             raise DesignError(
                 f"{self.name}: the clearances are those of warm parts (thermal.applied = true), but parts are "
-                "manufactured at 20 °C; use the design file of the drive, not that of the log"
+                "manufactured at 20 °C. Use the original design file, not the one from the log"
             )
         return self.but(thermal=dict.fromkeys(HEATED, REFERENCE_TEMPERATURE)) if self.thermal.words else self
 

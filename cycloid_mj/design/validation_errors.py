@@ -64,7 +64,8 @@ def as_design_error(error: ValidationError, root: type[BaseModel], where: str) -
         return DesignError(f"{where}: {sentences[0]}")
     count, rest = error.error_count(), error.error_count() - len(sentences)
     return DesignError(
-        f"{where} has {count:,} wrong values:", [*sentences, f"and {rest:,} more"] if rest else sentences
+        f"{where} has {count:,} wrong values. Correct them as follows:",
+        [*sentences, f"and {rest:,} more"] if rest else sentences,
     )
 
 

@@ -196,8 +196,8 @@ def solver_parameters(
     if not impedance <= high:
         raise ContactError(
             f"a contact with a stiffness of {law.stiffness:.3g} N/m needs an added mass of {law.added_mass:.3g} kg at "
-            f"this time step, {law.added_mass * inverse_weight:.3g} times the mass of its bodies; MuJoCo allows up to "
-            f"{high / (1.0 - high):.3g} times: shorten settings.timestep_us or lower the stiffness of the contact"
+            f"this time step, {law.added_mass * inverse_weight:.3g} times the mass of its bodies, but MuJoCo allows at "
+            f"most {high / (1.0 - high):.3g} times. Reduce settings.timestep_us, or the stiffness of the contact"
         )
     regularisation = (1.0 - impedance) / impedance * inverse_weight
     scale = regularisation * impedance

@@ -42,8 +42,8 @@ def require_pin_bodies(reducer: Reducer, what: str) -> None:
     if design.ring.has_massless_pins:
         others = {without: real for real, without in MASSLESS.items()}
         raise DesignError(
-            f'{design.name}: ring.pins = "{design.ring.pins}" is valid for mean values under load only and does not '
-            f'support {what}: set ring.pins = "{others[design.ring.pins]}"'
+            f'{design.name}: ring.pins = "{design.ring.pins}" is valid for mean values under load only, not for '
+            f'{what}. Set ring.pins = "{others[design.ring.pins]}"'
         )
 
 

@@ -183,7 +183,10 @@ def model_for(solver: Solver, reducer: Reducer, contact: Contact = "profile", he
     if solver == "mujoco":
         return build(reducer.design, held) if contact == "profile" else reducer_model(reducer, contact)
     if contact == "mesh":
-        raise UsageError("the planar solver supports exact profiles only: use --contact profile, or --solver mujoco")
+        raise UsageError(
+            "--contact mesh is not supported by the planar solver, which simulates exact profiles only: use --contact "
+            "profile, or --solver mujoco"
+        )
     return planar_model(reducer, held)
 
 

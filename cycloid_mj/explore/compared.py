@@ -119,7 +119,9 @@ def compare(
         A run failed.
     """
     if len(designs) < 2:
-        raise UsageError(f"a comparison needs at least two designs, but {len(designs)} is given: add another design")
+        raise UsageError(
+            f"a comparison needs at least two designs, but the number of designs is {len(designs)}: add another design"
+        )
     resolved = [resolve(design) for design in designs]
     cases = all_cases(resolved, override(resolved[0], DEFAULTS), load_nm, solver)
     plan = plan_runs(cases, solver, QUICK_STARTS if quick else STARTS, assumptions=() if quick else ASSUMPTIONS)

@@ -62,7 +62,10 @@ def parse_limit(text: str, reducer: Reducer | None = None, needs: Collection[Nee
     except ValueError:
         bound = np.nan
     if not match or not np.isfinite(bound):
-        raise UsageError(f"--limit {text!r}: expected KEY<=NUMBER or KEY>=NUMBER, e.g. 'backlash_arcmin<=1'")
+        raise UsageError(
+            f"--limit {text!r} is not a limit: give KEY<=NUMBER or KEY>=NUMBER with a finite number, e.g. --limit "
+            "'backlash_arcmin<=1'"
+        )
     try:
         figure(match[1], needs, reducer)
     except UsageError as error:
@@ -88,6 +91,6 @@ def require_consistent(limits: Iterable[FigureLimit]) -> None:
     for key in lowest.keys() & highest.keys():
         if lowest[key].bound > highest[key].bound:
             raise UsageError(
-                f"--limit '{lowest[key]}' contradicts --limit '{highest[key]}': no value of {key} satisfies both; "
-                "change or remove one of them"
+                f"--limit '{lowest[key]}' contradicts --limit '{highest[key]}', because no value of {key} satisfies "
+                "both: change or remove one of them"
             )

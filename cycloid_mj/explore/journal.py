@@ -52,7 +52,7 @@ def remove_study(into: Path, study: str) -> None:
                 rows.unlink()
         (into / plan_file(study)).unlink(missing_ok=True)
     except OSError as problem:
-        raise CycloidError(f"cannot replace {rows}: {reason(problem)}; choose another folder with --out") from problem
+        raise CycloidError(f"cannot replace {rows}: {reason(problem)}. Choose another folder with --out") from problem
 
 
 def create_folder(into: Path) -> Path:
@@ -61,7 +61,7 @@ def create_folder(into: Path) -> Path:
         make_folder(into)
     except OSError as problem:
         raise CycloidError(
-            f"cannot create the folder {into}: {reason(problem)}; choose another with --out"
+            f"cannot create the folder {into}: {reason(problem)}. Choose another folder with --out"
         ) from problem
     return into
 
@@ -89,8 +89,8 @@ class Journal:
                     raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         except OSError as problem:
             raise CycloidError(
-                f"cannot write {self.path}: {reason(problem)}; its {len(self.rows)} rows are kept. Free "
-                "disk space and run the same command again"
+                f"cannot write {self.path}: {reason(problem)}. The {len(self.rows)} rows written before are complete; "
+                "free disk space and run the same command again"
             ) from problem
         self.rows[index] = row
 
@@ -121,7 +121,7 @@ def open_journal(into: Path, plan: Mapping[str, Any], study: str = SWEEP) -> Ite
     try:
         stream = path.open("ab+", buffering=0)
     except OSError as problem:
-        raise CycloidError(f"cannot write {path}: {reason(problem)}; choose another folder with --out") from problem
+        raise CycloidError(f"cannot write {path}: {reason(problem)}. Choose another folder with --out") from problem
     with stream, _lock(path, into, study):
         if not (into / plan_file(study)).exists():
             write_files({into / plan_file(study): json.dumps(plan, indent=2).encode() + b"\n"})
@@ -135,10 +135,13 @@ def _is_same_study(into: Path, plan: Mapping[str, Any], study: str) -> bool:
         recorded = json.loads(file.read_bytes())
     except FileNotFoundError:
         if rows.exists() and rows.stat().st_size:
-            raise UsageError(f"{into} has {rows.name}, but no {file.name}: choose another folder with --out") from None
+            raise UsageError(
+                f"{into} contains {rows.name}, but the file {file.name} that describes it is missing, so the {study} "
+                "cannot be resumed: choose another folder with --out"
+            ) from None
         return False
     except (OSError, ValueError) as problem:
-        raise CycloidError(f"cannot read {file}: {reason(problem)}; choose another folder with --out") from problem
+        raise CycloidError(f"cannot read {file}: {reason(problem)}. Choose another folder with --out") from problem
     differing = [
         key for key in plan if not isinstance(recorded, dict) or recorded.get(key) != json.loads(json.dumps(plan[key]))
     ]
@@ -156,7 +159,9 @@ def _lock(rows: Path, into: Path, study: str) -> Iterator[None]:
     try:
         release = lock_file(rows)
     except BlockingIOError as problem:
-        raise UsageError(f"another process is working on the {study} in {into}: wait for it, or stop it") from problem
+        raise UsageError(
+            f"another process is writing the {study} in {into}: wait until it ends, or stop it"
+        ) from problem
     try:
         yield
     finally:

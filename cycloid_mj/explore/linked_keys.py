@@ -81,7 +81,10 @@ class Link:
         try:
             value = significant(_evaluate(_parse(self.formula), reducer))
         except ArithmeticError as error:
-            raise DesignError(f"{self.key} = {self.formula} has no value: {error}") from error
+            raise DesignError(
+                f"--follow: {self.key} = {self.formula} cannot be computed ({error}). Change the formula, or the "
+                "ranges of the keys in it"
+            ) from error
         is_integer = declaration_of(self.key).annotation is int and value.is_integer()
         return override(reducer.design, {self.key: int(value) if is_integer else value})
 
@@ -109,16 +112,19 @@ def parse_links(reducer: Reducer, requested: str | Sequence[str], varied: Iterab
         key, equals, formula = (part.strip() for part in text.partition("="))
         option = f"--follow {text!r:.80}"
         if not key or (equals and not formula):
-            raise UsageError(f"{option}: expected KEY=FORMULA, e.g. {_EXAMPLE}")
+            raise UsageError(f"{option} is not a formula: give KEY=FORMULA, e.g. {_EXAMPLE}")
         if declaration_of(key).annotation not in (int, float):
-            raise UsageError(f"{option}: {key} is not a single number; only numbers can follow")
+            raise UsageError(
+                f"{option}: {key} is not a number, and only numbers can follow a formula. Choose a key with a single "
+                "number"
+            )
         if key in varied or key in links:
             problem = "is varied by --vary" if key in varied else "is repeated"
-            raise UsageError(f"{option}: {key} {problem}; remove one of the two")
+            raise UsageError(f"{option}: {key} {problem}, but it can have only one value. Remove one of the two")
         if not formula and key not in RULES:
             raise UsageError(
-                f"{option}: a formula is required, --follow '{key}=FORMULA'; only {' and '.join(RULES)} have a rule of "
-                "their own"
+                f"{option}: the formula is missing, and only {' and '.join(RULES)} follow a rule without a formula. "
+                f"Give --follow '{key}=FORMULA'"
             )
         if formula:
             _require_numbers(option, key, formula, reducer)
@@ -162,14 +168,18 @@ def _require_numbers(option: str, key: str, formula: str, reducer: Reducer) -> N
         keys = list(_keys_of(_parse(formula)))
     except (SyntaxError, ValueError) as error:
         raise UsageError(
-            f"{option}: expected sums, differences, products and quotients of numbers and keys, e.g. {_EXAMPLE}"
+            f"{option}: the formula may contain only numbers, keys, + - * / and parentheses. Correct it, e.g. "
+            f"{_EXAMPLE}"
         ) from error
     if key in keys:
-        raise UsageError(f"{option}: {key} cannot follow itself")
+        raise UsageError(f"{option}: the formula of {key} contains {key} itself. Use other keys in it")
     for used in keys:
         value = value_of(reducer.design, used)
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise UsageError(f"{option}: {used} is not a single number")
+            raise UsageError(
+                f"{option}: {used} is not a number, so it cannot be part of a formula. Use only keys with a single "
+                "number"
+            )
 
 
 def _keys_of(node: ast.expr) -> Iterator[str]:

@@ -76,12 +76,15 @@ def _simulate(reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
     from cycloid_mj.dynamics.run import RUN, model_for, schedule, simulate
 
     if reducer.design.drive.speed == 0.0:
-        raise DesignError("drive.speed_rpm is 0, so the crank would not turn; set another speed, such as 1640")
+        raise DesignError("drive.speed_rpm is 0, so the crank would not turn: set a speed other than 0, such as 1640")
     is_massless = not options.real_pins and abs(reducer.design.load.torque) > reducer.contacts.own_load
     simulated_reducer = massless(reducer) if is_massless else reducer
     compiled = model_for(options.solver, simulated_reducer)
     if (steps := schedule(simulated_reducer, compiled.timestep).steps) > RUN.max_steps:
-        raise RunError(f"the run would take {steps:.3g} time steps; allowed: {RUN.max_steps:.0e}. Shorten drive.hold_s")
+        raise RunError(
+            f"the run would take {steps:.3g} time steps, but at most {RUN.max_steps:.0e} are allowed: reduce "
+            "drive.hold_s"
+        )
     findings = analyze(simulate(simulated_reducer.design, compiled))
     pins = simulated_reducer.design.ring.pins if simulated_reducer.design.ring.kind == "pin" else "none"
     values = {"solver": options.solver, "pins": pins, **dict(_flat(findings.as_json()))}
@@ -189,7 +192,10 @@ def require_measures(names: Iterable[str]) -> tuple[str, ...]:
         if name not in MEASURED:
             _require_figure(name)
     if not chosen:
-        raise UsageError(f"no measure is named; available: {', '.join(MEASURED)}")
+        raise UsageError(
+            f"no measure is named: choose at least one of {', '.join(MEASURED)}, or a figure that `cycloid-mj figures` "
+            "lists"
+        )
     return chosen
 
 
@@ -197,4 +203,6 @@ def _require_figure(name: str) -> None:
     try:
         figure(name)
     except UsageError as error:
-        raise UsageError(f"unknown measure {name!r:.80}; available measures: {', '.join(MEASURED)}; {error}") from error
+        raise UsageError(
+            f"unknown measure {name!r:.80}: choose one of {', '.join(MEASURED)}, or a figure ({error})"
+        ) from error

@@ -254,14 +254,17 @@ class _Work:
             return False
         if _point(self._task, row) != point:
             raise CycloidError(
-                f"row {index + 1} of the folder belongs to another point than that of this search: choose another "
-                "folder with --out"
+                f"row {index + 1} of the results in the output folder belongs to another search: choose another folder "
+                "with --out"
             )
         return True
 
 
 def _raise_lost(_: int, why: str) -> PointResult:
-    raise RunError(f"a point could not be evaluated: {why}")
+    raise RunError(
+        f"a point of the search could not be evaluated: {why}. Run the same command again to resume, with fewer "
+        "--workers"
+    )
 
 
 class _Rows:

@@ -274,7 +274,7 @@ class Optimum(Tabular):
     @property
     def ran_into(self) -> tuple[str, ...]:
         """Deprecated name of `active_bounds`."""
-        warnings.warn("ran_into is now active_bounds", DeprecationWarning, stacklevel=2)
+        warnings.warn("the attribute ran_into is deprecated: use active_bounds", DeprecationWarning, stacklevel=2)
         return self.active_bounds
 
     def _checked_json(self, checked: BestChecks) -> dict[str, Any]:

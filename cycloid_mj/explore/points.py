@@ -68,8 +68,8 @@ def grid_points(vary: Mapping[str, Wanted]) -> Points:
     if open_range := next((axis for axis in axes if not axis.values and not axis.count), None):
         low, high = f"{open_range.low:g}", f"{open_range.high:g}"
         raise UsageError(
-            f"--vary {open_range.key}={low}:{high}: state the number of values, such as {low}:{high}:5, or draw from "
-            "the range with --sample sobol --points 64"
+            f"--vary {open_range.key}={low}:{high} does not state the number of values: give it, e.g. {low}:{high}:5, "
+            "or draw points from the range with --sample sobol --points 64"
         )
     _require_few(math.prod(axis.count or len(axis.values) for axis in axes))
     return Points(tuple(vary), tuple(product(*map(axis_values, axes))))
@@ -109,13 +109,18 @@ def list_rows(rows: Iterable[Mapping[str, Any]]) -> Points:
     """
     rows = list(rows)
     if not rows:
-        raise UsageError("a table of points requires a header with keys of the design file and a line for each point")
+        raise UsageError(
+            "the table of points is empty: it needs a header with keys of the design file, and one row per point"
+        )
     _require_few(len(rows))
     fields = {key: _scalar_field(key) for key in rows[0]}
     points = []
     for number, row in enumerate(rows, 1):
         if set(row) != set(fields) or None in row.values():
-            raise UsageError(f"row {number} of the table must have a value for each of {', '.join(fields)}")
+            raise UsageError(
+                f"row {number} of the table of points is incomplete: give a value for each of {', '.join(fields)}, and "
+                "no others"
+            )
         points.append(tuple(_parse_value(key, fields[key], row[key]) for key in fields))
     return Points(tuple(fields), tuple(points))
 
@@ -126,11 +131,17 @@ def read_table(path: Path) -> Points:
         with note_input(path).open(encoding="utf-8-sig", newline="") as stream:
             header, *lines = [[cell.strip() for cell in line] for line in csv.reader(stream) if any(line)] or [[]]
     except (OSError, ValueError, csv.Error) as problem:
-        raise UsageError(f"--table {path} cannot be read: {reason(problem)}") from problem
+        raise UsageError(
+            f"cannot read --table {path}: {reason(problem)}. Choose a CSV file whose header contains keys of the "
+            "design file"
+        ) from problem
     if twice := next((key for key in header if header.count(key) > 1), None):
-        raise UsageError(f"--table {path}: the column {twice!r} is repeated")
+        raise UsageError(f"--table {path}: the column {twice!r} is repeated. Remove one of the two columns")
     if uneven := next((number for number, line in enumerate(lines, 1) if len(line) != len(header)), None):
-        raise UsageError(f"--table {path}: row {uneven} has {len(lines[uneven - 1])} values for {len(header)} columns")
+        raise UsageError(
+            f"--table {path}: row {uneven} has {len(lines[uneven - 1])} values, but the header has {len(header)} "
+            "columns. Give one value per column"
+        )
     try:
         return list_rows(dict(zip(header, line, strict=True)) for line in lines)
     except UsageError as error:
@@ -139,7 +150,10 @@ def read_table(path: Path) -> Points:
 
 def _require_few(count: int) -> None:
     if not 1 <= count <= MAX_POINTS:
-        raise UsageError(f"a sweep of {count:,} points is out of range; allowed: 1 to {MAX_POINTS:,}")
+        raise UsageError(
+            f"a sweep may have 1 to {MAX_POINTS:,} points, but this one has {count:,}: change the number of values in "
+            "--vary, or --points"
+        )
 
 
 def _scalar_field(key: str) -> FieldInfo:
@@ -147,7 +161,7 @@ def _scalar_field(key: str) -> FieldInfo:
     field = declaration_of(key)
     if field.annotation not in (int, float, bool, str) and not _words(field):
         raise UsageError(
-            f"{key} is a list or a table; only single values can be varied: choose a number, a word or a switch"
+            f"{key} is a list or a table and cannot be varied: choose a key with a single number, word or true/false"
         )
     return field
 
@@ -170,7 +184,7 @@ def parse_axis(key: str, wanted: Wanted) -> Axis:
     if not isinstance(wanted, str):
         values = np.asarray(wanted, dtype=object).ravel().tolist()
         if not values:
-            raise UsageError(f"{key}: the list of values is empty; give at least one value, e.g. {key}=1,2,3")
+            raise UsageError(f"{key}: the list of values is empty. Give at least one value, e.g. {key}=1,2,3")
         return Axis(key, field, tuple(_parse_value(key, field, value) for value in values))
     parts = wanted.split(":")
     if len(parts) in (2, 3) and field.annotation in (int, float):
@@ -184,15 +198,20 @@ def _parse_range(key: str, field: FieldInfo, wanted: str, parts: Sequence[str]) 
     try:
         low, high, count = float(parts[0]), float(parts[1]), int(parts[2]) if len(parts) == 3 else 0
     except ValueError:
-        raise UsageError(f"{option}: expected LO:HI:N, such as 0.5:2:4, or LO:HI to sample") from None
+        raise UsageError(
+            f"{option} is not a range: give LO:HI:N (two numbers and the number of values), e.g. 0.5:2:4, or LO:HI "
+            "with --sample"
+        ) from None
     if not (math.isfinite(low) and math.isfinite(high)) or low >= high:
         raise UsageError(
-            f"{option}: the range {low:g} to {high:g} is invalid: both ends must be finite, and the lower end must be "
-            "below the upper end"
+            f"{option}: the range {low:g} to {high:g} is not valid. Give two finite numbers, the smaller one first"
         )
     if len(parts) == 3:
         if count < 2:
-            raise UsageError(f"{option}: a range needs 2 values or more")
+            raise UsageError(
+                f"{option}: the number of values is {count}, but a range needs at least 2. Increase it, or give a "
+                "single value"
+            )
         _require_few(count)
     axis = Axis(key, field, low=low, high=high, count=count)
     axis_values(axis)
@@ -214,8 +233,8 @@ def axis_values(axis: Axis) -> tuple[Value, ...]:
         return tuple(values)
     if odd := next((value for value in values if not value.is_integer()), None):
         raise UsageError(
-            f"--vary {axis.key}: {odd:g} is not a whole number; choose ends and number of values of the range "
-            f"{axis.low:g}:{axis.high:g} so that all values are whole"
+            f"--vary {axis.key}: {odd:g} is not a whole number, but this key takes only whole numbers. Choose ends and "
+            f"number of values of the range {axis.low:g}:{axis.high:g} so that all values are whole"
         )
     return tuple(map(int, values))
 
@@ -245,7 +264,7 @@ def _parse_value(key: str, field: FieldInfo, value: Any) -> Value:
         pass
     descriptions: dict[Any, str] = {float: "a number", int: "a whole number", bool: "true or false"}
     allowed = descriptions.get(kind, ", ".join(words))
-    raise UsageError(f"{key}: {str(value)!r:.60} is not allowed; expected {allowed}")
+    raise UsageError(f"{key}: {str(value)!r:.60} is not allowed; give {allowed}")
 
 
 def _draw_shares(method: Method, count: int, dimensions: int, seed: int) -> Array:

@@ -145,15 +145,17 @@ def define_problem(
         or too many objectives.
     """
     if not vary:
-        raise UsageError("no key varies: name one with --vary KEY=LO:HI, e.g. gear.eccentricity_mm=0.5:1.1")
+        raise UsageError(
+            "no key varies: name at least one with --vary KEY=LO:HI, e.g. --vary gear.eccentricity_mm=0.5:1.1"
+        )
     variables = [_variable(key, wanted) for key, wanted in vary.items()]
     ranges = tuple(variable for variable in variables if isinstance(variable, SearchRange))
     choices = tuple(variable for variable in variables if isinstance(variable, Choice))
     objectives = (*(Objective(key) for key in minimize), *(Objective(key, -1.0) for key in maximize))
     if not 1 <= len(objectives) <= 2:
         raise UsageError(
-            f"{len(objectives)} objectives given: name one figure, or two for a Pareto front, with --minimize or "
-            "--maximize; `cycloid-mj figures` lists the figures"
+            f"the number of objectives is {len(objectives)}, but a search has one, or two for a Pareto front: name "
+            "figures with --minimize or --maximize (`cycloid-mj figures` lists them)"
         )
     for objective in objectives:
         figure(objective.key, COMPUTED, reducer)
@@ -164,8 +166,8 @@ def define_problem(
     task = Problem(reducer, ranges, choices, objectives, parsed, strict, links)
     if task.combinations > MAX_COMBINATIONS:
         raise UsageError(
-            f"{task.combinations:,} combinations of whole numbers and words; allowed: {MAX_COMBINATIONS:,}. Narrow "
-            "their ranges"
+            f"--vary: the whole numbers and words have {task.combinations:,} combinations, but at most "
+            f"{MAX_COMBINATIONS:,} are allowed. Narrow their ranges, or vary fewer keys"
         )
     return task
 

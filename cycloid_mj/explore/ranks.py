@@ -56,7 +56,10 @@ def select_quantities(sweep: Sweep, wanted: tuple[str, ...] = ()) -> tuple[str, 
     available = [name for name in sweep.quantities if name in numbers]
     wanted = tuple(name if name in available else _catalogue_key(name) for name in wanted)
     if unknown := [name for name in wanted if name not in available]:
-        raise UsageError(f"--show {unknown[0]}: unknown quantity; available: {', '.join(available) or 'none'}")
+        raise UsageError(
+            f"--show {unknown[0]}: unknown quantity. Choose from "
+            f"{', '.join(available) or 'none (the sweep has no numeric results)'}"
+        )
     if wanted:
         return wanted
     finite = {name: values for name in available if (values := _finite(numbers[name])).size}

@@ -72,7 +72,7 @@ def crank_zones(reducer: RvReducer) -> dict[str, Zone]:
     zones = {key: item for key, item in parsed.items() if item}
     if not zones:
         raise UsageError(
-            f"the design {reducer.design.name!r} has no tolerances: set some in its table [crank_tolerance], "
+            f"the design {reducer.design.name!r} has no tolerances: set at least one in the table [crank_tolerance], "
             "e.g. --set 'crank_tolerance.bore_position=\"uniform 4\"'"
         )
     return zones

@@ -288,14 +288,19 @@ def choose_points(
         It specifies none, or in two ways; see also `grid_points`, `draw_points` and `list_rows`.
     """
     if bool(vary) == (table is not None):
-        raise UsageError("specify the points of a sweep with either --vary KEY=VALUES or --table POINTS.csv")
+        raise UsageError("a sweep needs either --vary KEY=VALUES or --table POINTS.csv: give one of the two")
     if table is not None:
         if sample is not None:
-            raise UsageError("--sample draws from the ranges of --vary: remove it, or replace --table by --vary")
+            raise UsageError(
+                "--sample draws from the ranges of --vary and cannot be used with --table: remove --sample, or replace "
+                "--table with --vary"
+            )
         return list_rows(table)
     vary = vary or {}
     if sample is None:
         if points:
-            raise UsageError("--points is the number of points to draw: add --sample sobol, lhs or random")
+            raise UsageError(
+                "--points is the number of points to draw and needs --sample: add --sample sobol, lhs or random"
+            )
         return grid_points(vary)
     return draw_points(vary, sample, points, seed)

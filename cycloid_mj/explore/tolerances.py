@@ -330,7 +330,9 @@ def tolerance(
         Ctrl-C; it holds the figures of the first samples, up to the first batch that is missing.
     """
     if not 0 <= verify <= MAX_WORST:
-        raise UsageError(f"cannot run {verify} samples in full dynamics; allowed: 0 to {MAX_WORST}, the worst samples")
+        raise UsageError(
+            f"--verify {verify} is out of range: give the number of worst samples to simulate, 0 to {MAX_WORST}"
+        )
     reducer = reducer_of(resolve(design))
     if isinstance(reducer, RvReducer):
         return _rv_result(reducer, samples, seed, limits, verify)
@@ -357,9 +359,14 @@ def _rv_result(
     parsed = tuple(parse_limit(limit, reducer) if isinstance(limit, str) else limit for limit in limits)
     require_consistent(parsed)
     if other := [limit.key for limit in parsed if limit.key != rv_samples.FIGURE]:
-        raise UsageError(f"{other[0]} is not computed for samples of an RV reducer: limit {rv_samples.FIGURE} only")
+        raise UsageError(
+            f"--limit {other[0]}: this figure is not computed for samples of an RV reducer. Limit {rv_samples.FIGURE} "
+            "instead"
+        )
     if verify:
-        raise UsageError("samples of an RV reducer cannot be run in full dynamics: leave out --verify")
+        raise UsageError(
+            "--verify does not apply to an RV reducer, because its samples cannot be simulated: remove --verify"
+        )
     drawn = rv_samples.draw_rv_samples(reducer, samples, seed, MAX_WORST)
     return Tolerances(
         design=reducer.design.name,
@@ -386,8 +393,8 @@ def _define_study(reducer: Reducer, samples: int, seed: int, limits: Sequence[Fi
     zones = sampling.tolerance_zones(reducer)
     if not zones:
         raise UsageError(
-            f"the design {reducer.design.name!r} has no tolerances: set some in its table [tolerance], "
-            "e.g. --set 'tolerance.cam=\"uniform 2\"'"
+            f"the design {reducer.design.name!r} has no tolerances: set at least one in the table [tolerance], e.g. "
+            "--set 'tolerance.cam=\"uniform 2\"'"
         )
     parsed = tuple(parse_limit(limit, reducer) if isinstance(limit, str) else limit for limit in limits)
     require_consistent(parsed)

@@ -81,7 +81,7 @@ def zone(text: str, key: str, size: float, clearance: float | None = None, table
             return _fit(text, size, clearance)
     except ValueError as error:
         raise DesignError(f"{table}.{key} = {text!r}: {error}; write {FORMS}") from error
-    raise DesignError(f"{table}.{key} = {text!r} is not a valid tolerance; write {FORMS}")
+    raise DesignError(f"{table}.{key} = {text!r} is not a valid tolerance: write {FORMS}")
 
 
 def _finite(text: str) -> float:
@@ -106,8 +106,8 @@ def wave_zones(text: str, highest: int, size: float) -> dict[int, Zone]:
         number = int(order) if order.strip().isdecimal() else 0
         if not colon or not 1 <= number <= highest or number in zones:
             raise DesignError(
-                f"tolerance.profile = {text!r}: {part.strip()!r} is not an order with its tolerance; write orders "
-                f'from 1 to {highest}, each once, as in "2: normal 1, {highest - 1}: uniform 2" (in um)'
+                f"tolerance.profile = {text!r}: {part.strip()!r} is not an order with its tolerance. Write orders from "
+                f'1 to {highest}, each once, as in "2: normal 1, {highest - 1}: uniform 2" (in um)'
             )
         if parsed := zone(words, "profile", size):
             zones[number] = parsed

@@ -68,15 +68,21 @@ def figure(key: str, needs: Collection[Need] = frozenset(Need), reducer: Reducer
     if row is None:
         raise UsageError(f"unknown figure {key!r:.60}{_proposals(key, needs, reducer)}")
     if key in row.deprecated:
-        warnings.warn(f"the figure {key} is now {row.key}; the old key will be removed", CycloidWarning, stacklevel=2)
+        warnings.warn(
+            f"the figure {key} is deprecated: use {row.key}; the old key will be removed in the next release",
+            CycloidWarning,
+            stacklevel=2,
+        )
     if row.need not in needs:
         possible = " or ".join(need for need in Need if need in needs)
         raise UsageError(
-            f"the figure {key} needs a {row.need}; here only figures of {possible} can be computed"
-            f"{_proposals(key, needs, reducer)}"
+            f"the figure {key} needs a {row.need}, but only figures of {possible} can be computed "
+            f"here{_proposals(key, needs, reducer)}"
         )
     if reducer is not None and not row.applies_to(reducer):
-        raise UsageError(f"the design {reducer.design.name!r} has no figure {key}{_proposals(key, needs, reducer)}")
+        raise UsageError(
+            f"the figure {key} does not apply to the design {reducer.design.name!r}{_proposals(key, needs, reducer)}"
+        )
     return row
 
 

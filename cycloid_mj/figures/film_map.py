@@ -85,7 +85,8 @@ def film_map(
     design = reducer.design
     if not design.has_film:
         raise UsageError(
-            '--map requires friction.law = "film": Coulomb friction does not depend on speed or temperature'
+            '--map needs friction.law = "film", because Coulomb friction does not depend on speed or temperature: set '
+            "friction.law, or remove --map"
         )
     points = []
     for temperature in temperatures:

@@ -202,7 +202,9 @@ def sample_ring(gear: CycloidGear, points: int) -> RingOutline:
     """
     require_envelope(gear)
     if points < 3:
-        raise DesignError(f"points = {points} is too few: an outline of the internal gear needs at least 3 points")
+        raise DesignError(
+            f"points = {points} is too few: an outline of the internal gear needs at least 3 points. Increase points"
+        )
     pitch = perimeter(gear) / gear.ring_teeth
     lobe, remainder = np.divmod(np.arange(points) * gear.ring_teeth, points)
     beyond_middle = 2 * remainder > points

@@ -153,9 +153,9 @@ def hertz_line_contact(
     force, length, kappa = (np.asarray(values, float) for values in (force, length, relative_curvature))
     if not (np.all(force >= 0) and np.all(length > 0) and np.all(kappa > 0) and modulus > 0):
         raise DesignError(
-            "a Hertz line contact requires force >= 0 and a positive length, relative curvature and modulus; the "
-            f"smallest values are {np.min(force):.6g} N, {np.min(length):.6g} m, {np.min(kappa):.6g} 1/m and "
-            f"{modulus:.6g} Pa. Exclude open and conformal contacts"
+            "a Hertz line contact needs a force of at least 0 and a positive length, relative curvature and modulus, "
+            f"but the smallest values are {np.min(force):.4g} N, {np.min(length):.4g} m, {np.min(kappa):.4g} 1/m and "
+            f"{modulus:.4g} Pa. Exclude open and conformal contacts"
         )
     half_width = 2 * np.sqrt(force / (np.pi * length * kappa * modulus))
     peak_pressure = np.sqrt(force * kappa * modulus / (np.pi * length))

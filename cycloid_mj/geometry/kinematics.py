@@ -33,8 +33,8 @@ class CrankLaw:
     def __post_init__(self) -> None:
         if not (math.isfinite(self.speed) and math.isfinite(self.ramp) and self.ramp >= 0):
             raise DesignError(
-                f"crank speed {self.speed} rad/s with a ramp of {self.ramp} s is invalid: both must be finite, and the "
-                "ramp must not be negative; check drive.speed_rpm and drive.ramp_s"
+                f"a crank speed of {self.speed} rad/s with a ramp of {self.ramp} s is not allowed: both must be "
+                "finite, and the ramp at least 0 s. Correct drive.speed_rpm or drive.ramp_s"
             )
 
     def angle_at(self, time: npt.ArrayLike) -> Array:

@@ -50,17 +50,19 @@ class CycloidGear:
     def __post_init__(self) -> None:
         """Check that the numbers define a profile without loops."""
         if self.ring_teeth < 3:
-            raise DesignError(f"ring_teeth = {self.ring_teeth} is too small: at least 3 ring teeth are required")
+            raise DesignError(
+                f"the number of ring teeth is {self.ring_teeth}, but at least 3 are needed: increase ring_teeth"
+            )
         for name in ("eccentricity", "pin_circle_radius", "pin_radius"):
             value = getattr(self, name)
             if not (math.isfinite(value) and value > 0):
-                raise DesignError(f"{name} = {value} m is invalid: it must be positive and finite")
+                raise DesignError(f"{name} = {value} m is not allowed: give a finite length greater than 0 m")
         limit = self.pin_circle_radius / self.ring_teeth
         if self.eccentricity >= limit:
             raise DesignError(
-                f"eccentricity = {1e3 * self.eccentricity:.6g} mm is too large: from pin_circle_radius / ring_teeth = "
-                f"{1e3 * limit:.6g} mm on, the profile crosses itself; reduce eccentricity or ring_teeth, or increase "
-                "pin_circle_radius"
+                f"eccentricity = {1e3 * self.eccentricity:.6g} mm is too large: it must be less than pin_circle_radius "
+                f"/ ring_teeth = {1e3 * limit:.6g} mm, because from there on the profile crosses itself. Reduce "
+                "eccentricity or ring_teeth, or increase pin_circle_radius"
             )
 
     @property
@@ -309,8 +311,8 @@ def require_no_undercut(gear: CycloidGear, offset: float | None = None) -> None:
     limit, rho = undercut_radius(gear), _offset(gear, offset)
     if rho >= limit:
         raise DesignError(
-            f"pin_radius = {1e3 * rho:.6g} mm is too large: from {1e3 * limit:.6g} mm on, the cycloid disc is "
-            "undercut; reduce pin_radius or eccentricity, or increase pin_circle_radius"
+            f"pin_radius = {1e3 * rho:.6g} mm is too large: it must be less than {1e3 * limit:.6g} mm, because from "
+            "there on the cycloid disc is undercut. Reduce pin_radius or eccentricity, or increase pin_circle_radius"
         )
 
 
@@ -324,7 +326,9 @@ def sample(gear: CycloidGear, points: int, offset: float | None = None) -> Outli
     """
     require_no_undercut(gear, offset)
     if points < 3:
-        raise DesignError(f"points = {points} is too few: an outline of the cycloid disc needs at least 3 points")
+        raise DesignError(
+            f"points = {points} is too few: an outline of the cycloid disc needs at least 3 points. Increase points"
+        )
     lobe, remainder = np.divmod(np.arange(points) * gear.lobes, points)
     lobe_angle = 2 * np.pi / gear.lobes
     within_lobe = solve_monotone(
@@ -386,7 +390,7 @@ def sagitta_nodes(arc: SmoothArc, low: float, high: float, chord_error: float) -
         If `chord_error` is below 1e-12 m (there, rounding takes over).
     """
     if not chord_error >= CURVE.min_chord_error:
-        raise DesignError(f"chord_error = {chord_error} m is too small: it must be at least {CURVE.min_chord_error} m")
+        raise DesignError(f"chord_error = {chord_error} m is too small: give at least {CURVE.min_chord_error} m")
     grid = np.linspace(low, high, CURVE.sagitta_grid)
     density = np.sqrt(np.abs(arc.turning_rate(grid) * arc.arc_rate(grid)))
     share = (

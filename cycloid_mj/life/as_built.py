@@ -63,7 +63,8 @@ def rated_samples(reducer: Reducer) -> RatedSamples:
     name = reducer.design.name
     if not zones:
         raise UsageError(
-            f"the design {name!r} has no tolerances: set some in its table [tolerance], or use `--parts perfect`"
+            f"the design {name!r} has no tolerances: set at least one in the table [tolerance], or use `--parts "
+            "perfect`"
         )
     samples = draw_samples(reducer, zones, SETTINGS.seed, Batch(0, SETTINGS.samples))
     figures = compute_sampled(reducer, samples, SAMPLED, ANGLES)
@@ -71,7 +72,7 @@ def rated_samples(reducer: Reducer) -> RatedSamples:
     usable = np.flatnonzero(~jams & has_design_file(reducer, samples))
     if not usable.size:
         raise RunError(
-            f"{name}: all {SETTINGS.samples} samples within the tolerances jam; `cycloid-mj tolerance` shows why. "
+            f"{name}: all {SETTINGS.samples} samples within the tolerances jam (`cycloid-mj tolerance` shows why). "
             "Increase the clearances, reduce the tolerances, or rate perfect parts with `--parts perfect`"
         )
     rank = math.ceil(0.01 * SETTINGS.percentile * usable.size) - 1

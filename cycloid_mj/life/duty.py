@@ -73,20 +73,29 @@ def read_duty(path: Path, peak: float | None = None) -> Duty:
             lines = [(number, _cells(line)) for number, line in enumerate(file, start=1) if _has_values(line)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise UsageError(
-            f"cannot read the duty cycle {path}: {reason(error)}; expected CSV with the columns {','.join(COLUMNS)}"
+            f"cannot read the duty cycle {path}: {reason(error)}. Choose a CSV file with the columns "
+            f"{','.join(COLUMNS)}"
         ) from error
     header = lines[0][1] if lines else []
     if any(column not in header for column in COLUMNS):
         columns = ", ".join(header) if header else "none"
-        raise UsageError(f"{path}: a duty cycle needs the columns {','.join(COLUMNS)}; the file has {columns}")
+        raise UsageError(
+            f"{path}: a duty cycle needs the columns {','.join(COLUMNS)}, but the file has {columns}. Add the missing "
+            "columns"
+        )
     if len(lines) == 1:
-        raise UsageError(f"{path}: the duty cycle has no points; add a line for each point: {','.join(COLUMNS)}")
+        raise UsageError(f"{path}: the duty cycle has no points. Add one line per point: {','.join(COLUMNS)}")
     points = [_point(f"{path}, line {number}", dict(zip(header, row, strict=False))) for number, row in lines[1:]]
     total = sum(point.share for point in points)
     if not total > 0.0:
-        raise UsageError(f"{path}: the shares add up to {total:g}; they must add up to more than 0")
+        raise UsageError(
+            f"{path}: the sum of the column share is {total:g}, but must be more than 0. Give at least one point a "
+            "positive share"
+        )
     if not any(point.speed and point.share for point in points):
-        raise UsageError(f"{path}: the crank never turns; at least one point needs a speed_rpm other than 0")
+        raise UsageError(
+            f"{path}: the crank never turns. Give at least one point with a positive share a speed_rpm other than 0"
+        )
     return _cycle(tuple(DutyPoint(point.torque, point.speed, point.share / total) for point in points), peak)
 
 
@@ -108,16 +117,17 @@ def _point(where: str, row: dict[str, str]) -> DutyPoint:
         try:
             values[column] = float(text)
         except ValueError as error:
-            raise UsageError(f"{where}: {column} is {text!r}, must be a number") from error
+            raise UsageError(f"{where}: {column} is {text!r}, which is not a number. Correct this value") from error
         if not math.isfinite(values[column]):
-            raise UsageError(f"{where}: {column} is {text!r}, must be a finite number")
+            raise UsageError(f"{where}: {column} is {text!r}, but must be finite. Correct this value")
     torque, speed, share = values.values()
     if not abs(speed) < MAX_SPEED:
-        raise UsageError(f"{where}: speed_rpm is {speed:g}, must be less than {MAX_SPEED:g}")
+        raise UsageError(f"{where}: speed_rpm is {speed:g}, but must be less than {MAX_SPEED:g}. Reduce this speed")
     if share < 0.0:
-        raise UsageError(f"{where}: share is {share:g}, must be at least 0")
+        raise UsageError(f"{where}: share is {share:g}, but must be at least 0. Correct this value")
     if torque == 0.0 and speed != 0.0:
         raise UsageError(
-            f"{where}: torque_nm is 0; use a small torque for an idling drive, or a speed_rpm of 0 for a rest"
+            f"{where}: torque_nm is 0 while the crank turns, which is not allowed. Use a small torque for an idling "
+            "drive, or speed_rpm = 0 for a pause"
         )
     return DutyPoint(abs(torque), abs(speed) * RPM, share)

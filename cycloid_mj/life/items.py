@@ -76,7 +76,7 @@ def rate(
         The parts are to be toleranced, but the design has no tolerances.
     """
     if give is not None:
-        warnings.warn("rate(give=...) is now rate(compliance=...)", CycloidWarning, stacklevel=2)
+        warnings.warn("the argument `give` of rate() is deprecated: use `compliance`", CycloidWarning, stacklevel=2)
         compliance = give
     design = resolve(design)
     reducer = reducer_of(design)
@@ -84,7 +84,7 @@ def rate(
     duty = duty or constant_duty(design.rated_torque, design.drive.speed)
     if isinstance(reducer, RvReducer):
         if parts == "toleranced":
-            raise UsageError("samples within the tolerances of an RV reducer are not rated: rate perfect parts")
+            raise UsageError("`--parts toleranced` does not apply to an RV reducer: use `--parts perfect`")
         return rate_rv(reducer, duty, life)
     if parts == "toleranced":
         samples = rated_samples(reducer)
@@ -117,7 +117,9 @@ def _rated_items(
     """Return the items of a rating, and the largest numerical work of a point of the duty."""
     turning = [point for point in duty.points if point.speed]
     if not turning:
-        raise DesignError("drive.speed_rpm is 0, but a life needs a crank that turns: set another speed, such as 1640")
+        raise DesignError(
+            "drive.speed_rpm is 0, but a life in hours needs a crank that turns: set a speed other than 0, such as 1640"
+        )
     loadings = [solve_loading(reducer, point, poses, stops) for point in turning]
     worst = max(loadings, key=lambda loading: abs(loading.point.torque))
     by_kind = {

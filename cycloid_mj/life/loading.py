@@ -162,7 +162,10 @@ def solve_loading(reducer: Reducer, point: DutyPoint, poses: int = POSES, stops:
         closed = loads(turning, springs, PRELOAD_SHARE * torque) if stops else None
     except RunError as error:
         condition = f"{abs(point.torque):.4g} N m at {point.speed / RPM:.4g} rpm"
-        raise RunError(f"{design.name}: no equilibrium at {condition}: {error}; rate it at another torque") from error
+        raise RunError(
+            f"{design.name}: no static equilibrium at {condition}: {error}. Rate the drive at another torque with "
+            "--load-nm"
+        ) from error
     cam = contact_loads.cam.reshape(poses, -1, 2)
     shaft = shaft_measures(reducer)
     stations, forces = _shaft_forces(turning, shaft, springs.crank, cam)

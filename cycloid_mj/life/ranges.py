@@ -37,16 +37,26 @@ def read_ranges(path: Path, reducer: Reducer) -> dict[str, StressRange]:
         studies = {str(study["design"]): study for study in content["designs"]}
     except (OSError, UnicodeDecodeError) as error:
         raise UsageError(
-            f"cannot read {file}: {reason(error)}; specify the folder that cycloid-mj stress wrote, with {RESULT}"
+            f"cannot read {file}: {reason(error)}. Give the output folder of `cycloid-mj stress`, which contains "
+            f"{RESULT}"
         ) from error
     except (ValueError, KeyError, TypeError) as error:
-        raise UsageError(f"{file} is not a result of cycloid-mj stress: it has no designs") from error
+        raise UsageError(
+            f"{file} is not a result of `cycloid-mj stress`, because it contains no designs. Give the output folder of "
+            "`cycloid-mj stress`"
+        ) from error
     if design.name not in studies:
-        raise UsageError(f"{file} has no study of {design.name}; it has {', '.join(studies) or 'none'}")
+        raise UsageError(
+            f"{file} contains no results for the design {design.name}, only for: {', '.join(studies) or 'none'}. Run "
+            "`cycloid-mj stress` for this design"
+        )
     study = studies[design.name]
     load = _number(study.get("load_nm"))
     if not load:
-        raise UsageError(f"{file} is a study without load; run cycloid-mj stress with --load-nm")
+        raise UsageError(
+            f"{file} contains results without a load, but stress ranges need one. Run `cycloid-mj stress` again with "
+            "--load-nm"
+        )
     ranges = {
         str(part.get("part")): StressRange(1e6 * amplitude, 1e6 * mean, abs(load))
         for part in study.get("parts", [])
@@ -56,7 +66,7 @@ def read_ranges(path: Path, reducer: Reducer) -> dict[str, StressRange]:
         and math.isfinite(mean := _number(values.get("mean_mpa")))
     }
     if not ranges:
-        raise UsageError(f"{file} has no stress ranges; run cycloid-mj stress --design {design.name} again")
+        raise UsageError(f"{file} contains no stress ranges. Run `cycloid-mj stress --design {design.name}` again")
     return ranges
 
 

@@ -81,8 +81,8 @@ def rated_torque(
             return low, weakest
         torque = limit if low < limit < high else _next_in_bracket(low, high)
     raise DesignError(
-        f"{design.name}: no torque down to {torque:.3g} N m is rated for {life:g} h at {speed / RPM:.4g} rpm; "
-        "`cycloid-mj rate` shows what fails"
+        f"{design.name}: there is no rated torque for {life:g} h at {speed / RPM:.4g} rpm, because even {torque:.3g} N "
+        "m is too much. `cycloid-mj rate` shows what fails; strengthen that part, or require a shorter life"
     )
 
 

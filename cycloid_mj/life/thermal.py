@@ -232,7 +232,10 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
     duty = duty or constant_duty(reducer.design.rated_torque, reducer.design.drive.speed)
     points = [point for point in duty.points if point.speed]
     if not points:
-        raise DesignError("drive.speed_rpm is 0, but heat needs a crank that turns: set another speed, such as 1640")
+        raise DesignError(
+            "drive.speed_rpm is 0, but the drive heats up only while the crank turns: set a speed other than 0, such "
+            "as 1640"
+        )
     steady = _fixed_point(reducer, points, settings)
     temperatures, heat = steady.temperatures, heat_by_node(reducer, steady.losses)
     warm = _at(reducer.design, temperatures)

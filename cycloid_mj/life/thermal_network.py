@@ -305,5 +305,8 @@ def with_temperatures(reducer: Reducer, temperatures: Mapping[str, float]) -> Re
         The parts jam at these temperatures.
     """
     if reducer.design.thermal.applied:
-        raise DesignError(f"{reducer.design.name}: the clearances are already those of warm parts (thermal.applied)")
+        raise DesignError(
+            f"{reducer.design.name}: the clearances are already those of warm parts (thermal.applied = true). Use the "
+            "original design file, or set thermal.applied = false"
+        )
     return Reducer(reducer.design.but(thermal=dict(temperatures)))

@@ -82,7 +82,7 @@ class Messages:
 
 def corrupt(path: Path, what: str) -> LogError:
     """Return the error for a damaged log."""
-    return LogError(f"log {path} is corrupt: {what}; use an undamaged copy, or run the simulation again")
+    return LogError(f"log {path} is corrupt: {what}. Use an undamaged copy, or simulate the design again")
 
 
 @contextmanager
@@ -109,7 +109,9 @@ def walk(stream: BinaryIO, path: Path) -> Iterator[Record]:
     sealed = _has_seal(stream, size)
     stream.seek(0)
     if stream.read(len(MAGIC)) != MAGIC:
-        raise LogError(f"{path} is not an MCAP file: choose a log of `cycloid-mj`, whose name ends in .mcap")
+        raise LogError(
+            f"{path} is not an MCAP file: choose a log that `cycloid-mj simulate` wrote, whose name ends in .mcap"
+        )
     crc = zlib.crc32(MAGIC)
     while True:
         offset = stream.tell()

@@ -46,12 +46,15 @@ class ColumnGroup:
     def __post_init__(self) -> None:
         if not self.topic.startswith("/") or not _SNAKE.fullmatch(self.topic[1:]):
             raise LogError(
-                f"log topic {self.topic!r} is invalid: it must be a slash followed by a snake_case name, such as "
-                "/output_pins"
+                f"log topic {self.topic!r} is not valid: use a slash followed by a name in lower-case letters, digits "
+                "and underscores, such as /output_pins"
             )
         for name in self.units:
             if not _SNAKE.fullmatch(name) or name == TIME:
-                raise LogError(f"column {name!r} of {self.topic} is invalid: it must be in snake_case and not 'time'")
+                raise LogError(
+                    f"column {name!r} of {self.topic} is not valid: use a name other than 'time' in lower-case "
+                    "letters, digits and underscores, such as gear_angle"
+                )
 
     @property
     def message(self) -> str:
@@ -103,9 +106,12 @@ class ColumnGroup:
             A message has another length or other key bytes than this group.
         """
         if messages.shape[1] != self.zeros.size:
-            raise LogError(f"messages of {self.topic} have {messages.shape[1]} bytes, their schema {self.zeros.size}")
+            raise LogError(
+                f"messages of the topic {self.topic} have {messages.shape[1]} bytes, but their schema defines "
+                f"{self.zeros.size}"
+            )
         if (messages[:, self.key_bytes] != self.zeros[self.key_bytes]).any():
-            raise LogError(f"messages of {self.topic} have other fields than their schema")
+            raise LogError(f"messages of the topic {self.topic} have other fields than their schema defines")
         return messages.view(self.record)[:, 0]
 
     def schema(self) -> bytes:
@@ -144,7 +150,9 @@ def group_of(channel: Any, schema: Any) -> ColumnGroup:
     fields = [(field.name, field.number, field.type) for field in message.field]
     group = ColumnGroup(channel.topic, {name: str(units[name]) for name, _, _ in fields[1:]})
     if fields != group.fields or channel.message_encoding != "protobuf":
-        raise LogError(f"the schema of {channel.topic} is not a flat message of doubles that starts with the time")
+        raise LogError(
+            f"the schema of the topic {channel.topic} does not consist of the time followed by 64-bit numbers"
+        )
     return group
 
 

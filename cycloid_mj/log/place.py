@@ -61,7 +61,7 @@ class LogFile:
             self.at, self.stream = self._open_new()
         except BlockingIOError:
             raise LogError(
-                f"another run is writing log {path}: wait until it ends, or choose another folder (--out)"
+                f"another run is writing the log {path}: wait until it ends, or choose another folder with --out"
             ) from None
         except FileExistsError:
             raise _taken_error(path) from None
@@ -131,10 +131,10 @@ def _partial_names(path: Path) -> Iterator[Path]:
 
 def _taken_error(path: Path) -> LogError:
     if path.is_file():
-        return LogTakenError(f"log {path} already exists: choose another name, or overwrite it with --force")
-    return LogError(f"cannot write log {path}: it is not a regular file; choose the name of a file, such as run.mcap")
+        return LogTakenError(f"log {path} already exists: choose another name with --out, or overwrite it with --force")
+    return LogError(f"cannot write log {path}: it is not a regular file. Choose another file name, such as run.mcap")
 
 
 def unwritable(path: Path, problem: OSError) -> LogError:
     """Return the error for a log that cannot be written."""
-    return LogError(f"cannot write log {path}: {reason(problem)}; choose a writable folder with free space")
+    return LogError(f"cannot write log {path}: {reason(problem)}. Choose a writable folder with free disk space")

@@ -150,14 +150,16 @@ def load(path: str | os.PathLike[str], without: Collection[str] = (), rows: Inte
             whole = _scan(stream, path, contents)
             size = stream.seek(0, os.SEEK_END)
     except OSError as problem:
-        raise LogError(f"cannot read log {path}: {reason(problem)}") from problem
+        raise LogError(
+            f"cannot read log {path}: {reason(problem)}. Choose a readable log that `cycloid-mj simulate` wrote"
+        ) from problem
     sizes = [contents.samples[channel].count for channel in contents.groups]
     samples = min(sizes, default=0)
     if whole:
         _check_count(contents, sizes, path)
     if samples == 0:
         raise LogError(
-            f"log {path} contains no samples: the run was stopped before the first chunk was written; run it again"
+            f"log {path} contains no samples, because the run was stopped too early: simulate the design again"
         )
     run = _join(contents, samples, whole, path)
     return Log(run, _viewers(contents), whole, size)
@@ -166,12 +168,12 @@ def load(path: str | os.PathLike[str], without: Collection[str] = (), rows: Inte
 def _open(path: Path) -> BinaryIO:
     """Open a log for reading; raise LogError with the alternatives if it is not a readable file."""
     if not path.exists():
-        raise NoLogError(f"no log {path}: {_alternatives(path)}")
+        raise NoLogError(f"log {path} does not exist: {_alternatives(path)}")
     if not path.is_file():
         what = "a folder" if path.is_dir() else "not a regular file"
-        raise NoLogError(f"{path} is {what}: choose a log, such as run.mcap")
+        raise NoLogError(f"{path} is {what}: choose a log file, such as run.mcap")
     if path.stat().st_size == 0:
-        raise LogError(f"log {path} is empty: the run was stopped before anything was written; run it again")
+        raise LogError(f"log {path} is empty, because the run was stopped too early: simulate the design again")
     return note_input(path).open("rb")
 
 
@@ -205,13 +207,14 @@ def _identify(contents: _Contents, path: Path) -> None:
     """Raise LogError for an MCAP file of another program, or of an unknown format version."""
     if PACKAGE not in contents.metadata:
         raise LogError(
-            f"{path} is an MCAP file, but not a log of cycloid_mj, because the metadata {PACKAGE!r} is missing: "
-            "choose a log that `cycloid-mj simulate` wrote, such as run.mcap"
+            f"{path} is an MCAP file, but not a log of cycloid_mj (it has no metadata {PACKAGE!r}): choose a log that "
+            "`cycloid-mj simulate` wrote"
         )
     version = contents.metadata[PACKAGE].get("format")
     if version != FORMAT:
         raise LogError(
-            f"log {path} has format {version!r}, this version reads {FORMAT!r}: use the version that wrote it"
+            f"log {path} has format {version!r}, but this version of cycloid_mj reads {FORMAT!r}: read it with the "
+            "version that wrote it, or simulate the design again"
         )
 
 

@@ -122,7 +122,7 @@ class LogWriter:
             Shapes, topics or times are wrong, or the disk is full: the log keeps all chunks written before.
         """
         if not self._open:
-            raise LogError(f"log {self.path} is closed: open another log to write more samples")
+            raise LogError(f"log {self.path} is closed: open a new log to write more samples")
         self._check(time, values)
         messages = [group.encode(time, values[group.topic]) for group in self._groups]
         nanoseconds = np.rint(time * 1e9).astype(np.uint64)
@@ -219,21 +219,24 @@ class LogWriter:
         """Raise LogError unless topics, shapes and times of samples are valid."""
         topics = [group.topic for group in self._groups]
         if sorted(values) != sorted(topics):
-            raise LogError(f"samples have the topics {sorted(values)}; log {self.path} requires {sorted(topics)}")
+            raise LogError(
+                f"the samples have the topics {sorted(values)}, but log {self.path} needs {sorted(topics)}: pass "
+                "exactly these topics"
+            )
         if time.ndim != 1:
             raise LogError(
-                f"sample times have shape {time.shape}; expected a 1-D array of shape (k,), one time per sample"
+                f"the sample times have shape {time.shape}: pass a 1-D array of shape (k,) with one time per sample"
             )
         for group in self._groups:
             if values[group.topic].shape != (time.size, len(group.units)):
                 raise LogError(
-                    f"samples of {group.topic} have shape {values[group.topic].shape}; expected "
-                    f"({time.size}, {len(group.units)}), one row per time"
+                    f"the samples of {group.topic} have shape {values[group.topic].shape}: pass an array of shape "
+                    f"({time.size}, {len(group.units)}) with one row per time"
                 )
         if not (np.isfinite(time).all() and (time >= 0.0).all() and (np.diff(time, prepend=self._last) > 0.0).all()):
             raise LogError(
-                f"sample times {time[0]:g} to {time[-1]:g} s are not allowed after {self._last:g} s: times must be "
-                "finite, not negative and strictly increasing"
+                f"the sample times {time[0]:g} to {time[-1]:g} s cannot follow {self._last:g} s: pass finite times of "
+                "at least 0 s that increase strictly"
             )
 
     def _end(self, note: str, complete: bool, attachments: Mapping[str, bytes]) -> None:
@@ -260,13 +263,14 @@ class LogWriter:
         if self._place.hidden:
             self._abandon()
             return LogError(
-                f"cannot write log {self._place.path}: {reason(problem)}; free space or choose another folder"
+                f"cannot write log {self._place.path}: {reason(problem)}. Free disk space, or choose another folder "
+                "with --out"
             )
         self._open = False
         self._place.leave()
         return LogError(
-            f"cannot write log {self.path}: {reason(problem)}; its first {self._on_disk} samples are on disk and "
-            "readable; free space or choose another folder, then run again"
+            f"cannot write log {self.path}: {reason(problem)}. Its first {self._on_disk} samples can be read. Free "
+            "disk space, or choose another folder with --out, then simulate the design again"
         )
 
 
@@ -352,11 +356,14 @@ def _add_channel(mcap: Writer, topic: str, schema: int, metadata: dict[str, str]
 def _check_groups(groups: Groups) -> list[ColumnGroup]:
     """Return the groups in order; raise LogError if there is none or a column occurs twice."""
     if not groups:
-        raise LogError("a log needs at least one group of columns: {'/topic': [(column, unit), ...]}")
+        raise LogError("the log has no columns: pass at least one group of columns, {'/topic': [(column, unit), ...]}")
     seen: dict[str, str] = {}
     for topic, columns in groups.items():
         for name in columns if isinstance(columns, Mapping) else [name for name, _ in columns]:
             if name in seen:
-                raise LogError(f"column {name!r} occurs in {topic} and in {seen[name]}: column names must be unique")
+                raise LogError(
+                    f"column {name!r} occurs in {topic} and in {seen[name]}, but column names must be unique: rename "
+                    "one of the two"
+                )
             seen[name] = topic
     return [ColumnGroup(topic, dict(columns)) for topic, columns in groups.items()]

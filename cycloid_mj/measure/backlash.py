@@ -130,7 +130,7 @@ def backlash(
     reducer = Reducer(resolve(design))
     angles = (PRESS.quick_angles if quick else PRESS.angles) if angles is None else angles
     if angles < 1:
-        raise UsageError(f"the number of crank angles is {angles}; it must be 1 or more")
+        raise UsageError(f"the number of crank angles is {angles}, which is out of range: give 1 or more")
     reducer = reducer.at_rated_load
     cranks = [float(crank) for crank in bench.crank_angles(reducer, angles)]
     cases = {_ALL: bench.without_friction(reducer)} | {

@@ -192,7 +192,7 @@ def run_to_the_end(
             problem = error
     raise RunError(
         f"with the crank locked at {math.degrees(crank):.1f} deg and up to {largest:.4g} N m on the output: {problem} "
-        f"(the step was halved {BENCH.max_halvings} times, to {1e6 * shortest:.3g} us)"
+        f"(even at a time step of {1e6 * shortest:.3g} us, halved {BENCH.max_halvings} times). Reduce the torque"
     ) from problem
 
 

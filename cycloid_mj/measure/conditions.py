@@ -20,7 +20,10 @@ def require_motion(reducer: Reducer) -> None:
         ``drive.speed`` is 0.
     """
     if reducer.design.drive.speed == 0.0:
-        raise DesignError("drive.speed_rpm is 0, but this measure turns the crank: set another speed, such as 1640")
+        raise DesignError(
+            "drive.speed_rpm is 0, but this measurement needs a crank that turns: set a speed other than 0, such as "
+            "1640"
+        )
 
 
 def drag_assumption(reducer: Reducer) -> str:

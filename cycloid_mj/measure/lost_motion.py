@@ -60,7 +60,10 @@ def lost_motion(
     rated = reducer.design.rated_torque if load is None else load
     angles = (QUICK_ANGLES if quick else ANGLES) if angles is None else angles
     if not rated > 0.0 or angles < 1:
-        raise UsageError(f"the torque is {rated:g} N m and the number of crank angles {angles}; both must be positive")
+        raise UsageError(
+            f"the torque is {rated:g} N m and the number of crank angles is {angles}: give a torque greater than 0 N m "
+            "and at least 1 crank angle"
+        )
     reducer = reducer.working_at(rated)
     cranks = [float(crank) for crank in bench.crank_angles(reducer, angles)]
     period, level = hysteresis.slow_period(reducer, rated), bench.without_friction(reducer)

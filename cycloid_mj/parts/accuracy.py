@@ -40,5 +40,7 @@ def drawing_error(reducer: Reducer, chord_error: float | None) -> float:
     if chord_error is None:
         return mass_chord_error(reducer)
     if not chord_error > 0.0:
-        raise DesignError(f"the chord error is {chord_error} m; it must be positive, e.g. {VISUAL_CHORD_ERROR} m")
+        raise DesignError(
+            f"the chord error is {chord_error} m: give a length greater than 0 m, e.g. {VISUAL_CHORD_ERROR} m"
+        )
     return chord_error

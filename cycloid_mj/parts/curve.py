@@ -103,7 +103,10 @@ def fit_splines(flank: SmoothCurve, low: float, high: float, pieces: int) -> tup
         if max(_deviation(flank, *fit) for fit in zip(fits, stretches, strict=True)) <= SPLINE_ERROR:
             return tuple(Spline(fit.t, fit.c) for fit in fits)
         spans *= 2
-    raise DesignError(f"no spline of {FIT.max_spans} spans follows the flank to {SPLINE_ERROR} m; enlarge the design")
+    raise DesignError(
+        f"a spline of {FIT.max_spans} spans deviates from the flank by more than the {SPLINE_ERROR:g} m allowed: "
+        "increase the size of the design (ring.pin_circle_radius_mm)"
+    )
 
 
 def _nodes(flank: SmoothCurve, low: float, high: float, spans: int) -> Array:

@@ -22,7 +22,9 @@ def too_small(key: str, value: float, bound: float, otherwise: str) -> DesignErr
 
 
 def _misfit(key: str, value: float, allowed: str, otherwise: str) -> DesignError:
-    return DesignError(f"{key}_{MILLIMETRE.suffix} = {_millimetres(value)} is not allowed: {allowed}, or {otherwise}")
+    return DesignError(
+        f"{key}_{MILLIMETRE.suffix} = {_millimetres(value)} is not allowed: make it {allowed}, or {otherwise}"
+    )
 
 
 def _millimetres(length: float) -> str:

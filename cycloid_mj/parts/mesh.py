@@ -65,7 +65,10 @@ def mesh(part: Prism | Solid) -> Mesh:
     shape = Mesh(vertices, np.array(union.tri_verts, dtype=np.int32))
     volume, true = _volume(shape), mass_properties(solid).volume
     if not abs(volume / true - 1.0) <= VOLUME_TOLERANCE:
-        raise DesignError(f"{solid.name}: its mesh has the volume {volume:.9g} m3 instead of {true:.9g} m3")
+        raise DesignError(
+            f"the mesh of the {solid.name} has a volume of {volume:.9g} m3 instead of {true:.9g} m3, so it is not "
+            "written: please report this design"
+        )
     return shape
 
 
@@ -81,8 +84,8 @@ def _extrude(prism: Prism, name: str) -> manifold3d.Manifold:
     area, true = section.area() * GRIDS.unit**2, region_moments(prism).area
     if not abs(area - true) <= VOLUME_TOLERANCE * area:
         raise DesignError(
-            f"{name}: its mesh has the volume {area * prism.height:.9g} m3 instead of {true * prism.height:.9g} m3; "
-            "a hole lies outside the outline or inside another hole: change their radii"
+            f"the mesh of the {name} has a volume of {area * prism.height:.9g} m3 instead of {true * prism.height:.9g} "
+            "m3, because a hole lies outside the outline or inside another hole: change the radii of its holes"
         )
     if section.num_contour() != len(rings):
         raise _contact_error(name, "")
@@ -99,8 +102,8 @@ def _corners(rings: list[Array]) -> npt.NDArray[np.complex128]:
 def _contact_error(name: str, where: str) -> DesignError:
     """Return the error of a part whose outlines touch or cross."""
     return DesignError(
-        f"{name}: two of its outlines touch or cross{where}, so the part is not one piece; "
-        "change the dimensions of the features that meet there"
+        f"two outlines of the {name} touch or cross{where}, so the part is not in one piece: change the dimensions of "
+        "the features that meet there"
     )
 
 

@@ -36,7 +36,9 @@ class Prism:
         object.__setattr__(self, "outline", _read_only(self.outline))
         object.__setattr__(self, "holes", tuple(_read_only(hole) for hole in self.holes))
         if not self.z0 < self.z1:
-            raise DesignError(f"a prism from z0 = {self.z0} m to z1 = {self.z1} m has no height; z0 must be below z1")
+            raise DesignError(
+                f"a prism from z0 = {self.z0} m to z1 = {self.z1} m has no height: make z1 greater than z0"
+            )
 
     @property
     def height(self) -> float:
@@ -57,11 +59,14 @@ def _read_only(polygon: Array) -> Array:
     """Return a read-only copy of a polygon, counter-clockwise."""
     copy = np.array(polygon, dtype=np.float64)
     if copy.ndim != 2 or copy.shape[1] != 2 or len(copy) < 3:
-        raise DesignError(f"a polygon has shape (n, 2) with n of at least 3, got {copy.shape}")
+        raise DesignError(f"the polygon has shape {copy.shape}: pass an array of shape (n, 2) with n of at least 3")
     # a plain sum suffices for the sign; `polygon.signed_area` has twice the digits, for volumes
     (x, y), (u, v) = copy.T, np.roll(copy, -1, axis=0).T
     area = float(np.sum(x * v - u * y)) / 2
     if not area > 0.0:
-        raise DesignError(f"a polygon of area {area:.6g} m2 does not run counter-clockwise")
+        raise DesignError(
+            f"the polygon does not run counter-clockwise (its signed area is {area:.6g} m2): reverse the order of its "
+            "points"
+        )
     copy.setflags(write=False)
     return copy

@@ -110,12 +110,17 @@ def take(run: Run, magnification: float = 1.0, frames: int = FRAMES, turns: floa
         `frames` or `turns` is not positive, the magnification is too large, or there is no such disc.
     """
     if frames < 1:
-        raise UsageError(f"the number of frames is {frames}; an animation requires at least 1 frame")
+        raise UsageError(f"the number of frames is {frames}, which is out of range: choose 1 or more")
     if not turns > 0.0:
-        raise UsageError(f"the number of crank turns is {turns:g}; it must be more than 0, such as 1")
+        raise UsageError(
+            f"the number of crank turns is {turns:g}, which is out of range: choose more than 0, such as 1"
+        )
     motion = series(run)
     if not 0 <= disc < motion.design.gear.discs:
-        raise UsageError(f"{motion.design.name} has no disc {disc + 1}: choose 1 to {motion.design.gear.discs}")
+        raise UsageError(
+            f"the design {motion.design.name} has no disc {disc + 1}: choose a disc from 1 to "
+            f"{motion.design.gear.discs}"
+        )
     motion = motion.of_disc(disc)
     drawn_radii(motion.reducer, magnification)
     start = motion.one_turn.start
@@ -136,7 +141,10 @@ def film(scene: Take, width: int = WIDTH) -> Iterator[Image]:
         A part cannot be drawn.
     """
     if not MIN_WIDTH <= width <= MAX_WIDTH:
-        raise UsageError(f"animation width {width} px is out of range: {MIN_WIDTH} to {MAX_WIDTH} px")
+        raise UsageError(
+            f"the width of the animation is {width} pixels, which is out of range: choose {MIN_WIDTH} to {MAX_WIDTH} "
+            "pixels"
+        )
     motion = scene.motion
     columns = {name: values[scene.rows] for name, values in motion.run.columns.items()}
     reducer, in_ring = Reducer(seen_from_ring(motion.design)), columns_from_ring(motion.reducer, columns)

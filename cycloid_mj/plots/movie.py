@@ -49,9 +49,11 @@ def write_movie(frames: Iterable[Frame], path: Path | str, rate: int = RATE) -> 
     path = Path(path)
     writers = {".gif": _write_gif, ".mp4": _write_mp4}
     if path.suffix.lower() not in writers:
-        raise UsageError(f"cannot write {path}: animations must be .gif or .mp4")
+        raise UsageError(f"cannot write {path}: unknown animation format. Use a file name that ends in .gif or .mp4")
     if not MIN_RATE <= rate <= MAX_RATE:
-        raise UsageError(f"{rate:g} frames per second is out of range: {MIN_RATE} to {MAX_RATE}")
+        raise UsageError(
+            f"the frame rate is {rate:g} per second, which is out of range: choose {MIN_RATE} to {MAX_RATE} per second"
+        )
     with atomic_file(path) as temporary:
         writers[path.suffix.lower()](frames, temporary, rate)
 

@@ -81,14 +81,14 @@ def figure_of(result: object, name: str = "") -> Figure:
     figures_by_name = figures_of(result)
     if name and name not in figures_by_name:
         available = ", ".join(figures_by_name)
-        raise UsageError(f"{type(result).__name__} has no figure {name!r}; available: {available}")
+        raise UsageError(f"{type(result).__name__} has no figure {name!r}: choose one of {available}")
     return figures_by_name[name or next(iter(figures_by_name))]
 
 
 @singledispatch
 def figures_of(result: object) -> Figures:
     """Return the figures of a result by name; raise UsageError if it has none."""
-    raise UsageError(f"{type(result).__name__} has no figure; .to_frame() returns its values")
+    raise UsageError(f"{type(result).__name__} has no figure to draw: use .to_frame() for its values")
 
 
 figures_of.register(Run, figures)
@@ -125,7 +125,10 @@ def _of_bench_comparison(comparison: BenchComparison) -> Figures:
 @figures_of.register
 def _of_comparison(comparison: Comparison) -> Figures:
     if not comparison.motions:
-        raise UsageError("this comparison has no runs to draw; .to_frame() returns its values")
+        raise UsageError(
+            "this comparison has no simulations to draw: compare designs with simulations, or use .to_frame() for its "
+            "values"
+        )
     designs = [trial.design for trial in comparison.at(comparison.loads[0])]
     return {**comparison_figures(comparison.motions), "compare_curvature": curvature_figure(designs)}
 
@@ -163,7 +166,7 @@ def _of_checks(checks: Checks) -> Figures:
 def _of_export(exported: Export) -> Figures:
     ratios = {pair.pair: 0.5 * (pair.least + pair.most) / pair.asked for pair in exported.clearances if pair.asked}
     if not ratios:
-        raise UsageError("Export has no clearances to draw; .to_frame() lists the files")
+        raise UsageError("this export has no clearances to draw: use .to_frame() for the list of files")
     return {"clearances": _bars(ratios, "clearance of the exported parts / nominal clearance", exported.line)}
 
 
@@ -234,7 +237,7 @@ def _of_sheet(sheet: Sheet) -> Figures:
 def _of_answer(answer: Answer) -> Figures:
     """Draw a bar chart of each figure of the drives."""
     if not answer.drives:
-        raise UsageError(f"no drive to draw: {answer.refusal}")
+        raise UsageError(f"there is no drive to draw: {answer.refusal}")
     keys = [key for key in SIZING_FIGURES if key in answer.drives[0].figures]
     figure = empty_figure(2.2)
     panels: Sequence[Axes] = figure.subplots(1, len(keys), squeeze=False)[0]

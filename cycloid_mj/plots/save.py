@@ -52,14 +52,12 @@ def save(figures: Mapping[str, Figure], folder: Path | str, formats: Sequence[st
     """
     unknown = [name for name in formats if name not in METADATA]
     if unknown:
-        raise UsageError(f"unknown figure format {unknown[0]!r}; available: {', '.join(METADATA)}")
+        raise UsageError(f"unknown figure format {unknown[0]!r}: choose one of {', '.join(METADATA)}")
     folder = Path(folder)
     try:
         make_folder(folder)
     except OSError as problem:
-        raise FigureError(
-            f"cannot write figures to {folder}: {reason(problem)}; choose a folder with write permission"
-        ) from problem
+        raise FigureError(f"cannot write figures to {folder}: {reason(problem)}. Choose a writable folder") from problem
     files = pictures(figures, folder, formats)
     write_files(files)
     return list(files)

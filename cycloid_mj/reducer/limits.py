@@ -161,12 +161,12 @@ def _stops(reducer: "Reducer", cranks: Array, sides: int) -> Array:
         where = f"at crank angle {float(cranks[0]):.4f} rad"
         if design.ring.preload:
             raise RunError(
-                f"the two halves of the ring clamp the disc {where}: rigid parts have no free rotation there; use the "
-                "static loads, which include deflection, or lower ring.preload_arcmin"
+                f"the two halves of the ring clamp the disc {where}, so rigid parts cannot rotate there: reduce "
+                "ring.preload_arcmin, or use `cycloid-mj statics`, which includes deflection"
             )
         raise RunError(
-            f"the disc jams {where}: manufacturing errors exceed the clearances; increase clearance.* or reduce "
-            "errors.*"
+            f"the disc jams {where}, because the manufacturing errors exceed the clearances: increase clearance.* or "
+            "reduce errors.*"
         )
     turns = np.asarray(ends.x).reshape(goal.shape)[:, :, -1] * FIT.scale / design.output.pin_circle_radius
     return np.sort(reducer.member.sense * reducer.share * turns, axis=1)

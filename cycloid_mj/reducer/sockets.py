@@ -59,8 +59,8 @@ def require_drawn(design: Design, what: str) -> None:
     """
     if design.ring.has_sockets and design.ring.socket == "closed":
         raise DesignError(
-            f'{design.name}: ring.socket = "closed" does not support {what}: closed sockets represent bores in end '
-            'plates, which are not drawn; set ring.socket = "half_open"'
+            f'{design.name}: ring.socket = "closed" does not support {what}, because bores in end plates are not '
+            'drawn. Set ring.socket = "half_open"'
         )
 
 
@@ -75,6 +75,6 @@ def require_one_ring(reducer: "Reducer", what: str) -> None:
     design = reducer.design
     if design.ring.halves > 1:
         raise DesignError(
-            f"{design.name}: ring.halves = {design.ring.halves} does not support {what}: set ring.halves = 1 and "
-            "ring.preload_arcmin = 0"
+            f"{design.name}: a ring in two halves (ring.halves = {design.ring.halves}) does not support {what}. Set "
+            "ring.halves = 1 and ring.preload_arcmin = 0"
         )

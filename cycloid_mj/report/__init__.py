@@ -85,7 +85,10 @@ def report(runs: Mapping[str, Run], q: npt.ArrayLike | None = None, settle: floa
         Why figures of a run are not representative of its design; the page lists the same warnings.
     """
     if not 1 <= len(runs) <= MAX_RUNS:
-        raise UsageError(f"{len(runs)} runs: a report takes 1 to {MAX_RUNS} logs")
+        raise UsageError(
+            f"the number of logs is {len(runs)}, but a report shows 1 to {MAX_RUNS}: give fewer logs, or make several "
+            "reports"
+        )
     return _page(review(runs, q, settle))
 
 

@@ -35,11 +35,16 @@ def attach_reducer(spec: Any, joint: str, reduced: ReducedJoint) -> None:
     hinge = spec.joint(joint)
     if hinge is None:
         names = ", ".join(each.name for each in spec.joints if each.name) or "none has a name"
-        raise UsageError(f"the model has no joint {joint!r}. Its joints: {names}")
+        raise UsageError(f"the model has no joint {joint!r}: choose one of {names}")
     if model.joint(joint).type[0] != mujoco.mjtJoint.mjJNT_HINGE:
-        raise UsageError(f"the joint {joint!r} is not a hinge; a reducer can be attached to hinges only")
+        raise UsageError(
+            f"the joint {joint!r} is not a hinge: choose a hinge joint, because reducers can be attached to hinges only"
+        )
     if any(each.name == reducer_name(joint) for each in spec.tuples):
-        raise UsageError(f"the joint {joint!r} already has a reducer; attach at most one to each joint")
+        raise UsageError(
+            f"the joint {joint!r} already has a reducer, and only one is allowed: choose another joint, or attach to "
+            "the original model"
+        )
     before = [(list(key.qpos), list(key.qvel)) for key in spec.keys]
     if reduced.level == "rigid":
         hinge.armature, hinge.frictionloss = reduced.reflected_inertia, reduced.no_load_torque_at_output
@@ -68,7 +73,9 @@ def _compile(spec: Any) -> Any:
     try:
         return spec.copy().compile()
     except ValueError as problem:
-        raise UsageError(f"the model does not compile: {problem}") from problem
+        raise UsageError(
+            f"MuJoCo cannot compile the model of the robot: {problem}. Correct the model first"
+        ) from problem
 
 
 def _add_rotor(joint: Any, model: Any, reduced: ReducedJoint) -> None:

@@ -94,7 +94,10 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
     reducer = Reducer(resolve(design))
     require_sound(reducer)
     if reducer.design.drive.speed == 0.0:
-        raise DesignError("drive.speed_rpm is 0, but friction needs a turning crank: set drive.speed_rpm, such as 1640")
+        raise DesignError(
+            "drive.speed_rpm is 0, but friction is evaluated with a turning crank: set a speed other than 0, such as "
+            "1640"
+        )
     reducer = reducer.but(load={"torque": reducer.design.rated_torque}).working_at(reducer.design.rated_torque)
     counted = _Counted(progress, 2 + (1 + 2 * len(GRID.torques)) * len(GRID.speeds) + count_turns(reducer))
     fine, coarse = solve_play(reducer, GRID.angles_factor * POSES), solve_play(reducer, POSES)

@@ -168,8 +168,8 @@ def draw_population(
     good = [item for item in drives if item is not None]
     if len(good) < 2:
         raise RunError(
-            f"{samples - len(good)} of {samples} drives of {reducer.design.name!r} cannot be assembled. Reduce the "
-            "tolerances in [tolerance], or increase the clearances"
+            f"{samples - len(good)} of {samples} drives of {reducer.design.name!r} cannot be assembled, but at least 2 "
+            "are needed. Reduce the tolerances in [tolerance], or increase the clearances"
         )
     values, drawn_values = (
         {key: np.array([item[part][key] for item in good]) for key in good[0][part]} for part in (0, 1)

@@ -238,7 +238,7 @@ class ReducedJoint(Presented):
     def at(self, level: Level) -> Self:
         """Return the reducer at another level of detail."""
         if level not in LEVELS:
-            raise UsageError(f"unknown level {level!r}. Available: {', '.join(LEVELS)}")
+            raise UsageError(f"unknown level {level!r}: choose one of {', '.join(LEVELS)}")
         return replace(self, level=level)
 
     def varied(self, factors: Mapping[str, float]) -> Self:
@@ -289,7 +289,9 @@ class ReducedJoint(Presented):
         tuples = zip(model.tuple_adr.tolist(), model.tuple_size.tolist(), strict=True)
         starts = [(start, size) for start, size in tuples if size and model.tuple_objprm[start] == self.fingerprint]
         if not starts:
-            raise UsageError(f"no joint of the model has the reducer {self.name!r}; attach it with attach_reducer")
+            raise UsageError(
+                f"no joint of the model has the reducer {self.name!r}: attach it first with attach_reducer"
+            )
         for start, size in starts:
             output, *others = model.tuple_objid[start : start + size].tolist()
             crank, *tendons = others or [output]
@@ -369,13 +371,13 @@ class ReducedJoint(Presented):
         except (KeyError, TypeError, ValueError) as problem:
             reason = f"{type(problem).__name__}: {problem}"
             raise UsageError(
-                f"this is not a reduced joint ({reason}); use a reducer.json written by `cycloid-mj reduce`"
+                f"the file does not describe a reducer ({reason}): use a reducer.json written by `cycloid-mj reduce`"
             ) from None
         sound = all(math.isfinite(values[key]) and values[key] > 0.0 for key in NUMBERS)
         if joint.level not in LEVELS or joint.way not in (-1, 1) or not sound or not joint.springs:
             raise UsageError(
-                "this is not a reduced joint: level, way, springs or a number are invalid; use a reducer.json written "
-                "by `cycloid-mj reduce`"
+                "the file does not describe a valid reducer, because level, way, springs or a number is out of range: "
+                "use a reducer.json written by `cycloid-mj reduce`"
             )
         return joint
 
@@ -394,7 +396,7 @@ class ReducedJoint(Presented):
             content = json.loads(Path(path).read_text(encoding="utf-8"))
         except (OSError, ValueError) as problem:
             raise CycloidError(
-                f"cannot read {path}: {reason(problem)}; use a reducer.json written by `cycloid-mj reduce`"
+                f"cannot read {path}: {reason(problem)}. Use a reducer.json written by `cycloid-mj reduce`"
             ) from None
         return cls.from_json(content if isinstance(content, dict) else {})
 

@@ -82,7 +82,8 @@ class Scene:
     def __post_init__(self) -> None:
         if not 0.0 < self.rate <= MAX_RATE:
             raise UsageError(
-                f"a frame rate of {self.rate:g} per second is out of range: it must be above 0 and at most {MAX_RATE:g}"
+                f"the frame rate of the 3-D scene is {self.rate:g} per second, which is out of range: choose more than "
+                f"0 and at most {MAX_RATE:g} per second"
             )
 
     @cached_property

@@ -89,7 +89,9 @@ def render_part(
     set_sample(model, data, run, 0)
     shown = np.isin([model.body(body).name for body in model.geom_bodyid], bodies)
     if not shown.any():
-        raise UsageError(f"the model has no body named {', '.join(bodies)}")
+        raise UsageError(
+            f"the model has no body named {', '.join(bodies)}: choose among the bodies of the logged model (scene.xml)"
+        )
     model.geom_rgba[:, 3] = np.where(shown, 1.0, 0.0)
     camera = mujoco.MjvCamera()
     aim(camera, model, *view)
@@ -105,8 +107,8 @@ def _render(model: Any, data: Any, camera: Any, size: tuple[int, int], arrows: l
     width, height = size
     if not (IMAGE.min_pixels <= width <= IMAGE.max_pixels and IMAGE.min_pixels <= height <= IMAGE.max_pixels):
         raise UsageError(
-            f"image size {width} x {height} is out of range; width and height must be {IMAGE.min_pixels} to "
-            f"{IMAGE.max_pixels} pixels"
+            f"the image size {width} x {height} is out of range: choose {IMAGE.min_pixels} to {IMAGE.max_pixels} "
+            "pixels for width and height"
         )
     model.vis.global_.offwidth, model.vis.global_.offheight = width, height
     model.vis.quality.offsamples = IMAGE.samples_per_pixel

@@ -42,8 +42,8 @@ def replay_model(run: Run) -> Any:
     """
     if MODEL_FILE not in run.attachments:
         raise LogError(
-            f"{run.label} has no attachment {MODEL_FILE!r}, the MuJoCo model of the run: simulate it again with MuJoCo "
-            "(--solver mujoco)"
+            f"{run.label} lacks the attached file {MODEL_FILE}, the MuJoCo model of the run: simulate the design again "
+            "with --solver mujoco"
         )
     try:
         spec = mujoco.MjSpec.from_string(run.attachments[MODEL_FILE].decode(), assets=dict(run.attachments))
@@ -52,8 +52,9 @@ def replay_model(run: Run) -> Any:
         model = spec.compile()
     except (ValueError, UnicodeDecodeError) as problem:
         raise LogError(
-            f"MuJoCo {mujoco.__version__} cannot load {MODEL_FILE} of {run.label} ({problem}): it was written for "
-            f"MuJoCo {run.provenance.get('mujoco', 'of another version')}; install that version, or simulate again"
+            f"MuJoCo {mujoco.__version__} cannot load the {MODEL_FILE} attached to {run.label} ({problem}), because it "
+            f"was written for MuJoCo {run.provenance.get('mujoco', 'of another version')}: install that version, or "
+            "simulate the design again"
         ) from problem
     model.vis.headlight.ambient[:], model.vis.headlight.diffuse[:] = 0.3, 0.4
     model.light_diffuse[:] = 0.35
@@ -87,7 +88,9 @@ def _joint_columns(model: Any, run: Run) -> Mapping[str, str]:
     joints = [model.joint(number).name for number in range(model.njnt)]
     columns = {joint: COLUMNS.get(joint, joint) for joint in joints if COLUMNS.get(joint, joint) in run.columns}
     if not columns:
-        raise LogError(f"{run.label} has no columns with the joint positions of its model: simulate it again")
+        raise LogError(
+            f"{run.label} lacks the columns with the joint positions of its model: simulate the design again"
+        )
     return columns
 
 

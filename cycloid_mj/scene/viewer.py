@@ -20,7 +20,7 @@ def require_display() -> None:
     """Raise UsageError if there is no display for a window."""
     if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         raise UsageError(
-            "there is no display for a window: use `cycloid-mj render` or `cycloid-mj animate`, which need none"
+            "there is no display to open a window: use `cycloid-mj render` or `cycloid-mj animate`, which need none"
         )
 
 
@@ -74,5 +74,5 @@ def _open(open_window: Any, *args: Any) -> Any:
     except Exception as problem:
         reason = str(problem).splitlines()[0] if str(problem) else type(problem).__name__
         raise CycloidError(
-            f"MuJoCo's viewer cannot open a window: {reason}; use `cycloid-mj render` or `cycloid-mj animate` instead"
+            f"the MuJoCo viewer cannot open a window: {reason}. Use `cycloid-mj render` or `cycloid-mj animate` instead"
         ) from problem

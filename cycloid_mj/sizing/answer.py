@@ -80,13 +80,15 @@ class Answer(Presented):
     @property
     def asked(self) -> Requirement:
         """The requirement, under its name before 0.3."""
-        warnings.warn("Answer.asked is Answer.requirement since 0.3", DeprecationWarning, stacklevel=2)
+        warnings.warn(
+            "the attribute Answer.asked is deprecated: use Answer.requirement", DeprecationWarning, stacklevel=2
+        )
         return self.requirement
 
     @property
     def ways(self) -> tuple[FeasibleChange, ...]:
         """The remedies, under their name before 0.3."""
-        warnings.warn("Answer.ways was renamed in version 0.3: use Answer.remedies", DeprecationWarning, stacklevel=2)
+        warnings.warn("the attribute Answer.ways is deprecated: use Answer.remedies", DeprecationWarning, stacklevel=2)
         return self.remedies
 
     @property

@@ -60,7 +60,9 @@ def required(
     coefficient [W/(m2 K)].
     """
     if speed_rpm is not None and output_rpm is not None:
-        raise UsageError("both the speed of the crank and that of the output are set: remove one of them")
+        raise UsageError(
+            "both the crank speed and the output speed are set, but each determines the other: remove one of them"
+        )
     limits = PROCESSES[process]
     speed = output_rpm * ratio if output_rpm is not None else limits.speed_rpm if speed_rpm is None else speed_rpm
     share, points = _duty(duty, limits.duty_share)
@@ -106,7 +108,7 @@ def _film(cooling: str | float) -> float:
         return float(cooling)
     except ValueError:
         raise UsageError(
-            f"unknown cooling {cooling!r}: use {', '.join(COOLING)}, or a heat transfer coefficient [W/(m2 K)]"
+            f"unknown cooling {cooling!r}: choose {', '.join(COOLING)}, or a heat transfer coefficient in W/(m2 K)"
         ) from None
 
 
@@ -189,20 +191,23 @@ class Requirement:
         for what, number in (("ratio", self.ratio), ("number of discs", self.discs)):
             if number != round(number):
                 raise UsageError(
-                    f"the {what} is {number}; it must be a whole number, such as {math.floor(number)} or "
+                    f"the {what} is {number}, but must be a whole number: choose {math.floor(number)} or "
                     f"{math.ceil(number)}"
                 )
         if not LEAST_RATIO <= self.ratio <= MOST_RATIO:
             raise UsageError(
-                f"the ratio is {self.ratio}; a single stage allows {LEAST_RATIO} to {MOST_RATIO}{self._two_stages()}"
+                f"the ratio is {self.ratio}, which is out of range: choose {LEAST_RATIO} to {MOST_RATIO} for a single "
+                f"stage{self._two_stages()}"
             )
         if not 0 <= self.discs <= MAX_DISCS:
-            raise UsageError(f"the number of discs is {self.discs}; allowed: 1 to {MAX_DISCS}")
+            raise UsageError(f"the number of discs is {self.discs}, which is out of range: choose 1 to {MAX_DISCS}")
         for what, value, unit, minimum, most in self._sizes():
             if not minimum <= value <= most:
-                raise UsageError(f"the {what} is {value:.10g} {unit}; allowed: {minimum:g} to {most:g} {unit}")
+                raise UsageError(
+                    f"the {what} is {value:.10g} {unit}, which is out of range: choose {minimum:g} to {most:g} {unit}"
+                )
         if self.material and self.material not in MATERIALS:
-            raise UsageError(f"unknown material {self.material!r}; available: {', '.join(MATERIALS)}")
+            raise UsageError(f"unknown material {self.material!r}: choose one of {', '.join(MATERIALS)}")
         if self.fit:
             self._check_fit()
 
@@ -225,14 +230,20 @@ class Requirement:
         """Raise UsageError unless the fit is a known one with clearance, and no clearance is set as well."""
         if self.clearance:
             raise UsageError(
-                f"both a fit, {self.fit}, and a clearance, {1e6 * self.clearance:g} um, are set: remove one of them"
+                f"a fit ({self.fit}) and a clearance ({1e6 * self.clearance:g} um) are both set, but each determines "
+                "the other: remove one of them"
             )
         try:
             tightest, _ = clearances(self.fit, LARGEST_PAIR * self.diameter)
         except ValueError as error:
-            raise UsageError(f"the fit {self.fit!r} is not valid: {error}; use a fit such as H7/g6") from None
+            raise UsageError(
+                f"the fit {self.fit!r} is not valid: {error}. Choose a clearance fit, such as H7/g6"
+            ) from None
         if tightest < 0.0:
-            raise UsageError(f"the fit {self.fit} jams, as its parts must move: use a clearance fit such as H7/g6")
+            raise UsageError(
+                f"the fit {self.fit} is an interference fit, but the parts must move: choose a clearance fit, such as "
+                "H7/g6"
+            )
 
     def _sizes(self) -> Iterator[tuple[str, float, str, float, float]]:
         """Yield name, value, unit and range of each size."""

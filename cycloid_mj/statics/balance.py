@@ -213,11 +213,12 @@ def require_balance(residual: Residual, contacts: KernelSprings, load: Array) ->
     if limit < JAM.max_friction:
         near = "; close to this limit, forces are many times the load" * (limit >= 1.0)
         raise RunError(
-            "no static equilibrium: friction jams the drive under this load at any crank torque (without "
-            f"clearance, equilibrium exists only up to {limit:.0%} of the friction{near}); lower friction.*"
+            "no static equilibrium: friction jams the drive under this load at any crank torque (without clearance, "
+            f"equilibrium exists only up to {limit:.0%} of the friction{near}). Reduce the friction coefficients "
+            "(friction.*)"
         )
     raise RunError(
-        f"{failed}. Friction is not the cause: without clearance, the parts are in equilibrium up to "
+        f"{failed}. Friction is not the cause, because without clearance the parts are in equilibrium up to "
         f"{JAM.max_friction:.0%} of the friction. {remedy[0].upper()}{remedy[1:]}"
     )
 

@@ -122,8 +122,8 @@ def course_along(
         left, rows = follow_path(springs.contacts, rubbing, path, reach * radius, when, z)
     if left.force:
         raise RunError(
-            f"no static equilibrium along the torque loop: the residual is {left.force:.3g} of the load (allowed: "
-            f"{PATH_RESIDUAL_RTOL:.0e}); compute the loop at more points, or reduce its torque"
+            f"no static equilibrium along the torque loop: the residual is {left.force:.3g} of the load, but at most "
+            f"{PATH_RESIDUAL_RTOL:.0e} is allowed. Compute the loop at more points, or reduce its torque"
         )
     twisted = wind_up(reducer) * np.interp(when[:rows], np.arange(len(torque)), torque)
     return when[:rows], z[:rows, -1] / radius + twisted

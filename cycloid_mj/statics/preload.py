@@ -49,12 +49,14 @@ def preloaded(design: Named) -> Design:
         while missing(high) < 0.0:
             high *= 2.0
             if high > MAX_ANGLE:
-                raise RunError(f"the torque at {MAX_ANGLE / ARCMINUTE:g} arcmin is less")
+                raise RunError(
+                    f"the torque at {MAX_ANGLE / ARCMINUTE:g} arcmin, the largest angle allowed, is less than that"
+                )
         angle = float(brentq(missing, 1e-6 * ARCMINUTE, high, rtol=1e-4))
     except RunError as error:
         raise DesignError(
-            f"{design.name}: no preload angle produces ring.preload_torque_nm = {torque:g}: {error}; "
-            "use a smaller torque, or set ring.preload_arcmin instead"
+            f"{design.name}: no preload angle produces ring.preload_torque_nm = {torque:g}: {error}. Reduce this "
+            "torque, or set ring.preload_arcmin instead"
         ) from error
     return rotate_halves(angle)
 

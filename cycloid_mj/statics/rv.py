@@ -287,8 +287,8 @@ def _minimise(springs: RvSprings, load: Array) -> Array:
         energy, residual, tangent = _system(springs, load, z, needs_tangent=True)
     largest = float(np.max(np.max(np.abs(residual), axis=1) / size))
     raise RunError(
-        f"no static equilibrium found: the residual is {largest:.3g} of the load (allowed: {NEWTON.rtol:.0e}); check "
-        "the clearances (--set clearance....), or raise the load (--load-nm)"
+        f"no static equilibrium found: the residual is {largest:.3g} of the load, but at most {NEWTON.rtol:.0e} is "
+        "allowed. Check the clearances (clearance.*), or increase the load (--load-nm)"
     )
 
 

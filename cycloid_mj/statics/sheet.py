@@ -250,9 +250,13 @@ def _under(reducer: Reducer, load: float | None) -> tuple[Reducer, float]:
     """Return a design with a load, by default that of `load_of`, and the load [N m]."""
     load, _ = load_of(reducer, load)
     if not load > 0.0:
-        raise UsageError(f"the output torque is {load:g} N m; it must be above 0")
+        raise UsageError(
+            f"the output torque is {load:g} N m, which is out of range: give more than 0 N m, e.g. --load-nm 10"
+        )
     if reducer.design.drive.speed == 0.0:
-        raise DesignError("drive.speed_rpm is 0, but losses require a rotating crank: set another speed, such as 1640")
+        raise DesignError(
+            "drive.speed_rpm is 0, but losses need a crank that turns: set a speed other than 0, such as 1640"
+        )
     return reducer.but(load={"torque": load}).working_at(load), load
 
 

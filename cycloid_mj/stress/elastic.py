@@ -271,7 +271,8 @@ def _require_supports(grid: Grid, motions: Array, fixed: Integers, springs: Any)
     pieces = csgraph.connected_components(graph, directed=False)[0]
     if pieces != 1:
         raise CycloidError(
-            f"the grid of the {grid.part} has {pieces} disconnected pieces; check the outline of the part in the design"
+            f"the finite-element mesh of the {grid.part} consists of {pieces} separate pieces, but must be one: check "
+            "the outline of this part with `cycloid-mj export`"
         )
     scaled = motions / np.linalg.norm(motions, axis=0)
     hold = scaled[fixed].T @ scaled[fixed]
@@ -281,8 +282,8 @@ def _require_supports(grid: Grid, motions: Array, fixed: Integers, springs: Any)
     values = np.linalg.eigvalsh(hold) if len(hold) else np.zeros(1)
     if not values[0] > 1e-12 * max(values[-1], np.finfo(float).tiny):
         raise CycloidError(
-            f"the support of the {grid.part} is singular: a rigid motion is free. Fix nodes that are not in a "
-            "single point"
+            f"the {grid.part} can still move as a rigid body, because its supported nodes are all in one point: "
+            "support nodes in at least two different points"
         )
 
 
@@ -310,4 +311,7 @@ def _superlu(lower: Any, part: str) -> Callable[[Array], Array]:
 
 
 def _not_factorised(part: str, error: Exception) -> CycloidError:
-    return CycloidError(f"the stiffness of the {part} cannot be factorised ({error}); check its supports and its grid")
+    return CycloidError(
+        f"the stiffness matrix of the {part} cannot be factorised ({error}): check the supports and the outline of "
+        "this part"
+    )

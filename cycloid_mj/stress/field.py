@@ -261,7 +261,10 @@ def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distanc
     """
     reducer = Reducer(design)
     if not 0 <= index < len(loads.angle):
-        raise UsageError(f"the loads have no angle with index {index}; the index must be 0 to {len(loads.angle) - 1}")
+        raise UsageError(
+            f"index = {index} is out of range: choose a crank angle of the loads by an index from 0 to "
+            f"{len(loads.angle) - 1}"
+        )
     return evaluate_map(assemble_part(reducer, grid, loads), index, distance)
 
 

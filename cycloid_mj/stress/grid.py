@@ -75,7 +75,9 @@ class GridSettings:
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
             if name != "solid" and not value > 0.0:
-                raise UsageError(f"grid setting {name} = {value} is out of range: it must be more than 0, such as 1")
+                raise UsageError(
+                    f"the mesh setting {name} is {value}, which is out of range: choose more than 0, such as 1"
+                )
 
 
 @dataclass(frozen=True)
@@ -240,8 +242,8 @@ def quadratic(
     nodes = middles_of(mesh, at[ends])
     if nodes.min(initial=0) < 0:
         raise CycloidError(
-            f"cannot generate a finite-element mesh of the {part}: an edge of its outline is missing; change the "
-            "refinement"
+            f"cannot generate a finite-element mesh of the {part}: an edge of its outline is missing. Use another "
+            "refinement (without --quick, or GridSettings.refinement in Python)"
         )
     mesh.doflocs[:, nodes] = middles.T
     shape = mapping_of(mesh).detDF(np.eye(mesh.dim(), mesh.dim() + 1, 1))
@@ -310,7 +312,7 @@ def _triangulate(
     if not len(corners):
         raise CycloidError(
             f"cannot generate a finite-element mesh of the {region.part}: one of its outlines crosses itself or "
-            "another outline; change the dimensions that shape it"
+            "another outline. Change the dimensions that define it"
         )
     index = np.zeros(int(tags.max()) + 1, np.int64)
     order = np.argsort(tags)

@@ -164,4 +164,4 @@ def require_part(reducer: Reducer, part: str) -> None:
         if reducer.design.ring.has_sleeves and part in ("ring", "pin_1"):
             reason = " whose stress can be computed (sleeved pins are supported next to the disc, out of its plane)"
         names = ", ".join(part_names(reducer))
-        raise UsageError(f"the design {reducer.design.name!r} has no part {part!r}{reason}. Available: {names}")
+        raise UsageError(f"the design {reducer.design.name!r} has no part {part!r}{reason}: choose one of {names}")

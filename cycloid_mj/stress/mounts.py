@@ -92,9 +92,14 @@ def read_mounts(path: Path) -> Mounts:
     try:
         tables = parse_toml(note_input(path).read_text(encoding="utf-8-sig"), str(path), "docs/bench.md shows one")
     except FileNotFoundError as error:
-        raise UsageError(f"the file of mounts {path} does not exist; docs/printed-drive.md shows an example") from error
+        raise UsageError(
+            f"the file of mounts {path} does not exist: give the name of a TOML file (docs/printed-drive.md shows an "
+            "example)"
+        ) from error
     except (OSError, ValueError) as error:
-        raise DesignError(f"cannot read the mounts {path}: {reason(error)}; use a TOML text file") from error
+        raise DesignError(
+            f"cannot read the file of mounts {path}: {reason(error)}. Choose a readable TOML file with UTF-8 text"
+        ) from error
     return record(Mounts, tables, str(path))
 
 
@@ -126,8 +131,9 @@ def studs_compliance(reducer: Reducer, studs: StudSeats, loads: PartLoads) -> di
     design, output = reducer.design, reducer.design.output
     if output.support != "both_ends" or design.gear.discs > 1:
         raise UsageError(
-            f"[studs] of the mounts needs two plates and one disc; {design.name} has {design.gear.discs} disc(s) and "
-            f'output.support = "{output.support}". Remove [studs], or set output.support=both_ends'
+            f"[studs] in the file of mounts applies to one disc between two output plates, but {design.name} has "
+            f'gear.discs = {design.gear.discs} and output.support = "{output.support}". Remove [studs], or set '
+            'gear.discs = 1 and output.support = "both_ends"'
         )
     compliance, share, lateral_stiffness = stud_stiffness(reducer, studs)
     work = compliance * np.mean(np.sum(loads.force**2, axis=(1, 2))) / design.load.torque**2

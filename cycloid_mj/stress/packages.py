@@ -45,7 +45,8 @@ def package(name: str) -> Any:
         return importlib.import_module(name)
     except (ImportError, OSError) as error:
         raise CycloidError(
-            f"stress needs the package {name} ({error}); install the extra with `pip install 'cycloid-mj[fem]'`"
+            f"the package {name} for stresses cannot be loaded ({error}): install it with `pip install "
+            "'cycloid-mj[fem]'`"
         ) from error
 
 
@@ -79,8 +80,8 @@ def mesher(part: str, coarsest: float) -> Iterator[Any]:
         raise
     except Exception as error:
         raise CycloidError(
-            f"cannot generate a finite-element mesh of the {part} ({str(error).strip()}); check its outline with "
-            "`cycloid-mj export`, or change the refinement"
+            f"cannot generate a finite-element mesh of the {part} ({str(error).strip()}): check its outline with "
+            "`cycloid-mj export`, or use another refinement (without --quick, or GridSettings.refinement in Python)"
         ) from error
     finally:
         gmsh.model.remove()

@@ -75,8 +75,8 @@ def patches(grid: Grid, loads: PartLoads) -> Patches:
         distance, nearest = covered
         if distance.max() > grid.bulk_distance:
             raise CycloidError(
-                f"contact {name} of the {grid.part} lies {distance.max() * 1e3:.3g} mm off its surface: "
-                "the loads are of another design. Use the loads of this design"
+                f"contact {name} of the {grid.part} lies {distance.max() * 1e3:.3g} mm off its surface, so the loads "
+                "belong to another design: use the loads of this design"
             )
         edge = tree_edge[nearest]
         centre = _nearest_arc(edges, edge, tree_xi[nearest], loads.position[acting, contact])
@@ -177,5 +177,6 @@ def _complex(vectors: Array) -> npt.NDArray[np.complex128]:
 def _require_match(grid: Grid, loads: PartLoads) -> None:
     if loads.part != grid.part:
         raise CycloidError(
-            f"the loads are those of the {loads.part}, the grid that of the {grid.part}; use those of the same part"
+            f"the loads act on the {loads.part}, but the mesh is that of the {grid.part}: use loads and mesh of the "
+            "same part"
         )

@@ -82,7 +82,7 @@ def part_region(reducer: Reducer, part: str) -> Region:
         case "output":
             return _output(reducer, solids["output"].prisms[0].outline)
     available = [name for name in PLANAR_PARTS if name != "pin_1" or design.ring.kind == "pin"]
-    raise UsageError(f"the design {design.name!r} has no planar part {part!r}. Available: {', '.join(available)}")
+    raise UsageError(f"the design {design.name!r} has no planar part {part!r}: choose one of {', '.join(available)}")
 
 
 def _bolts(reducer: Reducer) -> tuple[Boundary, ...]:
@@ -101,7 +101,10 @@ def _output(reducer: Reducer, rim: Array) -> Region:
     """Return the region of the output disc: rim, clamped hub, and insets of the pins."""
     output, hub = reducer.design.output, reducer.design.shaft.radius
     if not hub < output.pin_circle_radius - output.pin_radius:
-        raise UsageError("the output's pins leave no space for a hub of the shaft's radius: reduce shaft.radius_mm")
+        raise UsageError(
+            "the output has no space for its hub, because shaft.radius_mm is not smaller than "
+            "output.pin_circle_radius_mm minus the radius of the output pins: reduce shaft.radius_mm"
+        )
     pin = circle(output.root_radius, CHORD_ERROR)
     pins = tuple(Boundary(pin + centre, "inset", touched="line") for centre in output_centres(reducer))
     clamped = Boundary(circle(hub, CHORD_ERROR), "hole", is_fixed=True)

@@ -79,8 +79,9 @@ def bearing_pads(grid: Grid, shaft: ShaftDimensions, stiffness: float) -> Pads:
         face = surface(grid, lambda x, z0=z0, z1=z1: _on_cylinder(x, shaft.radius, AXIS) & (z0 < x[2]) & (x[2] < z1))  # type: ignore[misc]
         if not len(face.nodes):
             raise CycloidError(
-                "the shaft mesh is too coarse: no element face lies on the bearing seat from "
-                f"z = {1e3 * z0:.4g} to {1e3 * z1:.4g} mm; increase the refinement"
+                "the finite-element mesh of the shaft is too coarse: no element lies on the bearing seat from z = "
+                f"{1e3 * z0:.4g} to {1e3 * z1:.4g} mm. Increase the refinement (without --quick, or "
+                "GridSettings.refinement in Python)"
             )
         bed = stiffness / (np.pi / 2 * shaft.radius * (z1 - z0))
         x, y, z = face.points[..., 0], face.points[..., 1], face.points[..., 2]
@@ -129,7 +130,8 @@ def solve_open_pads(pads: Pads, compliance: Array, pressed: Array) -> Array:
         freed[at] = np.linalg.solve(np.diag(1.0 / pads.stiffness[at]) - compliance[np.ix_(at, at)], pressed[at])
         displaced = pressed + compliance[:, at] @ freed[at]
     raise CycloidError(
-        "the bearings do not support the shaft: no set of loaded pads is in balance. Check the bearings of the shaft"
+        "the bearings cannot support the shaft under these loads: no distribution of bearing forces is in equilibrium. "
+        "Check the bearings of the shaft (shaft.* in the design)"
     )
 
 
@@ -145,8 +147,8 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
     cams = tuple(names.of_disc(names.CAM, disc, len(shaft.cams)) for disc in range(len(shaft.cams)))
     if loads.part != "shaft" or loads.labels != cams:
         raise CycloidError(
-            f"the shaft's grid needs the loads of {', '.join(cams)}, but these are {', '.join(loads.labels) or 'none'} "
-            f"on the {loads.part}"
+            f"the shaft needs the loads of {', '.join(cams)}, but these loads are {', '.join(loads.labels) or 'none'} "
+            f"on the {loads.part}: use the loads of the shaft"
         )
     steel = reducer.design.material_of("shaft")
     pads = bearing_pads(grid, shaft, BEARING_STIFFNESS * steel.youngs_modulus * shaft.radius)

@@ -74,8 +74,8 @@ def _tetrahedra(shaft: ShaftDimensions, edge: float) -> Any:
         occ.synchronize()
         if len(solids) != 1:
             raise CycloidError(
-                "cannot generate a finite-element mesh of the shaft: its sections do not form one solid; change the "
-                "dimensions that shape it (shaft.* in the design)"
+                "cannot generate a finite-element mesh of the shaft: its sections do not form one solid. Change the "
+                "dimensions that define it (shaft.* in the design)"
             )
         _refine_near(gmsh, _inner_corners(shaft), edge)
         gmsh.model.mesh.generate(3)

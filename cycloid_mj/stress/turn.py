@@ -82,8 +82,8 @@ def turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike = DEGRE
     column = cam_force(Reducer(run_design))
     if column not in run.columns:
         raise LogError(
-            f"{run.label} has no forces of the mating pairs (no column {column!r} among {len(run.columns)}), and "
-            "stress is computed from these forces. Run `cycloid-mj simulate` again: it logs all contact forces"
+            f"{run.label} lacks the contact forces (column {column!r}) from which stress is computed. Run `cycloid-mj "
+            "simulate` again: it logs all contact forces"
         )
     run = run.usable()
     member = Reducer(run_design).member
@@ -104,9 +104,8 @@ def require_same(reducer: Reducer, ran: Reducer) -> None:
     """Raise UsageError unless a design is the one that ran, but for load, speed, environment and settings."""
     if differing := differences(reducer, ran):
         raise UsageError(
-            f"the log is not of the design {reducer.design.name!r}: "
-            f"it differs in {'; '.join(differing[:3])}, in SI units; "
-            "use the design that ran, or omit --design"
+            f"the log belongs to another design than {reducer.design.name!r}: it differs in {'; '.join(differing[:3])} "
+            "(SI units). Use the design of the run, or omit --design"
         )
 
 
@@ -141,8 +140,8 @@ def _last_turn(run: Run, hold: Mask) -> npt.NDArray[np.intp]:
     if swept < 2 * np.pi - step:
         span = float(np.ptp(run.time[rows])) if rows.size else 0.0
         raise LogError(
-            f"the settled hold lasts {span:.6g} s, {swept / (2 * np.pi):.3f} of a crank turn, but a full turn is "
-            "needed. Simulate it with a longer --hold-s"
+            f"{run.label}: at constant speed and load the run lasts {span:.4g} s, {swept / (2 * np.pi):.3f} crank "
+            "turns, but at least one turn is needed. Simulate the design again with a longer --hold-s"
         )
     return rows[np.abs(crank[-1] - crank) <= 2 * np.pi + 1e-9]
 
@@ -154,8 +153,9 @@ def _require_fine(crank: Array, wanted: Array, run: Run, rows: npt.NDArray[np.in
     if wanted.size > 1 and step > 1.5 * largest:  # no sample is used for more than two angles
         rate = (rows.size - 1) / float(np.ptp(run.time[rows]))
         raise LogError(
-            f"the log has a sample every {np.degrees(step):.3g} deg of crank, but one every {np.degrees(largest):.3g} "
-            f"deg is needed. Simulate it with settings.log_rate_hz of {rate * step / largest:.0f} or more"
+            f"the log has one sample per {np.degrees(step):.3g} deg of crank rotation, but one per "
+            f"{np.degrees(largest):.3g} deg is needed. Simulate the design again with settings.log_rate_hz of "
+            f"{rate * step / largest:.0f} or more"
         )
 
 

@@ -187,7 +187,10 @@ class DisplacedSprings:
             if np.abs(residual).max() < 1e-6 * np.abs(load).max():
                 return z
             z = z + np.linalg.solve(stiffness, residual)
-        raise RunError(f"no equilibrium on exact gaps: the residual force is {np.abs(residual).max():.3g} N")
+        raise RunError(
+            f"no equilibrium with exact gaps: the residual force is {np.abs(residual).max():.3g} N, but at most one "
+            "millionth of the load is allowed. Check the clearances of the design"
+        )
 
 
 def _pin_forces(gaps: Array, flexible: Array) -> Array:
@@ -205,7 +208,7 @@ def _pin_forces(gaps: Array, flexible: Array) -> Array:
             return force
     raise RunError(
         "the forces of the discs on a bent output pin have no equilibrium, because the compliance matrix of the pin is "
-        "not positive definite: check output.* of the design"
+        "not positive definite: check the dimensions output.* of the design"
     )
 
 

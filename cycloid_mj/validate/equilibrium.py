@@ -137,8 +137,8 @@ def solve(
         if residual < allowed:
             return _solution(locked, z)
     raise RunError(
-        f"no static equilibrium at crank angle {crank:.4f} rad: the residual force is {residual:.3g} N (allowed: "
-        f"{allowed:.3g} N); check the clearances of the design, or reduce the load"
+        f"no static equilibrium at crank angle {np.degrees(crank):.4g} deg: the residual force is {residual:.3g} N, "
+        f"but at most {allowed:.3g} N is allowed. Check the clearances of the design, or reduce the load"
     )
 
 

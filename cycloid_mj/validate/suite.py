@@ -113,7 +113,7 @@ def select_parts(only: Sequence[str] = (), further: Sequence[ValidationPart] = (
     """
     unknown = [name for name in only if name not in STEP_NAMES]
     if unknown:
-        raise UsageError(f"--only {unknown[0]}: there is no such validation step; choose from {', '.join(STEP_NAMES)}")
+        raise UsageError(f"--only {unknown[0]}: unknown validation step. Choose from {', '.join(STEP_NAMES)}")
     parts = sorted((*PARTS, *further), key=lambda part: STEP_NAMES.index(part.rung))
     return tuple(part for part in parts if not only or part.rung in only)
 

@@ -125,7 +125,7 @@ def test_a_window_of_mesh_periods_does_for_what_repeats_with_the_mesh():
 def test_periodic_orders_refuse_what_they_would_misread():
     even = 2.0 * np.pi * np.arange(100) / 100
     for crank in (even[:90], even + 1e-3 * np.sin(even), 2.0 * np.pi * np.arange(107) / 106.5):
-        with pytest.raises(UsageError, match="do not cover full cycles"):
+        with pytest.raises(UsageError, match="needs equally spaced crank angles over full cycles"):
             periodic_orders(crank, np.ones(len(crank)))
 
 

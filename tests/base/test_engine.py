@@ -130,7 +130,7 @@ def test_a_scheduler_that_is_none_is_told(monkeypatch: pytest.MonkeyPatch) -> No
     from cycloid_mj.base.engine import cluster as module
 
     monkeypatch.setattr(module, "SECONDS_TO_CONNECT", 0.5)
-    with pytest.raises(UsageError, match="expected HOST:PORT"):
+    with pytest.raises(UsageError, match="give HOST:PORT"):
         Engine(scheduler="somewhere").each(square, [1])
     with pytest.raises(RunError, match="no Dask scheduler answers at 127"):
         Engine(scheduler="127.0.0.1:9").each(square, [1])

@@ -98,7 +98,7 @@ def test_select_by_slice_and_by_the_same_mask(rows):
 
 def test_select_refuses_what_is_no_choice_of_samples():
     run = make_run()
-    with pytest.raises(LogError, match=r"mask of bool, shape \(7,\)"):
+    with pytest.raises(LogError, match=r"mask of type bool and shape \(7,\)"):
         run.select(np.ones(6, dtype=bool))
     with pytest.raises(LogError, match="array of int64"):
         run.select(np.array([0, 1]))
@@ -110,7 +110,7 @@ def test_a_topic_has_its_own_columns_alone():
     run = make_run(topics={"/reducer": ("gear_speed", "gear_angle"), "/forces": ("pin_force",)})
     assert list(run.of_topic("/reducer").columns) == ["gear_speed", "gear_angle"]
     assert run.of_topic("/forces")["pin_force"] is run["pin_force"]
-    with pytest.raises(LogError, match="has /reducer, /forces"):
+    with pytest.raises(LogError, match="choose one of /reducer, /forces"):
         run.of_topic("/pins")
 
 
@@ -125,7 +125,7 @@ def test_travels_to_other_processes(travel):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"time": np.arange(6) * 0.25}, r"'gear_angle' has shape \(7,\): give shape \(6,\)"),
+        ({"time": np.arange(6) * 0.25}, r"'gear_angle' has shape \(7,\): pass an array of shape \(6,\)"),
         ({"time": np.zeros((7, 1))}, r"shape \(7, 1\)"),
         ({"time": np.array([0, 1, 2, 2, 3, 4, 5.0])}, r"at sample 3: 2\.0 s is followed by 2\.0 s"),
         ({"time": np.array([0, 1, 2, np.nan, 3, 4, 5.0])}, "at sample 3 is nan s"),
@@ -180,10 +180,10 @@ def test_a_run_keeps_its_topics():
     assert make_run().topics == {"/reducer": tuple(UNITS)}
     assert forced_run(topics={"/forces": []}).topics == {"/forces": tuple(run.columns)}
     with pytest.raises(
-        LogError, match=r"topics has 'cam_friction_powr', which is not a column.*nearest: cam_friction_power"
+        LogError, match=r"`topics` lists 'cam_friction_powr', which is not a column.*nearest: cam_friction_power"
     ):
         forced_run(topics={"/reducer": ["cam_friction_powr"]})
-    with pytest.raises(LogError, match="topics has column 'cam_force_x' twice"):
+    with pytest.raises(LogError, match="lists the column 'cam_force_x' twice"):
         forced_run(topics={"/reducer": ["cam_force_x"], "/forces": ["cam_force_x"]})
 
 
@@ -194,5 +194,7 @@ def test_forces_are_those_of_a_kind_of_pair_in_the_order_of_the_run():
     np.testing.assert_array_equal(run.forces("output")[:, 0, 1], run["output_pin_1_force_y"])
     assert run.forces("pin_socket").shape == (3, 1, 2)
     assert list(run.by_stem("friction_power")) == ["cam"]
-    with pytest.raises(LogError, match=r"no contact forces of the kind 'tooth'; it has .*simulate` again"):
+    with pytest.raises(
+        LogError, match=r"no contact forces of the kind 'tooth'; the kinds in this log are.*simulate` again"
+    ):
         run.forces("tooth")

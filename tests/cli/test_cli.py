@@ -761,7 +761,8 @@ def test_a_command_of_a_group_is_found_by_the_name_that_scripts_have(command: st
     shown = capsys.readouterr()
     assert " ".join(FOLDED[command]) in shown.out
     assert shown.err == (
-        f"warning: `{command}` is now `{' '.join(FOLDED[command])}`; the old name will be removed in the next release\n"
+        f"warning: the command `{command}` is deprecated: use `{' '.join(FOLDED[command])}`; the old name will be "
+        "removed in the next release\n"
     )
 
 

@@ -50,7 +50,7 @@ def test_headline_failures_and_warnings_come_first_and_the_rest_with_all(printed
     first = short.index("FAIL  it breaks")
     assert all(f"figure {number} " in "".join(short[:first]) for number in range(MOST_FIGURES))
     assert short[first + 1] == "warn  reason 0"
-    assert short[-2:] == ["with --all: 45 more warnings, 1 that pass, 40 rows of tables, 1 notes", "51 checks"]
+    assert short[-2:] == ["--all also shows 45 more warnings, 1 passed check, 40 table rows, 1 note", "51 checks"]
     assert not any("row 3" in line or "steel" in line for line in short)
     assert {"warn  reason 49", "ok    it turns", "assumed: steel", "51 checks"} <= set(whole)
     assert sum("row " in line for line in whole) == len(TABLE.rows)

@@ -45,4 +45,4 @@ def test_what_is_missing_is_told_with_its_remedy(capsys, monkeypatch: pytest.Mon
 def test_a_gear_off_its_closed_form_is_no_success(capsys, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(doctor, "MOST_ERROR", 0.0)
     assert main(["doctor"]) == 1
-    assert "from its closed form" in capsys.readouterr().out
+    assert "from the closed form" in capsys.readouterr().out

@@ -234,8 +234,8 @@ def designs_of(bound: BoundArguments) -> tuple[str, ...]:
 def test_a_flag_that_was_renamed_still_works_and_tells_its_name(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["compare", "pin", "--jobs=2"]) == 2
     assert capsys.readouterr().err.splitlines() == [
-        "warning: --jobs is now --workers; the old name will be removed in the next release",
-        "error: a comparison needs at least two designs, e.g. cycloid-mj compare pin nonpin",
+        "warning: the flag --jobs is deprecated: use --workers; the old name will be removed in the next release",
+        "error: a comparison needs at least two designs: name another one, e.g. cycloid-mj compare pin nonpin",
     ]
 
 

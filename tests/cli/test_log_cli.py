@@ -106,7 +106,7 @@ def test_csv_has_every_digit(path, cut, tmp_path):
     assert (header, len(others)) == ("time,gear_speed,gear_x", 799)
     assert [float(word) for word in first.split(",")] == [run.time[0], run["gear_speed"][0], run["gear_x"][0]]
     code, out, err = told("log", "csv", cut, "--columns", "gear_x")
-    assert err.startswith("note: the run is incomplete: the log is truncated")
+    assert err.startswith(f"note: the run in {cut} is incomplete: the log is truncated")
     assert len(out.splitlines()) == len(read(cut)) + 1
     assert told("log", "csv", cut, "--out", target, "--force", "--quiet") == (0, "", "")
     assert len(target.read_text().splitlines()) == len(read(cut)) + 1
@@ -173,7 +173,7 @@ def test_log_without_a_design_is_repaired_without_a_scene(tmp_path):
     (tmp_path / "a.mcap").write_bytes(whole[:-4])
     code, _, err = told("log", "repair", tmp_path / "a.mcap")
     assert code == 0
-    assert f"the new log has no 3-D scene: log {tmp_path / 'a.mcap'} has no attachment 'design.toml'" in err
+    assert f"the new log has no 3-D scene: log {tmp_path / 'a.mcap'} lacks the attached file design.toml" in err
     assert load(tmp_path / "a-repaired.mcap").viewers == {}
 
 
@@ -207,7 +207,7 @@ def test_report_of_one_and_of_several_logs(path, cut, tmp_path):
     assert (code, out) == (0, f"{cut.with_suffix('.html')}\n")
     assert f"warning: {cut.stem}: the run is incomplete: the log is truncated" in err
     assert "stopped early" in cut.with_suffix(".html").read_text(encoding="utf-8")
-    assert rejected("report") == (2, "no log is given: name at least one, e.g. cycloid-mj report runs/pin.mcap")
+    assert rejected("report") == (2, "no log is given: name at least one log, e.g. cycloid-mj report runs/pin.mcap")
     assert rejected("report", path, path) == (2, f"log {path} is given twice: name each log once")
     assert rejected("report", tmp_path / "no.mcap")[0] == 2
     assert rejected("report", path, "--out", tmp_path / "no" / "x.html")[0] == 1
@@ -254,7 +254,7 @@ def test_render_writes_a_picture(path, tmp_path):
 def test_pictures_that_are_refused(path, tmp_path, monkeypatch):
     assert rejected("render", path, tmp_path / "run.bmp")[0] == 2
     code, message = rejected("render", path, tmp_path / "run.png", "--time-s", "3")
-    assert (code, message) == (2, "--time-s 3 is outside of the run: it must be from 0 to 0.0799 s")
+    assert (code, message) == (2, "--time-s 3 is outside the run: give a time from 0 to 0.0799 s")
     assert rejected("render", path, tmp_path / "run.png", "--width", "1")[0] == 2
     monkeypatch.setenv("MUJOCO_GL", "nothing")
     code, message = rejected("render", path, tmp_path / "run.png")
@@ -299,7 +299,7 @@ def test_view_replays_a_log_until_its_window_is_closed(path, monkeypatch):
     clock = SimpleNamespace(monotonic=lambda: next(looks) * viewer.FRAME_TIME, sleep=lambda _: None)
     monkeypatch.setattr(viewer, "time", clock)
     monkeypatch.setenv("DISPLAY", ":0")
-    assert told("view", path, "--slow", "1") == (0, "", "close the window to stop\n")
+    assert told("view", path, "--slow", "1") == (0, "", "to stop, close the window\n")
     run = read(path)
     times = [time for time, _, _ in seen]
     assert times == sorted(times)
@@ -308,5 +308,5 @@ def test_view_replays_a_log_until_its_window_is_closed(path, monkeypatch):
         assert angle == run["crank_angle"][np.searchsorted(run.time, time)]
         assert 0.1 < distance < 0.3
     code, _, err = told("view", "nonpin", "--set", "friction.cam=0.01")
-    assert (code, "MuJoCo's viewer cannot open a window: division by zero" in err) == (1, True)
+    assert (code, "the MuJoCo viewer cannot open a window: division by zero" in err) == (1, True)
     assert "warning: nonpin: friction.cam = 0.01 has no effect" in err

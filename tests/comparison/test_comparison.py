@@ -300,7 +300,7 @@ def test_designs_of_one_kind_are_compared():
 @pytest.mark.parametrize(
     ("trials", "words"),
     [
-        (lambda: pair()[:1], "requires two designs"),
+        (lambda: pair()[:1], "needs at least two designs"),
         (lambda: [*pair(), pair()[0]], "2 times"),
         (lambda: [*pair(0.0), pair(20.0)[0]], "nonpin at 20 N m is missing"),
         (lambda: [pair()[0], trial_of("nonpin", "settings.timestep_us=4.0")], "settings.timestep_us"),

@@ -328,7 +328,7 @@ def test_an_unknown_key_is_told_with_the_right_one(text: str, hint: str) -> None
         ("gear.eccentricity_mm=[1.0]", "it must be a number"),
         ("gear.eccentricity_mm={mm=1.0}", "it must be a number"),
         ("gear.eccentricity_mm=2020-01-01", "it must be a number"),
-        ("gear=3", r"gear is a table, not a value: write \[gear\]"),
+        ("gear=3", r"gear is a table, but is given as a value: write \[gear\]"),
         ("name=../pin", '"../pin" is not allowed'),
         ('name=""', '"" is not allowed'),
         ('name="a\\nb"', "not allowed"),
@@ -371,7 +371,7 @@ def test_all_wrong_values_are_told_at_once() -> None:
     "change", ["load.torque_nm", "load.torque_nm:36", "=36", "load.=36", ".torque_nm=36", "a.b.c=1", "", "name.x=1"]
 )
 def test_a_change_that_is_no_assignment_shows_the_syntax(change: str) -> None:
-    with pytest.raises(UsageError, match=r"give table\.key=value, e\.g\. |name is a value, not a table"):
+    with pytest.raises(UsageError, match=r"give table\.key=value, e\.g\. |name is a value and not a table"):
         override(PRESETS["pin"], [change])
 
 
@@ -404,7 +404,7 @@ def test_a_file_that_is_no_toml_says_so(tmp_path, content: bytes) -> None:
     path = tmp_path / "bad.toml"
     path.write_bytes(content)
     with pytest.raises(
-        DesignError, match=r"bad\.toml.*(is not valid TOML|is nested too deeply|choose a TOML text file)"
+        DesignError, match=r"bad\.toml.*(is not valid TOML|is nested too deeply|Choose a readable TOML file)"
     ) as error:
         load(path)
     assert "\n" not in str(error.value)
@@ -414,7 +414,7 @@ def test_a_file_that_is_no_toml_says_so(tmp_path, content: bytes) -> None:
 def test_an_empty_file_shows_where_to_start(tmp_path, content: str) -> None:
     path = tmp_path / "empty.toml"
     path.write_text(content)
-    with pytest.raises(DesignError, match=r"empty\.toml is empty: `cycloid-mj design new my` writes a complete"):
+    with pytest.raises(DesignError, match=r"empty\.toml is empty: write the values .* `cycloid-mj design new my`"):
         load(path)
 
 

@@ -32,7 +32,7 @@ def test_override_takes_lists_and_numbers_of_numpy():
         ({"load": 3.0}, DesignError, "load is a table"),
         ({"a.b.c": 3.0}, UsageError, "give table.key"),
         ({"": 3.0}, UsageError, "give table.key"),
-        ({"name.x": 3.0}, UsageError, "a value, not a table"),
+        ({"name.x": 3.0}, UsageError, "a value and not a table"),
     ],
 )
 def test_a_wrong_value_is_told_in_the_words_of_the_file(changes, error, words):

@@ -16,7 +16,9 @@ def test_a_base_is_the_preset_whose_values_a_file_keeps() -> None:
 
 @pytest.mark.parametrize("base", ['preset = "pim"', "", 'preset = "pin"\nratio = 3', "preset = 3"])
 def test_another_base_is_refused(base: str) -> None:
-    with pytest.raises(DesignError, match=r'\[base\] must be preset = "NAME", one of: pin, nonpin, printed, twodisc'):
+    with pytest.raises(
+        DesignError, match=r'must contain only preset = "NAME"\. Choose NAME from pin, nonpin, printed, twodisc'
+    ):
         loads(f"[base]\n{base}\n")
 
 

@@ -665,8 +665,8 @@ def test_no_folder_is_told_before_the_work(inside: str, tmp_path: Path, capsys: 
     file.write_text("mine", encoding="utf-8")
     assert main(["build", "--design", "pin", "--out", f"{file}{inside}"]) == 1
     told = capsys.readouterr()
-    assert "is a file; give another folder with --out" in told.err
-    assert "cutting" not in told.err
+    assert "is a file. Choose another folder with --out" in told.err
+    assert "decomposing" not in told.err
     assert file.read_text(encoding="utf-8") == "mine"
 
 

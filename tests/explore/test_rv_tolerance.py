@@ -58,5 +58,5 @@ def test_a_design_without_tolerances_and_other_figures_are_refused() -> None:
         tolerance(PRESETS["rv80e"], 10)
     with pytest.raises(UsageError, match="limit te_errors_arcsec only"):
         tolerance(toleranced(phase="uniform 3"), 10, limits=["backlash_arcmin<=1"])
-    with pytest.raises(UsageError, match="leave out --verify"):
+    with pytest.raises(UsageError, match="remove --verify"):
         tolerance(toleranced(phase="uniform 3"), 10, verify=1)

@@ -81,8 +81,8 @@ def test_an_old_key_is_the_same_figure() -> None:
         ("tooth_force", Need, "did you mean tooth_force_n"),
         ("baklash_arcmin", Need, "did you mean backlash_arcmin"),
         ("xyz", Need, "unknown figure 'xyz'; `cycloid-mj figures` lists them"),
-        ("life_h", [Need.STATICS], "the figure life_h needs a life; here only figures of statics"),
-        ("tooth_pressure", Need, "the design 'pin' has no figure tooth_pressure"),
+        ("life_h", [Need.STATICS], "the figure life_h needs a life, but only figures of statics"),
+        ("tooth_pressure", Need, "the figure tooth_pressure does not apply to the design 'pin'"),
     ],
 )
 def test_a_figure_that_is_not_there_is_told_with_near_names(key: str, needs: list[Need], words: str) -> None:

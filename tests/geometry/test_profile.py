@@ -211,7 +211,7 @@ def test_undercut_radius_is_the_smallest_convex_trochoid_radius(gear):
 def test_undercut_is_refused_at_its_limit_and_not_just_below():
     limit = profile.undercut_radius(PAPER)
     profile.require_no_undercut(PAPER, limit * (1 - 1e-12))
-    with pytest.raises(DesignError, match=r"from 2\.60795 mm on, .* undercut.*reduce pin_radius"):
+    with pytest.raises(DesignError, match=r"less than 2\.60795 mm, .* undercut.*Reduce pin_radius"):
         profile.require_no_undercut(dataclasses.replace(PAPER, pin_radius=limit))
     with pytest.raises(DesignError, match="undercut"):
         profile.sample(PAPER, 100, offset=2.7e-3)
@@ -222,9 +222,9 @@ def test_undercut_is_refused_at_its_limit_and_not_just_below():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"eccentricity": 40.75e-3 / 36}, "from pin_circle_radius / ring_teeth = 1.13194 mm.*reduce eccentricity"),
+        ({"eccentricity": 40.75e-3 / 36}, "less than pin_circle_radius / ring_teeth = 1.13194 mm.*Reduce eccentricity"),
         ({"ring_teeth": 2}, "at least 3"),
-        ({"pin_radius": 0.0}, "pin_radius = 0.0 m is invalid: it must be positive"),
+        ({"pin_radius": 0.0}, "pin_radius = 0.0 m is not allowed: give a finite length"),
         ({"pin_circle_radius": math.nan}, "pin_circle_radius = nan"),
     ],
 )

@@ -92,7 +92,7 @@ def test_a_longer_life_is_asked_of_a_smaller_torque() -> None:
 
 
 def test_what_bears_nothing_for_so_long_says_so() -> None:
-    with pytest.raises(DesignError, match=r"no torque down to .* is rated for 1e\+20 h"):
+    with pytest.raises(DesignError, match=r"no rated torque for 1e\+20 h"):
         rated_torque(Reducer(PIN), PIN.drive.speed, 1e20)
 
 

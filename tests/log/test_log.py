@@ -450,11 +450,11 @@ def edits() -> dict[str, tuple[Callable[[str, dict], dict | None], str]]:
         "foreign": (on("metadata", lambda _: None), "not a log of cycloid_mj"),
         "version": (
             on("metadata", lambda f: f | {"data": {"format": "2"}} if f["name"] == "cycloid_mj" else f),
-            "has format '2', this version reads '1'",
+            "has format '2', but this version of cycloid_mj reads '1'",
         ),
         "keys": (sample(40, lambda f: f | {"data": b"\x11" + f["data"][1:]}), "other fields than their schema"),
         "length": (sample(40, lambda f: f | {"data": f["data"] + b"\0"}), "/reducer differ in length"),
-        "lengths": (on("message", lambda f: f | {"data": f["data"] + b"\0"}), "37 bytes, their schema 36"),
+        "lengths": (on("message", lambda f: f | {"data": f["data"] + b"\0"}), "37 bytes, but their schema defines 36"),
         "missing": (sample(40, lambda _: None), "missing or out of order"),
         "order": (sample(40, lambda f: f | {"sequence": 41}), "missing or out of order"),
         "last": (on("message", lambda f: f if f["sequence"] < 94 else None), "should have 95 samples and has 94"),
@@ -590,7 +590,7 @@ def test_full_disk_at_the_very_end_is_reported(truth, tmp_path):
     path = tmp_path / "run.mcap"
     log = LogWriter(path, GROUPS, chunk_size=10 * ROW)
     write_samples(log, truth.select(slice(0, 20)))
-    with disk_of(path.stat().st_size), pytest.raises(LogError, match="its first 20 samples are on disk"):
+    with disk_of(path.stat().st_size), pytest.raises(LogError, match="Its first 20 samples can be read"):
         log.close()
     assert len(read(path)) == 20
 

@@ -81,12 +81,12 @@ def test_forced_log_without_samples_leaves_only_the_old_one(old):
 def test_log_that_another_run_writes_or_replaces_is_not_replaced(old, tmp_path):
     with LogWriter(old, GROUPS, force=True) as log:
         write(log, 0, 5)
-        with pytest.raises(LogError, match=r"another run is writing log .*run\.mcap"):
+        with pytest.raises(LogError, match=r"another run is writing the log .*run\.mcap"):
             LogWriter(old, GROUPS, force=True)
     write_log(old, 7, force=True)
     with LogWriter(tmp_path / "new.mcap", GROUPS) as log:
         write(log, 0, 5)
-        with pytest.raises(LogError, match=r"another run is writing log .*new\.mcap"):
+        with pytest.raises(LogError, match=r"another run is writing the log .*new\.mcap"):
             LogWriter(tmp_path / "new.mcap", GROUPS, force=True)
         with pytest.raises(LogTakenError, match="already exists"):
             LogWriter(tmp_path / "new.mcap", GROUPS)
@@ -183,7 +183,7 @@ def test_second_forced_run_meanwhile_ends_with_one_error(here, at_the_end):
     first = simulated("--out", "mine", "--speed-rpm", "200", "--force")
     ((code, out, err),) = second
     assert (code, out) == (1, "")
-    assert err.startswith("error: another run is writing log mine/pin.mcap")
+    assert err.startswith("error: another run is writing the log mine/pin.mcap")
     assert err.count("\n") == 1
     assert first["crank"]["speed_rad_s"] == pytest.approx(200 * 2 * np.pi / 60)
     assert names(here / "mine") == ["pin.mcap"]

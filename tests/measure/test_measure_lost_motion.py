@@ -130,7 +130,7 @@ def test_statics_of_parts_as_made_is_the_independent_balance(kind: str, changes:
 
 @pytest.mark.parametrize(("rated", "angles"), [(0.0, 8), (-1.0, 8), (30.0, 0)])
 def test_nothing_to_measure_is_a_usage_error(rated: float, angles: int):
-    with pytest.raises(UsageError, match="must be positive"):
+    with pytest.raises(UsageError, match="give a torque greater than 0"):
         lost_motion(FIXED.design, rated, angles)
 
 

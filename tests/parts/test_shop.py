@@ -82,7 +82,7 @@ def test_plates_fit_the_bed():
         assert one.size[1] <= 0.13
     (single,) = plates(PRINTED, 5e-5, 0.0, sizes)
     assert sum(len(one.places) for one in laid) == len(single.places)
-    with pytest.raises(DesignError, match=r"_cover is 108\.4 x 108\.\d mm large, but the bed only 100 x 100 mm"):
+    with pytest.raises(DesignError, match=r"_cover is 108\.4 x 108\.\d mm, but the bed only 100 x 100 mm"):
         plates(PRINTED, 5e-5, 0.0, sizes, (0.1, 0.1))
 
 
@@ -161,7 +161,7 @@ def test_the_command_writes_plates_materials_and_torques(tmp_path: Path, capsys,
 @pytest.mark.parametrize("bed", ["220", "0x200", "axb", "1x2x3", "infx2"])
 def test_a_bed_that_is_no_size_is_refused(bed, capsys, tmp_path):
     assert main(["export", "--design", "printed", "--plate", "--bed", bed, "--out", str(tmp_path / "no")]) == 2
-    assert f"--bed {bed} is not a size" in capsys.readouterr().err
+    assert f"--bed {bed} is not a valid size" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", ["pin", "printed", "twodisc"])

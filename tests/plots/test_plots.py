@@ -340,7 +340,7 @@ def test_a_png_has_200_dots_per_inch(drawn, tmp_path):
 
 def test_what_cannot_be_written_is_said(drawn, tmp_path):
     some = {"input": drawn["fig5_input"]}
-    with pytest.raises(UsageError, match=r"unknown figure format .bmp.; available: png, svg, pdf"):
+    with pytest.raises(UsageError, match=r"unknown figure format .bmp.: choose one of png, svg, pdf"):
         save(some, tmp_path, ("bmp",))
     (tmp_path / "file").write_text("")
     with pytest.raises(FigureError, match="cannot write figures to") as caught:

@@ -91,7 +91,5 @@ def test_the_model_has_the_stiffness_of_its_load():
 
 
 def test_a_load_beyond_a_line_contact_is_told_by_its_key():
-    with pytest.raises(
-        ContactError, match=r"^load\.torque_nm \(a working load of 1e\+05 N m\) is too large: a force of"
-    ):
+    with pytest.raises(ContactError, match=r"^load\.torque_nm \(a working load of 1e\+05 N m\) is too large: "):
         assert Reducer(loaded(1e5, "gear.face_width_mm=0.1")).contacts["output"].stiffness

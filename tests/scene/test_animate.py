@@ -168,7 +168,7 @@ def test_magnifications_that_are_refused():
     assert drawn_radii(Reducer(PIN), largest).pin == pytest.approx(0.4 * 2.25e-3)
     assert drawn_radii(Reducer(PIN)).pin == 2.25e-3
     for times in (0.99, largest + 1, np.nan, np.inf):
-        with pytest.raises(UsageError, match="it must be 1 to 1351 for this design"):
+        with pytest.raises(UsageError, match="choose 1 to 1351 for this design"):
             drawn_radii(Reducer(PIN), times)
 
 
@@ -183,7 +183,7 @@ def test_take_is_even_over_the_settled_turns(pin_run):
     half = take(pin_run, frames=30, turns=0.5)
     assert np.ptp(angle[half.rows]) == pytest.approx(np.pi * 29 / 30, abs=angle[1])
     for frames, turns in ((0, 1.0), (5, 0.0), (5, np.nan)):
-        with pytest.raises(UsageError, match=r"at least 1 frame|more than 0"):
+        with pytest.raises(UsageError, match=r"choose 1 or more|more than 0"):
             take(pin_run, frames=frames, turns=turns)
 
 
@@ -282,9 +282,9 @@ def test_a_full_disk_is_an_error_of_an_mp4() -> None:
 
 
 def test_what_cannot_be_written_as_a_movie(tmp_path, monkeypatch):
-    with pytest.raises(UsageError, match=r"cannot write a\.avi: animations must be \.gif or \.mp4"):
+    with pytest.raises(UsageError, match=r"cannot write a\.avi: unknown animation format.* \.gif or \.mp4"):
         write_movie(clip(), "a.avi")
-    with pytest.raises(UsageError, match="out of range: 1 to 50"):
+    with pytest.raises(UsageError, match="choose 1 to 50"):
         write_movie(clip(), tmp_path / "a.gif", 100)
     with pytest.raises(CycloidError, match=r"cannot write .*no/a\.gif: No such file"):
         write_movie(clip(), tmp_path / "no" / "a.gif")
@@ -397,9 +397,9 @@ def test_a_part_is_shown_alone_and_whole(modelled):
 def test_pictures_that_are_refused(modelled, monkeypatch):
     from cycloid_mj.scene import render
 
-    with pytest.raises(UsageError, match="must be 64 to 8192 pixels"):
+    with pytest.raises(UsageError, match="choose 64 to 8192 pixels"):
         render.render(modelled, Reducer(PIN), 0, (10, 400))
     monkeypatch.setenv("MUJOCO_GL", "nothing")
-    with pytest.raises(CycloidError, match=r"OpenGL \(nothing\) is not available for rendering: .*cycloid-mj animate"):
+    with pytest.raises(CycloidError, match=r"OpenGL \(nothing\) cannot render images: .*cycloid-mj animate"):
         render.render(modelled, Reducer(PIN), 0, (100, 100))
     assert FORCE_COLOURS.keys() == {"pin_gear", "tooth", "cam", "output"}

@@ -202,5 +202,5 @@ def test_map_covers_torque_speed_and_temperature() -> None:
 
 
 def test_map_requires_the_law_film() -> None:
-    with pytest.raises(UsageError, match="--map requires"):
+    with pytest.raises(UsageError, match="--map needs"):
         film_map(Reducer(resolve("pin")))

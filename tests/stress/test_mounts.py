@@ -107,7 +107,7 @@ def test_another_modulus_is_that_of_all_printed_parts_and_of_no_steel() -> None:
     ("text", "told"),
     [
         ("[stud]\n", "unknown key stud; did you mean studs?"),
-        ("studs = 3\n", "studs is a table, not a value: write [studs] and its keys below"),
+        ("studs = 3\n", "studs is a table, but is given as a value: write [studs], and its keys on the lines below"),
         ("[studs]\nnear_seat_mm = 9\n", "studs.far_seat_mm is missing (length of a pin in the second plate"),
         ("[studs]\nnear_seat_mm = 9\nfar_seat_mm = 8\nlength_mm = 3\n", "unknown key studs.length_mm"),
         (

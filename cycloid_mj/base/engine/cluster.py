@@ -50,7 +50,8 @@ def on_cluster(
                 why = "every worker of the cluster that computed it died"
                 if lost is None:
                     raise RunError(
-                        f"item {place + 1}: {why}; it may need more memory: use fewer workers per machine"
+                        f"item {place + 1} of the work cannot be computed: {why}, possibly for lack of memory. Use "
+                        "fewer workers per machine"
                     ) from future.exception()
                 result = lost(place, why)
             else:
@@ -68,18 +69,20 @@ def _piece(work: Callable[[T], R], item: T) -> tuple[Versions, R]:
 def _client(scheduler: str) -> Iterator[Any]:
     """Connect to a scheduler; cancel unfinished work when the block ends."""
     if not re.fullmatch(r"(\w+://)?\S+:\d+", scheduler):
-        raise UsageError(f"--scheduler {scheduler!r} is not an address: expected HOST:PORT, e.g. 10.0.0.1:8786")
+        raise UsageError(f"--scheduler {scheduler!r} is not an address: give HOST:PORT, e.g. 10.0.0.1:8786")
     try:
         from distributed import Client
     except ImportError as problem:
-        raise UsageError(f"--scheduler requires Dask ({problem}): pip install 'cycloid-mj[cluster]'") from problem
+        raise UsageError(
+            f"--scheduler needs Dask, which is not installed ({problem}): run pip install 'cycloid-mj[cluster]'"
+        ) from problem
     with _silent_loggers():
         try:
             client = Client(scheduler, timeout=SECONDS_TO_CONNECT, set_as_default=False)
         except (OSError, ValueError) as problem:
             raise RunError(
-                f"no Dask scheduler answers at {scheduler} ({problem}): start one with `dask scheduler`, or use "
-                "local processes with --workers"
+                f"--scheduler: no Dask scheduler answers at {scheduler} ({problem}). Start one with `dask scheduler`, "
+                "or use local processes with --workers"
             ) from problem
         try:
             yield client
@@ -115,7 +118,7 @@ def _connect(scheduler: str) -> Iterator[None]:
 
 def _connection_error(scheduler: str) -> RunError:
     return RunError(
-        f"the connection to the scheduler {scheduler} was lost: restart it, then run the same command again"
+        f"the connection to the scheduler {scheduler} was lost: restart the scheduler, then run the same command again"
     )
 
 
@@ -124,13 +127,16 @@ def _require_workers(client: Any, scheduler: str) -> None:
     try:
         client.wait_for_workers(1, timeout=SECONDS_TO_CONNECT)
     except TimeoutError as problem:
-        raise RunError(f"the cluster at {scheduler} has no workers: start some with `dask worker`") from problem
+        raise RunError(
+            f"the Dask cluster at {scheduler} has no workers: start at least one with `dask worker {scheduler}`"
+        ) from problem
     try:
         worker_versions = client.run(versions)
     except Exception as problem:  # whatever a worker fails with, such as a missing package
         local = dict(versions())["cycloid_mj"]
         raise RunError(
-            f"a worker of {scheduler} cannot load cycloid_mj ({problem}): install cycloid-mj {local} on all workers"
+            f"a worker of the cluster {scheduler} cannot import cycloid_mj ({problem}): install cycloid-mj {local} on "
+            "all workers"
         ) from problem
     for address, theirs in worker_versions.items():
         require_same(theirs, f"the worker {address}")
@@ -144,6 +150,6 @@ def _failure(future: Any, scheduler: str) -> BaseException:
     if isinstance(error, CycloidError):
         return error
     return RunError(
-        f"a worker of {scheduler} failed: {type(error).__name__}: {error}; check that worker's log, then start the run "
-        "again"
+        f"a worker of the cluster {scheduler} failed: {type(error).__name__}: {error}. Check the log of that worker, "
+        "then run the same command again"
     )

@@ -31,6 +31,6 @@ def require_same(theirs: Versions, whose: str) -> None:
     ]
     if differing:
         raise RunError(
-            f"{whose} has other package versions: {'; '.join(differing)}. Install the same versions, so that "
-            "results are the same"
+            f"{whose} has other package versions: {'; '.join(differing)}. Install the same versions on all machines, "
+            "because results depend on them"
         )

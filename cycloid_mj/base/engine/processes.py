@@ -40,7 +40,10 @@ def in_processes(
             if alone is not None:
                 why = f"its worker process died {deaths[alone] + 1} times, the last time while it was the only one"
                 if lost is None:
-                    raise RunError(f"item {alone + 1}: {why}; it may need more memory: use fewer --workers") from death
+                    raise RunError(
+                        f"item {alone + 1} of the work cannot be computed: {why}, possibly for lack of memory. Use "
+                        "fewer --workers"
+                    ) from death
                 del waiting[alone]
                 yield alone, lost(alone, why)
             deaths.update(begun & waiting.keys())

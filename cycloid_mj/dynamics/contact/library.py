@@ -24,7 +24,7 @@ def unfit(why: str) -> ContactError:
     """Return the error for an incompatible release."""
     return ContactError(
         f"MuJoCo {mujoco.__version__} is not compatible with this version of cycloid_mj ({why}). Tested releases: "
-        f"{', '.join(KNOWN)}; install one with: pip install 'mujoco=={KNOWN[0]}'"
+        f"{', '.join(KNOWN)}. Install one with: pip install 'mujoco=={KNOWN[0]}'"
     )
 
 
@@ -54,8 +54,8 @@ def library() -> ctypes.CDLL:
         if opened.mj_versionString().decode() == mujoco.mj_versionString():
             return opened
     raise ContactError(
-        f"the shared library of MuJoCo {mujoco.__version__} was not found in {', '.join(map(str, folders))}; "
-        "reinstall it with: pip install --force-reinstall mujoco"
+        f"the shared library of MuJoCo {mujoco.__version__} is missing in {', '.join(map(str, folders))}. Reinstall it "
+        "with: pip install --force-reinstall mujoco"
     )
 
 
@@ -79,7 +79,8 @@ def answer(name: str, address: int) -> None:
     """
     if callback(name).value:
         raise ContactError(
-            f"MuJoCo's callback {name} is already in use, and a run requires it: call mujoco.set_{name}(None) first"
+            f"MuJoCo's callback {name} is already in use, but the simulation needs it: call mujoco.set_{name}(None) "
+            "first"
         )
     callback(name).value = address
 

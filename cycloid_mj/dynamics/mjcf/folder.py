@@ -107,7 +107,9 @@ def write_folder(files: Mapping[str, bytes], folder: Path) -> None:
     try:
         make_folder(assets)
     except OSError as error:
-        raise CycloidError(f"cannot create the folder {assets}: {reason(error)}; choose another folder") from error
+        raise CycloidError(
+            f"cannot create the folder {assets}: {reason(error)}. Choose another folder with --out"
+        ) from error
     try:
         write_files({folder / name: content for name, content in files.items()})
     except BaseException:

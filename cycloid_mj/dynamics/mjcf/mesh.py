@@ -101,13 +101,13 @@ def build_mesh(reducer: Reducer, settings: ConvexSettings | None = None) -> Redu
     design = reducer.design
     if design.contact.law == "impact":
         raise DesignError(
-            f'{design.name}: contact.law = "impact" requires exact profiles and does not support convex meshes: use '
-            '--contact profile, or set contact.law = "line"'
+            f'{design.name}: contact.law = "impact" needs exact profiles, not convex meshes. Use --contact profile, or '
+            'set contact.law = "line"'
         )
     if design.has_film:
         raise DesignError(
-            f'{design.name}: friction.law = "film" requires exact profiles and does not support convex meshes: use '
-            '--contact profile, or set friction.law = "coulomb"'
+            f'{design.name}: friction.law = "film" needs exact profiles, not convex meshes. Use --contact profile, or '
+            'set friction.law = "coulomb"'
         )
     mesh = mesh_spec(reducer, settings or ConvexSettings())
     gains = add_actuators(mesh.spec, mesh.crank_inertia)
@@ -132,8 +132,8 @@ def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
     if ring.has_sleeves or ring.has_massless_pins:
         what = "sleeves that turn on their pins" if ring.has_sleeves else "massless pins"
         raise DesignError(
-            f'ring.pins = "{ring.pins}" does not support mesh contact: {what} require exact profiles; set ring.pins = '
-            '"free" or "fixed", or use --contact profile'
+            f'ring.pins = "{ring.pins}" needs exact profiles, because convex meshes cannot represent {what}. Use '
+            '--contact profile, or set ring.pins = "free" or "fixed"'
         )
     require_drawn(reducer.design, "mesh contact")
     require_one_ring(reducer, "mesh contact")

@@ -36,6 +36,6 @@ def require_single(surface: ConvexSurface, settings: CoacdSettings) -> None:
         parts = len(coacd_pieces(mesh(prism(surface, number)), settings))
         if parts != 1:
             raise DesignError(
-                f"CoACD cuts slice {number + 1} of the {surface.name} into {parts} parts: it is not convex; "
-                "make ConvexSettings.depth smaller"
+                f"slice {number + 1} of the {surface.name} is not convex (CoACD splits it into {parts} parts): reduce "
+                "ConvexSettings.depth"
             )

@@ -140,8 +140,8 @@ def require_within(name: str, quality: Quality, overfill: float, underfill: floa
     for what, value, bound in (("over", quality.max_overfill, overfill), ("under", quality.max_underfill, underfill)):
         if not value <= bound:
             raise DesignError(
-                f"the convex pieces of the {name} {what}fill it by {1e6 * value:.4g} um, more than the "
-                f"{1e6 * bound:.4g} um allowed: make ConvexSettings.chord_error or its depth smaller"
+                f"the convex pieces of the {name} {what}fill it by {1e6 * value:.4g} um, but at most {1e6 * bound:.4g} "
+                "um are allowed: reduce chord_error or depth of ConvexSettings"
             )
 
 

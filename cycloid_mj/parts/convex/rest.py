@@ -100,9 +100,9 @@ def _gear(reducer: Reducer, settings: ConvexSettings) -> tuple[Sector, Sector]:
     edge = float(np.sum(base[-1] * unit(pitch)))
     if edge <= waist:
         raise DesignError(
-            f"ring.teeth = {design.ring.teeth} leaves lobes so wide that the straight base of their convex halves, "
-            f"{1e3 * edge:.4g} mm from the axis, lies within the hub of {1e3 * waist:.4g} mm around the holes: "
-            "use more teeth, or smaller output.pin_circle_radius_mm and output.hole_radius_mm"
+            f"the convex pieces of the disc cannot be generated: with ring.teeth = {design.ring.teeth}, the base of a "
+            f"half lobe lies {1e3 * edge:.4g} mm from the axis, within the hub of {1e3 * waist:.4g} mm around the "
+            "holes. Increase ring.teeth, or reduce output.pin_circle_radius_mm or output.hole_radius_mm"
         )
     outer = np.concatenate([edge * unit([-pitch]), base, edge * unit([pitch])])
     inner_arc = _arc(waist, -pitch, pitch, error)

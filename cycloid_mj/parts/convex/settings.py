@@ -95,12 +95,20 @@ class ConvexSettings:
         for name in ("chord_error", "hull_chord_error", "play_error", "rest_chord_error"):
             value = getattr(self, name)
             if not 1e-11 <= value <= 1e-3:
-                raise DesignError(f"{name} is {value} m; it must be from 1e-11 to 1e-3 m: choose e.g. 1e-7")
+                raise DesignError(
+                    f"{name} of ConvexSettings is {value} m, which is out of range: choose 1e-11 to 1e-3 m, e.g. 1e-7"
+                )
         if self.fewest_facets < 8:
-            raise DesignError(f"fewest_facets is {self.fewest_facets}; a hole needs at least 8: choose e.g. 32")
+            raise DesignError(
+                f"fewest_facets of ConvexSettings is {self.fewest_facets}, which is too few for a hole: choose 8 or "
+                "more, e.g. 32"
+            )
         if self.hulls < 1:
-            raise DesignError(f"hulls is {self.hulls}; half a lobe needs at least 1: choose e.g. 2")
+            raise DesignError(
+                f"hulls of ConvexSettings is {self.hulls}, but half a lobe needs at least 1: choose 1 or more, e.g. 2"
+            )
         if not 0.0 < self.depth <= 0.5:
             raise DesignError(
-                f"depth is {self.depth}; it is a fraction of the pin radius and must be above 0 and at most 0.5"
+                f"depth of ConvexSettings is {self.depth}, which is out of range: choose a fraction of the pin radius "
+                "above 0 and at most 0.5"
             )

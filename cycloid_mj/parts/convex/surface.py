@@ -117,5 +117,7 @@ def convex_slice(
     after = np.roll(edges, -1, axis=0)
     bends = edges[:, 0] * after[:, 1] - edges[:, 1] * after[:, 0]
     if not ((bends > 0.0).all() or (bends < 0.0).all()):
-        raise DesignError(f"a slice of the {name} is not convex: make ConvexSettings.depth smaller")
+        raise DesignError(
+            f"a slice of the {name} is not convex, but only convex slices can be simulated: reduce ConvexSettings.depth"
+        )
     return Slice(outline if bends[0] > 0.0 else outline[::-1], width, curvature, radius, play)

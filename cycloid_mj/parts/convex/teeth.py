@@ -31,14 +31,14 @@ def gear_teeth(reducer: Reducer, settings: ConvexSettings, disc: int = 0) -> Con
     """
     if reducer.design.modification.rotation:
         raise DesignError(
-            "modification.rotation_arcsec has no convex slices: turned flanks meet by their exact profiles only; "
-            "set it to 0, or use the contact profile"
+            "convex meshes cannot represent rotated flanks (modification.rotation_arcsec): set "
+            "modification.rotation_arcsec = 0, or use --contact profile"
         )
     errors = reducer.deviations
     if errors.waves.any():
         raise DesignError(
-            "waves of the profile (errors.profile_cos_um and profile_sin_um, or measured.gear) have no convex slices, "
-            "which are the same on every lobe: remove them, or use the contact profile"
+            "convex meshes cannot represent waves of the profile (errors.profile_cos_um, errors.profile_sin_um or "
+            "measured.gear), because all lobes share one mesh: remove the waves, or use --contact profile"
         )
     gear, depth = reducer.gear_profile, gear_depth(reducer, settings)
     offset = reducer.profile_offset - float(errors.disc_radius[disc])

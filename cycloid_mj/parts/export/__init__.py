@@ -246,9 +246,13 @@ class _Encoding:
 
     def __post_init__(self) -> None:
         if self.arcs is not None and (self.polylines or self.file_format != "dxf"):
-            raise UsageError("arcs are an option of dxf without polylines: choose dxf, or omit them")
+            raise UsageError(
+                "arcs apply to the format dxf without polylines only: choose dxf without polylines, or omit arcs"
+            )
         if self.polylines and self.file_format != "dxf":
-            raise UsageError(f"polylines are an option of dxf, not of {self.file_format}: choose dxf, or omit them")
+            raise UsageError(
+                f"polylines apply to the format dxf only, not to {self.file_format}: choose dxf, or omit polylines"
+            )
 
     @property
     def is_mesh(self) -> bool:
@@ -361,8 +365,8 @@ def _step(reducer: Reducer, solid: Solid, stretches: tuple[PartSection, ...]) ->
     volume, true = read_volume(content), mass_properties(solid).volume
     if not abs(volume / true - 1.0) <= VOLUME_TOLERANCE:
         raise DesignError(
-            f"the STEP solid of the {solid.name} has the volume {volume:.6g} m3 instead of {true:.6g} m3; "
-            "export stl instead, and please report this design"
+            f"the STEP solid of the {solid.name} has a volume of {volume:.6g} m3 instead of {true:.6g} m3, so it is "
+            "not written: export STL (--format stl) instead, and please report this design"
         )
     return content
 

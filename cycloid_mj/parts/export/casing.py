@@ -288,8 +288,9 @@ def _cover_material(reducer: Reducer, asked: str) -> str:
     name = material_name(asked)
     if name not in MATERIALS or ring.is_plastic or Material(name=name).is_plastic:
         raise DesignError(
-            f"covers of {asked!r} are not possible: covers of another material than the ring are of a metal, on a ring "
-            f"of a metal; choose one of {', '.join(one for one in MATERIALS if not Material(name=one).is_plastic)}"
+            f"covers of {asked!r} are not possible: covers and ring may differ in material only if both are metals. "
+            f"Choose one of {', '.join(one for one in MATERIALS if not Material(name=one).is_plastic)}, or omit the "
+            "cover material"
         )
     return name
 
@@ -425,8 +426,8 @@ def _cavity(reducer: Reducer, screws: Screws, second: float, wall: float) -> tup
     most = min(room - wall, design.ring_root_radius)
     if not cavity <= most:
         raise DesignError(
-            f"the crank needs a {2e3 * cavity:.4g} mm diameter in the motor-side cover, but only {2e3 * most:.4g} mm "
-            "is available; reduce shaft.counterweight_radius_mm, or output.pin_circle_radius_mm"
+            f"the crank needs a diameter of {2e3 * cavity:.4g} mm in the motor-side cover, but only {2e3 * most:.4g} "
+            "mm is available: reduce shaft.counterweight_radius_mm or output.pin_circle_radius_mm"
         )
     ring = design.ring
     return cavity, min(most, ring.pin_circle_radius + 0.5 * ring.pin_radius) if ring.kind == "pin" else most
@@ -460,11 +461,10 @@ def _motor_flange(reducer: Reducer, motor: Motor, outer: float, seat: float, wal
         needed, there = reach(one)
         place = "room for its screw heads up to" if one.tapped else "a cover with"
         raise DesignError(
-            f"a flange {one.name} needs {place} a radius of {1e3 * needed:.4g} mm, a bearing diameter of at most "
-            f"{2e3 * (one.circle - hole(one) - wall):.4g} mm and a crank diameter of at least "
-            f"{2e3 * one.shaft + 4e3 * wall:.4g} mm around the motor's shaft; the radius is {1e3 * there:.4g} mm, "
-            f"the bearing {2e3 * seat:.4g} mm, the crank {2e3 * reducer.design.shaft.radius:.4g} mm; "
-            "choose another motor"
+            f"a motor flange {one.name} does not fit: it needs {place} a radius of {1e3 * needed:.4g} mm (here "
+            f"{1e3 * there:.4g}), a bearing of at most {2e3 * (one.circle - hole(one) - wall):.4g} mm diameter (here "
+            f"{2e3 * seat:.4g}), and a crank of at least {2e3 * one.shaft + 4e3 * wall:.4g} mm diameter around the "
+            f"motor shaft (here {2e3 * reducer.design.shaft.radius:.4g}). Choose another motor"
         )
     thread = thickest_bolt(RULES.thread_share * outer, inserted=is_plastic(reducer)).thread
     circle = outer - thread_radius(reducer, thread) - 2.0 * wall
@@ -520,8 +520,9 @@ def _hub(room: float, most: float, least: float) -> stock.StockBearing:
         if bearing.outside <= 2.0 * room and 2.0 * least <= bearing.bore <= 2.0 * most:
             return bearing
     raise DesignError(
-        f"no bearing in stock fits the output's hub: its bore must be {2e3 * least:.4g} to {2e3 * most:.4g} mm, its "
-        f"outside at most {2e3 * room:.4g} mm; choose a larger diameter or a thinner shaft (shaft.radius_mm)"
+        f"no bearing in stock fits the hub of the output: it needs a bore of {2e3 * least:.4g} to {2e3 * most:.4g} mm "
+        f"and an outside diameter of at most {2e3 * room:.4g} mm. Choose a larger outer diameter, or a thinner shaft "
+        "(shaft.radius_mm)"
     )
 
 

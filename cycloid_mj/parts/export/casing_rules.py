@@ -144,7 +144,7 @@ def stock_screw_length(bolt: stock.Bolt, reach: float) -> float:
     if length is None:
         raise DesignError(
             f"the casing needs {bolt.designation} screws {1e3 * reach:.4g} mm long, but the longest in stock is "
-            "shorter; reduce housing.outer_radius_mm"
+            "shorter: reduce housing.outer_radius_mm"
         )
     return length
 

@@ -120,8 +120,8 @@ def _require_asked(reducer: Reducer, pair: str, values: Array) -> OutlineClearan
     item = OutlineClearance(pair, getattr(reducer.design.clearance, pair), *_range(values))
     if max(item.asked - item.least, item.most - item.asked) > TOLERANCE:
         raise DesignError(
-            f"the clearance {item.pair} of the outline is {1e6 * item.least:.4g} to {1e6 * item.most:.4g} um, not "
-            f"the requested {1e6 * item.asked:.4g} um; please report this design"
+            f"the clearance {item.pair} of the exported outline is {1e6 * item.least:.4g} to {1e6 * item.most:.4g} um "
+            f"instead of {1e6 * item.asked:.4g} um, so it is not written: please report this design"
         )
     return item
 

@@ -175,7 +175,10 @@ def _spots(
     for part, (along, across) in zip(parts, pairs, strict=True):
         if along > length or across > width:
             size, room = (" x ".join(f"{MILLIMETRES * item:.4g}" for item in pair) for pair in ((along, across), bed))
-            raise DesignError(f"{part} is {size} mm large, but the bed only {room} mm: choose a larger bed, or mill it")
+            raise DesignError(
+                f"{part} measures {size} mm, but the bed only {room} mm: choose a larger bed (--bed), or manufacture "
+                "this part by another process"
+            )
     spots = [(0, (0.0, 0.0))] * len(pairs)
     number, x, y, deepest = 0, 0.0, 0.0, 0.0
     for i in sorted(range(len(pairs)), key=lambda i: (-pairs[i][1], -pairs[i][0])):

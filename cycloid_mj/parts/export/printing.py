@@ -59,8 +59,8 @@ def widen_clearances(reducer: Reducer, offset: float) -> Reducer:
         return reducer.but(clearance=clearance, ring=ring)
     except DesignError as error:
         raise DesignError(
-            f"an offset of {1e6 * offset:g} um is too large: a clearance would exceed its limit, or the sleeves would "
-            "have no wall; choose a smaller offset"
+            f"the printer offset of {1e6 * offset:g} um is too large, because a clearance would exceed its limit or "
+            "the sleeves would have no wall: choose a smaller offset"
         ) from error
 
 
@@ -214,12 +214,15 @@ def _cam_radius(reducer: Reducer, seat: float) -> float:
     gear, discs = design.gear, design.gear.discs
     flush = gear.eccentricity + design.shaft.radius
     if gear.bearing != "rolling":
-        raise DesignError("the cam slides in the gear (gear.bearing = 'plain'): it has no bearing with a bore")
+        raise DesignError(
+            "--cam-bearing-bore-mm needs a cam with a rolling bearing, but this cam slides in the disc (gear.bearing = "
+            '"plain"): remove the flag, or set gear.bearing = "rolling"'
+        )
     if not (flush < seat or (discs == 1 and seat == round(flush, 9))) or not seat < gear.bore_radius:
         raise DesignError(
-            f"a cam bearing with a {2e3 * seat:g} mm bore does not fit: the bore must be larger than {2e3 * flush:g} "
-            "mm to clear the shaft, and smaller than the outside diameter of the bearing, "
-            f"{2e3 * gear.bore_radius:g} mm (twice gear.bore_radius_mm)"
+            f"a cam bearing with a bore of {2e3 * seat:g} mm does not fit: choose a bore larger than {2e3 * flush:g} "
+            f"mm, to clear the shaft, and smaller than {2e3 * gear.bore_radius:g} mm, the outside diameter of the "
+            "bearing (twice gear.bore_radius_mm)"
         )
     return cam_radius(reducer, seat)
 

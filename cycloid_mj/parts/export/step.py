@@ -115,7 +115,8 @@ def _add_part(document: Any, name: str, sections: Sequence[PartSection], solids_
         raise
     except Exception as error:
         raise CycloidError(
-            f"OpenCASCADE cannot build the solid {name}: {error}; check the design with `cycloid-mj design check`"
+            f"OpenCASCADE cannot build the solid of the part {name} ({error}): check the design with `cycloid-mj "
+            "design check`, or export STL (--format stl)"
         ) from error
     solids, count = occ.TopExp_Explorer(shape, occ.TopAbs_ShapeEnum.TopAbs_SOLID), 0
     while solids.More():
@@ -123,7 +124,8 @@ def _add_part(document: Any, name: str, sections: Sequence[PartSection], solids_
         solids.Next()
     if count != solids_wanted:
         raise CycloidError(
-            f"the sections of the {name} make {count} solids instead of {solids_wanted}; check the design"
+            f"the sections of the {name} form {count} separate solids instead of {solids_wanted}: check the design "
+            "with `cycloid-mj design check`, or export STL (--format stl)"
         )
     label = occ.XCAFDoc_DocumentTool.ShapeTool_s(document.Main()).AddShape(shape, False)
     _set_name(label, name)

@@ -30,8 +30,8 @@ def read_stl(content: bytes, path: str = "the file") -> Array:
     count = int.from_bytes(content[80:84], "little")
     if len(content) != 84 + count * _TRIANGLE.itemsize:
         raise DesignError(
-            f"{path} is not a valid binary STL: it has {len(content)} bytes, but {count} triangles require "
-            f"{84 + count * _TRIANGLE.itemsize}; export it again with `cycloid-mj export --format stl`"
+            f"{path} is not a valid binary STL file: it has {len(content)} bytes, but its {count} triangles need "
+            f"{84 + count * _TRIANGLE.itemsize}. Export it again with `cycloid-mj export --format stl`"
         )
     return np.frombuffer(content, _TRIANGLE, offset=84)["corners"].astype(np.float64)
 
