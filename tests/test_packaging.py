@@ -212,4 +212,4 @@ def test_without_a_paper_reproduce_says_what_it_is_for(found, capsys):
     assert main(["reproduce"]) == 2
     told = " ".join(capsys.readouterr().err.split())
     assert f"entry points of the group {GROUP}" in told
-    assert "reproduce needs a command: none is installed" in told
+    assert "reproduce has no commands: install a package" in told

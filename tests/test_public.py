@@ -168,7 +168,7 @@ def test_a_result_is_drawn_by_one_call() -> None:
         assert axes.patches, f"a bar for each value of {result}"
     assert repr(rating).startswith("<Rating: pin; ")
     assert list(rating.frame.columns["key"]) == list(rating.items)
-    with pytest.raises(UsageError, match="Sheet has no figure 'nosuch'; available: closed_form"):
+    with pytest.raises(UsageError, match="Sheet has no figure 'nosuch': choose one of closed_form"):
         sheet.plot("nosuch")
     with pytest.raises(UsageError, match="Frame has no figure"):
         TABLE.plot()

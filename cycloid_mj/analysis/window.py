@@ -42,8 +42,8 @@ def require_hold(reducer: Reducer, time: Array) -> None:
         reached = f"it ends at {time[-1]:.6g} s" if time.size else "it has no usable samples"
         raise LogError(
             f"the run has {count} samples at constant crank speed, but at least {WINDOW.min_samples} are needed: "
-            f"{reached}, and the ramp of the speed ends at {reducer.design.drive.ramp:.6g} s. Simulate the design "
-            "again without interruption"
+            f"{reached}, and the speed ramp ends at {reducer.design.drive.ramp:.6g} s. Simulate the design again "
+            "without interruption"
         )
 
 

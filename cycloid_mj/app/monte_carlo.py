@@ -52,8 +52,8 @@ def samples(on_progress: Callable[[Any], None], values: Any, spread_um: Any) -> 
     zones = tolerance_zones(reducer)
     if not zones:
         raise UsageError(
-            "this design has no tolerances: enter the same tolerance for all sizes in um, or set tolerances in the "
-            "table [tolerance] of the design file"
+            "this design has no tolerances: enter one tolerance for all sizes (more than 0, at most "
+            f"{MAX_HALF_WIDTH_UM:g} um), or set the table [tolerance] of the design file"
         )
     columns: dict[str, Array] = {}
     for batch in list_batches(SAMPLES):

@@ -114,11 +114,14 @@ def application(page: Page, token: str) -> ASGIApp:
         except ClientDisconnect:
             return Response(status_code=HTTPStatus.REQUEST_TIMEOUT)
         if body is None:
-            return _error(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"the limit of a request is {LIMITS.body_bytes} bytes")
+            return _error(
+                HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
+                f"the request is too large: at most {LIMITS.body_bytes} bytes are allowed",
+            )
         if request.headers.get("content-type", "").partition(";")[0].strip().lower() != "application/json":
-            return _error(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "the content type of a request is application/json")
+            return _error(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "the content type of a request must be application/json")
         if not page.slots.acquire(blocking=False):
-            return _error(HTTPStatus.SERVICE_UNAVAILABLE, "too many requests at the same time: try again")
+            return _error(HTTPStatus.SERVICE_UNAVAILABLE, "too many requests at the same time: try again in a moment")
         return await run_sync(_answer, page, request.path_params["name"], body, abandon_on_cancel=True)
 
     routes = [
@@ -237,14 +240,14 @@ def _answer(page: Page, name: str, body: bytes) -> Response:
     try:
         content = json.loads(body)
         if not isinstance(content, dict):
-            raise ValueError(f"expected a JSON object, received {type(content).__name__}")
+            raise ValueError(f"send a JSON object, not a {type(content).__name__}")
         return _json(HTTPStatus.OK, page.answer(name, content))
     except CycloidError as error:  # status 200: browsers log every other status as an error of the page
         return _json(HTTPStatus.OK, {"refused": sentence_in_words(str(error).removeprefix("override: "))})
     except KeyError:
-        return _error(HTTPStatus.NOT_FOUND, "there is no such question")
+        return _error(HTTPStatus.NOT_FOUND, "unknown request: reload the page")
     except (ValueError, RecursionError) as error:
-        return _error(HTTPStatus.BAD_REQUEST, f"the request is not valid JSON: {error}")
+        return _error(HTTPStatus.BAD_REQUEST, f"the request is not a valid JSON object: {error}")
     except Exception as error:  # a failure of one question must not end the server
         return _failure(None, error)
     finally:

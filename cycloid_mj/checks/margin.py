@@ -80,7 +80,7 @@ def _tool(name: str, radius: float, where: str) -> Rule:
     return Rule(
         name,
         Limit("gear.face_width", "at most", MARGINS.cutter_reach * radius),
-        f"the {where} have a radius of {millimetres(radius)}, so that a cutter has at most that, and it cuts"
-        f" {MARGINS.cutter_reach / 2:g} diameters deep (assumed); wire erosion or a broach cuts deeper",
+        f"the {where} have a radius of {millimetres(radius)}, which limits the radius of a cutter, and a cutter reaches"
+        f" {MARGINS.cutter_reach / 2:g} diameters deep (assumed); wire erosion or broaching cuts deeper",
         severity="warning",
     )

@@ -65,13 +65,13 @@ def material_rules(table: str, material: Material) -> Iterator[Rule]:
     yield Rule(
         f"{part}yield_strength",
         Limit(f"{table}.yield_strength", "at most", material.tensile_strength),
-        "no material yields above its tensile strength",
+        "the yield strength of a material cannot exceed its tensile strength",
         (Limit(f"{table}.tensile_strength", "at least", material.yield_strength),),
     )
     for name, (low, high) in PLAUSIBLE.items():
         side, bound = ("at most", high) if getattr(material, name) >= low else ("at least", low)
         limit = Limit(f"{table}.{name}", side, bound)
-        why = "no material from polymers to tungsten carbide is beyond that; are the units right?"
+        why = "no material from polymers to tungsten carbide is beyond this limit: check the unit"
         yield Rule(f"{part}{name}", limit, why, severity="warning")
 
 

@@ -50,7 +50,7 @@ def _tolerance_check(
     clearance_limit = Limit(
         f"clearance.{pair}", "at least", getattr(reducer.design.clearance, pair) + error - available
     )
-    error_remedy = f"lower the errors to {available / error:.0%} of what they are"
+    error_remedy = f"reduce the errors to {available / error:.0%} of their present values"
     yield Check(
         name=name,
         passed=passed,

@@ -65,8 +65,9 @@ def main(argv: Sequence[str] | None = None) -> int:
             if group := _group_alone(app, words):
                 app.help_print(words, console=page.console(stderr=True))
                 commands = ", ".join(page.commands(app[group]))
-                choice = f"choose one of {commands}" if commands else "none is installed"
-                raise UsageError(f"{group} needs a command: {choice}")
+                if not commands:
+                    raise UsageError(f"{group} has no commands: install a package that provides one")
+                raise UsageError(f"{group} needs a command: choose one of {commands}")
             command, bound = parse(app, words)
             with at_most(_workers(bound)):
                 code = command(*bound.args, **bound.kwargs)

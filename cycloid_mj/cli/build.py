@@ -26,13 +26,15 @@ EXAMPLES = """Examples:
 
 HEADER = ("surface", "parts", "overfill max", "rms", "underfill max", "rms", "volume error")
 
-OutFlag = Annotated[str, Parameter(metavar="DIR", help="Folder of the model, made if there is none.")]
+OutFlag = Annotated[
+    str, Parameter(metavar="DIR", help="Output folder of the model; it is created if it does not exist.")
+]
 ChordFlag = Annotated[
     float,
     Parameter(
         metavar="X",
         validator=within(0.001, 10.0),
-        help="Largest distance of a flank's slices from the profile, to both sides [um]. Default: 0.1.",
+        help="Maximum distance between the slices of a flank and the profile [um]. Default: 0.1.",
     ),
 ]
 SeedFlag = Annotated[
@@ -42,8 +44,8 @@ PlainFlag = Annotated[
     bool,
     Parameter(
         name="--plain-coacd",
-        help="Also let CoACD cut the whole toothed parts, unsliced, at thresholds 0.05 and 0.02, and tell how far it "
-        "is off. Takes minutes; no file comes of it.",
+        help="Also decompose the toothed parts by CoACD alone, at thresholds 0.05 and 0.02, and print its errors for "
+        "comparison. Takes minutes and writes no files.",
     ),
 ]
 

@@ -45,7 +45,7 @@ SeveralFlag = Annotated[
         name="--design",
         metavar="NAME|FILE",
         consume_multiple=True,
-        help="Designs, the same as by position. Repeatable.",
+        help="Designs, as an alternative to positional arguments. Repeatable.",
     ),
 ]
 """Flags of a command that takes several designs by position (`DesignNames`)."""
@@ -73,7 +73,7 @@ TemperatureFlag = Annotated[
     Parameter(
         name="--at-c",
         metavar="X",
-        help="Temperature of all parts [degC]; sizes of a design hold at 20. Set single parts by --set thermal.disc_c.",
+        help="Temperature of all parts [degC]; dimensions are valid at 20. Single parts: --set thermal.disc_c.",
     ),
 ]
 JsonFlag = Annotated[bool, Parameter(name="--json", help="Print one JSON object on stdout, and nothing else.")]
@@ -81,7 +81,7 @@ ForceFlag = Annotated[
     bool,
     Parameter(
         name="--force",
-        help="Overwrite existing results; never an input of this command, or a file of another type.",
+        help="Overwrite existing results (never an input of this command or a file of another type).",
     ),
 ]
 AllFlag = Annotated[bool, Parameter(name="--all", help="Print all tables and notes, not only the headline.")]
@@ -102,7 +102,7 @@ FollowFlag = Annotated[
     Parameter(
         name="--follow",
         metavar="KEY=FORMULA",
-        help="Key that is computed from the varied keys, by numbers, keys, + - * / and parentheses: "
+        help="Key computed from the varied keys by a formula of numbers, keys, + - * / and parentheses: "
         "'output.hole_radius_mm=output.pin_radius_mm+gear.eccentricity_mm'. Without a formula, "
         "output.hole_radius_mm keeps the clearance around its pin, and drive.torque_nm keeps the rated "
         "torque on the output. Repeatable.",

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from cycloid_mj.base.errors import DesignError, UsageError
+from cycloid_mj.base.errors import DesignError, UsageError, reason
 from cycloid_mj.base.outcome import Outcome
 from cycloid_mj.base.overwrite_guard import claim
 from cycloid_mj.base.result import Table
@@ -384,9 +384,10 @@ def _motor_speed(path: str, torque: float, process: "Process") -> float:
         with Path(path).open(newline="", encoding="utf-8-sig") as file:
             points = sorted((float(row["speed_rpm"]), float(row["torque_nm"])) for row in csv.DictReader(file))
     except (OSError, ValueError, KeyError, TypeError) as error:
+        problem = reason(error) if isinstance(error, OSError) else "its rows are not pairs of speed and torque"
         raise UsageError(
-            f"--motor {path}: {error}. Choose one of {', '.join(key for key, one in MOTORS.items() if one.torque)}, or "
-            "a CSV file with the columns speed_rpm and torque_nm"
+            f"--motor {path}: {problem}. Choose one of {', '.join(key for key, one in MOTORS.items() if one.torque)}, "
+            "or a CSV file with the columns speed_rpm and torque_nm"
         ) from error
     speeds = [speed for speed, delivered in points if delivered >= torque and speed > 0.0]
     for (low, more), (high, less) in itertools.pairwise(points):

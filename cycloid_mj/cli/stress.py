@@ -120,7 +120,7 @@ MountsFlag = Annotated[
         name="--mounts",
         metavar="FILE.toml",
         help="With --springs: TOML file of the mounting of output pins and crank in compliant plates, and "
-        "the limits of their modulus (example in docs/bench.md). Default: pins are clamped, and the "
+        "the limits of their modulus (example in docs/printed-drive.md). Default: pins are clamped, and the "
         "shaft is as in the design.",
     ),
 ]

@@ -200,7 +200,8 @@ def _columns(path: Path, names: tuple[str, ...], lines: Iterable[tuple[int, list
         values = [value for cell in cells if (value := _number(cell)) is not None]
         if len(values) != len(cells) or not len(names) <= len(cells) <= most:
             raise DesignError(
-                f"{path}, line {number} is {','.join(cells)[:60]!r}: write {len(names)} numbers, {','.join(names)}"
+                f"{path}, line {number}: {','.join(cells)[:60]!r} is not valid. Write {len(names)} numbers: "
+                f"{','.join(names)}"
             )
         if (wrong := _out_of_range(dict(zip(names, values, strict=False)))) is not None:
             raise DesignError(f"{path}, line {number}: {wrong}")

@@ -76,7 +76,9 @@ def _simulate(reducer: Reducer, options: MeasureSettings) -> MeasuredFigures:
     from cycloid_mj.dynamics.run import RUN, model_for, schedule, simulate
 
     if reducer.design.drive.speed == 0.0:
-        raise DesignError("drive.speed_rpm is 0, so the crank would not turn: set a speed other than 0, such as 1640")
+        raise DesignError(
+            "drive.speed_rpm is 0, so the crank would not turn: set a speed other than 0, such as 1640 rpm"
+        )
     is_massless = not options.real_pins and abs(reducer.design.load.torque) > reducer.contacts.own_load
     simulated_reducer = massless(reducer) if is_massless else reducer
     compiled = model_for(options.solver, simulated_reducer)

@@ -66,7 +66,9 @@ def figure(key: str, needs: Collection[Need] = frozenset(Need), reducer: Reducer
     """
     row = find_figure(key)
     if row is None:
-        raise UsageError(f"unknown figure {key!r:.60}{_proposals(key, needs, reducer)}")
+        raise UsageError(
+            f"unknown figure {key!r:.60}; {_proposals(key, needs, reducer)}choose one that `cycloid-mj figures` lists"
+        )
     if key in row.deprecated:
         warnings.warn(
             f"the figure {key} is deprecated: use {row.key}; the old key will be removed in the next release",
@@ -76,18 +78,19 @@ def figure(key: str, needs: Collection[Need] = frozenset(Need), reducer: Reducer
     if row.need not in needs:
         possible = " or ".join(need for need in Need if need in needs)
         raise UsageError(
-            f"the figure {key} needs a {row.need}, but only figures of {possible} can be computed "
-            f"here{_proposals(key, needs, reducer)}"
+            f"the figure {key} needs a {row.need}, but only figures of {possible} can be computed here; "
+            f"{_proposals(key, needs, reducer)}choose one that `cycloid-mj figures` lists"
         )
     if reducer is not None and not row.applies_to(reducer):
         raise UsageError(
-            f"the figure {key} does not apply to the design {reducer.design.name!r}{_proposals(key, needs, reducer)}"
+            f"the figure {key} does not apply to the design {reducer.design.name!r}; "
+            f"{_proposals(key, needs, reducer)}choose one that `cycloid-mj figures` lists"
         )
     return row
 
 
 def _proposals(key: str, needs: Collection[Need], reducer: Reducer | None) -> str:
-    """Return the end of an error message: keys similar to an unknown one."""
+    """Return the question of an error message whether a similar key was meant; empty if there is none."""
     there = [
         name
         for name, row in _BY_ANY_NAME.items()
@@ -98,8 +101,7 @@ def _proposals(key: str, needs: Collection[Need], reducer: Reducer | None) -> st
     ]
     near = [name for name in there if key and key in name] or get_close_matches(key, there, n=5, cutoff=0.5)
     meant = list(dict.fromkeys(_BY_ANY_NAME[name].key for name in near))[:5]
-    proposed = f"did you mean {', '.join(meant)}? " if meant else ""
-    return f"; {proposed}`cycloid-mj figures` lists them"
+    return f"did you mean {', '.join(meant)}? Otherwise " if meant else ""
 
 
 def figures_of(reducer: Reducer, needs: Collection[Need] = CHEAP) -> tuple[Figure, ...]:

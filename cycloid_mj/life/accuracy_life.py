@@ -298,7 +298,7 @@ def wear(
     points = [point for point in duty.points if point.speed]
     if not points:
         raise DesignError(
-            "drive.speed_rpm is 0, but parts wear only while the crank turns: set a speed other than 0, such as 1640"
+            "drive.speed_rpm is 0, but parts wear only while the crank turns: set another speed, such as 1640 rpm"
         )
     drive = WearingDrive(reducer, points, settings)
     log = _Log(drive, hours, growth)

@@ -118,7 +118,7 @@ def _rated_items(
     turning = [point for point in duty.points if point.speed]
     if not turning:
         raise DesignError(
-            "drive.speed_rpm is 0, but a life in hours needs a crank that turns: set a speed other than 0, such as 1640"
+            "drive.speed_rpm is 0, but a life in hours needs a crank that turns: set another speed, such as 1640 rpm"
         )
     loadings = [solve_loading(reducer, point, poses, stops) for point in turning]
     worst = max(loadings, key=lambda loading: abs(loading.point.torque))

@@ -54,7 +54,7 @@ def rate_rv(reducer: RvReducer, duty: Duty, life: float) -> Rating:
     if not points:
         raise DesignError(
             "drive.speed_rpm is 0, but a life in hours needs a sun gear that turns: set a speed other than 0, such as "
-            "2295"
+            "2295 rpm"
         )
     torques = np.array([abs(point.torque) for point in points])
     turns = np.array([_bearing_speed(reducer, point.speed) * point.share for point in points])

@@ -234,7 +234,7 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
     if not points:
         raise DesignError(
             "drive.speed_rpm is 0, but the drive heats up only while the crank turns: set a speed other than 0, such "
-            "as 1640"
+            "as 1640 rpm"
         )
     steady = _fixed_point(reducer, points, settings)
     temperatures, heat = steady.temperatures, heat_by_node(reducer, steady.losses)

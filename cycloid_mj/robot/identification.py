@@ -96,7 +96,7 @@ def reduce(design: Named, level: Level = "full", progress: Progress | None = Non
     if reducer.design.drive.speed == 0.0:
         raise DesignError(
             "drive.speed_rpm is 0, but friction is evaluated with a turning crank: set a speed other than 0, such as "
-            "1640"
+            "1640 rpm"
         )
     reducer = reducer.but(load={"torque": reducer.design.rated_torque}).working_at(reducer.design.rated_torque)
     counted = _Counted(progress, 2 + (1 + 2 * len(GRID.torques)) * len(GRID.speeds) + count_turns(reducer))

@@ -376,7 +376,7 @@ class ReducedJoint(Presented):
         sound = all(math.isfinite(values[key]) and values[key] > 0.0 for key in NUMBERS)
         if joint.level not in LEVELS or joint.way not in (-1, 1) or not sound or not joint.springs:
             raise UsageError(
-                "the file does not describe a valid reducer, because level, way, springs or a number is out of range: "
+                "the reducer file is not valid, because the value of level, way, springs or a number is not allowed: "
                 "use a reducer.json written by `cycloid-mj reduce`"
             )
         return joint

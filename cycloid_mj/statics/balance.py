@@ -206,7 +206,7 @@ def require_balance(residual: Residual, contacts: KernelSprings, load: Array) ->
     failed = (
         f"no static equilibrium found: the residual is {residual.force:.3g} of the load (allowed: {RESIDUAL_RTOL:.0e})"
     )
-    remedy = "check the clearances (--set clearance....), or reduce the load (--load-nm)"
+    remedy = "check the clearances (clearance.*), or reduce the load (--load-nm)"
     if not contacts.rubbing.size:
         raise RunError(f"{failed}; {remedy}")
     limit = friction_limit(contacts, residual.angle, load[residual.angle])

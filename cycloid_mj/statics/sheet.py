@@ -255,7 +255,7 @@ def _under(reducer: Reducer, load: float | None) -> tuple[Reducer, float]:
         )
     if reducer.design.drive.speed == 0.0:
         raise DesignError(
-            "drive.speed_rpm is 0, but losses need a crank that turns: set a speed other than 0, such as 1640"
+            "drive.speed_rpm is 0, but losses need a crank that turns: set a speed other than 0, such as 1640 rpm"
         )
     return reducer.but(load={"torque": load}).working_at(load), load
 

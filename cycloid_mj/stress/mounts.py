@@ -90,7 +90,9 @@ def read_mounts(path: Path) -> Mounts:
         It is not TOML, or a key is unknown, missing or out of range.
     """
     try:
-        tables = parse_toml(note_input(path).read_text(encoding="utf-8-sig"), str(path), "docs/bench.md shows one")
+        tables = parse_toml(
+            note_input(path).read_text(encoding="utf-8-sig"), str(path), "docs/printed-drive.md describes an example"
+        )
     except FileNotFoundError as error:
         raise UsageError(
             f"the file of mounts {path} does not exist: give the name of a TOML file (docs/printed-drive.md shows an "

@@ -451,7 +451,7 @@ def test_table_says_what_the_findings_say():
 
 def test_a_run_without_design_is_refused():
     run = ideal(designed())
-    with pytest.raises(LogError, match=r"no attachment 'design.toml'"):
+    with pytest.raises(LogError, match=r"lacks the attached file design.toml"):
         analyze(replace(run, attachments={}))
     with pytest.raises(LogError, match="is not text"):
         analyze(replace(run, attachments={"design.toml": b"\xff\xfe"}))

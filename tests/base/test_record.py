@@ -100,7 +100,7 @@ def test_select_refuses_what_is_no_choice_of_samples():
     run = make_run()
     with pytest.raises(LogError, match=r"mask of type bool and shape \(7,\)"):
         run.select(np.ones(6, dtype=bool))
-    with pytest.raises(LogError, match="array of int64"):
+    with pytest.raises(LogError, match="array of type int64"):
         run.select(np.array([0, 1]))
     with pytest.raises(LogError, match="increasing"):
         run.select(slice(None, None, -1))
@@ -128,8 +128,8 @@ def test_travels_to_other_processes(travel):
         ({"time": np.arange(6) * 0.25}, r"'gear_angle' has shape \(7,\): pass an array of shape \(6,\)"),
         ({"time": np.zeros((7, 1))}, r"shape \(7, 1\)"),
         ({"time": np.array([0, 1, 2, 2, 3, 4, 5.0])}, r"at sample 3: 2\.0 s is followed by 2\.0 s"),
-        ({"time": np.array([0, 1, 2, np.nan, 3, 4, 5.0])}, "at sample 3 is nan s"),
-        ({"time": np.array([0, 1, 2, 3, 4, 5, np.inf])}, "at sample 6 is inf s"),
+        ({"time": np.array([0, 1, 2, np.nan, 3, 4, 5.0])}, "the time of sample 3 of the run is nan s"),
+        ({"time": np.array([0, 1, 2, 3, 4, 5, np.inf])}, "the time of sample 6 of the run is inf s"),
         ({"units": {"gear_angle": "rad", "gear_speed": "rad/s"}}, "'pin_force' has no unit"),
         ({"units": UNITS | {"pin_forse": "N"}}, "'pin_forse', which is not a column.* nearest: pin_force"),
     ],

@@ -326,11 +326,11 @@ def test_odd_names_are_text_and_nothing_else(pin):
 
 
 def test_what_cannot_be_reported(pin):
-    with pytest.raises(UsageError, match="takes 1 to 6 logs"):
+    with pytest.raises(UsageError, match="but a report shows 1 to 6"):
         report({})
     with pytest.raises(UsageError, match="the number of logs is 7, but a report shows"):
         report({str(k): pin for k in range(MAX_RUNS + 1)})
-    with pytest.raises(LogError, match=r"no attachment 'design\.toml'"):
+    with pytest.raises(LogError, match=r"lacks the attached file design\.toml"):
         report({"a": replace(pin, attachments={})})
     with pytest.raises(UsageError, match="point q"):
         report({"a": pin}, q=(1.0, np.nan))

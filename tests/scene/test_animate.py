@@ -340,7 +340,7 @@ def test_replay_puts_every_body_where_the_poses_have_it(modelled):
 
 
 def test_runs_that_cannot_be_replayed(pin_run, modelled):
-    with pytest.raises(LogError, match=r"no attachment 'model\.xml'"):
+    with pytest.raises(LogError, match=r"lacks the attached file model\.xml"):
         replay_model(pin_run)
     for content in (b"<mujoco><nonsense/></mujoco>", b"\xff\xfe"):
         with pytest.raises(LogError, match=r"cannot load model\.xml of"):

@@ -513,9 +513,9 @@ def test_the_command_tells_the_most_that_goes(tmp_path: Path, monkeypatch, capsy
     ("flags", "message"),
     [
         (["--ratio", "20"], "--diameter-mm and --torque-nm are missing"),
-        (["--from", "pin", "--ratio", "20", "--diameter-mm", "60", "--torque-nm", "1"], "remove one of them"),
+        (["--from", "pin", "--ratio", "20", "--diameter-mm", "60", "--torque-nm", "1"], "remove one of the two"),
         (["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "1", "--process", "wood"], "steel"),
-        (["--ratio", "20", "--ratio-range", "2:3", "--diameter-mm", "60", "--torque-nm", "1"], "remove one of them"),
+        (["--ratio", "20", "--ratio-range", "2:3", "--diameter-mm", "60", "--torque-nm", "1"], "remove one of the two"),
         (["--ratio-range", "2-3", "--diameter-mm", "60", "--torque-nm", "1"], "give LOW:HIGH"),
         (
             ["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "1", "--discs", "few"],
@@ -528,7 +528,7 @@ def test_the_command_tells_the_most_that_goes(tmp_path: Path, monkeypatch, capsy
         ),
         (
             ["--ratio", "20", "--diameter-mm", "60", "--torque-nm", "40", "--motor", "nema99"],
-            "expected nema17, nema23, nema34 or a CSV file",
+            "Choose one of nema17, nema23, nema34, or a CSV file",
         ),
     ],
 )
