@@ -36,7 +36,7 @@ def compiled(tmp_path_factory: pytest.TempPathFactory) -> None:
     if not worker:
         _contact()
         return
-    parts = (_contact_and_sliding, _statics)
+    parts = (_dynamics, _statics)
     first = int(worker.removeprefix("gw")) % len(parts)
     for part in (*parts[first:], *parts[:first]):
         with (tmp_path_factory.getbasetemp().parent / f"{part.__name__}.lock").open("w") as lock:
@@ -59,18 +59,27 @@ def _contact() -> None:
         pass
 
 
-def _contact_and_sliding() -> None:
-    from cycloid_mj.design import Design
-    from cycloid_mj.statics.friction_path import Losses, course_along
+def _dynamics() -> None:
+    """Compile the contact code and the steps of both solvers."""
+    from cycloid_mj.design import PRESETS, override
+    from cycloid_mj.dynamics.planar.model import planar_model
+    from cycloid_mj.dynamics.run import simulate
 
-    _contact()
-    course_along(Reducer(Design()), np.linspace(0.0, 1.0, 3), 0.0, Losses())
+    design = override(PRESETS["pin"], {"drive.ramp_s": 0.0, "drive.hold_s": 1e-5})
+    simulate(design)
+    simulate(design, planar_model(Reducer(design)))
 
 
 def _statics() -> None:
-    from cycloid_mj.design import Design
+    """Compile the static balance with all its paths, of samples, and along a load path with friction."""
+    from cycloid_mj.checks import check
+    from cycloid_mj.design import PRESETS, Design, override
+    from cycloid_mj.statics.friction_path import Losses, course_along
     from cycloid_mj.statics.samples import identical_samples, solve_samples
     from cycloid_mj.statics.sheet import sheet
 
-    sheet(Reducer(Design()))
-    solve_samples(Reducer(Design()), identical_samples(Reducer(Design()), 1), [1.0], 2)
+    reducer = Reducer(Design())
+    sheet(reducer)
+    solve_samples(reducer, identical_samples(reducer, 1), [1.0], 2)
+    course_along(reducer, np.linspace(0.0, 1.0, 3), 0.0, Losses())
+    check(override(PRESETS["pin"], {"friction.pin_gear": 2.0, "friction.pin_socket": 2.0}))  # it jams on every path

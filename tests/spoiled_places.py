@@ -57,8 +57,12 @@ PARTS = {"lift": spoiled_lifts, "steps": spoiled_steps}
 
 
 def outcomes(part: str) -> dict[str, str]:
-    """Run the trials of a part in a new interpreter; what is told of each place, ``CRASHED``, or nothing."""
-    done = subprocess.run([sys.executable, __file__, part], capture_output=True, text=True, check=True)
+    """Run the trials of a part in a new interpreter; what is told of each place, ``CRASHED``, or nothing.
+
+    Each place has code of its own, whose compilation takes most of the time; without optimization it takes less.
+    """
+    quick = os.environ | {"NUMBA_OPT": "0"}
+    done = subprocess.run([sys.executable, __file__, part], capture_output=True, text=True, check=True, env=quick)
     told: dict[str, str] = json.loads(done.stdout)
     return told
 

@@ -4,6 +4,7 @@ import ast
 import re
 import tomllib
 from collections.abc import Iterator
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -29,7 +30,10 @@ def module_name(path: Path) -> str:
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
-TREES = {module_name(path): ast.parse(path.read_text(encoding="utf-8")) for path in PACKAGE.rglob("*.py")}
+@cache
+def trees() -> dict[str, ast.Module]:
+    """Parse all modules of the package."""
+    return {module_name(path): ast.parse(path.read_text(encoding="utf-8")) for path in PACKAGE.rglob("*.py")}
 
 
 def docstrings(tree: ast.Module) -> set[ast.AST]:
@@ -40,7 +44,7 @@ def docstrings(tree: ast.Module) -> set[ast.AST]:
 
 def named(name: str) -> Iterator[str]:
     """Yield the modules of the package that a module names in strings, by which it could import them."""
-    tree = TREES[name]
+    tree = trees()[name]
     skipped = docstrings(tree)
     for node in ast.walk(tree):
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and node not in skipped:
@@ -51,13 +55,16 @@ def package_of(module: str) -> str:
     return module.split(".")[1] if module.count(".") else ""
 
 
-IMPORTS = build_graph("cycloid_mj", exclude_type_checking_imports=True)
-GRAPH = {name: set(IMPORTS.find_modules_directly_imported_by(name)) for name in IMPORTS.modules}
+@cache
+def import_graph() -> dict[str, set[str]]:
+    """Map each module to those that it imports."""
+    imports = build_graph("cycloid_mj", exclude_type_checking_imports=True)
+    return {name: set(imports.find_modules_directly_imported_by(name)) for name in imports.modules}
 
 
 def test_no_modules_import_each_other_in_a_circle() -> None:
     try:
-        tuple(TopologicalSorter(GRAPH).static_order())
+        tuple(TopologicalSorter(import_graph()).static_order())
     except CycleError as error:
         raise AssertionError(" -> ".join(error.args[1])) from None
 
@@ -66,8 +73,8 @@ def test_no_module_imports_or_names_a_layer_above_its_own() -> None:
     """A string that names an upper layer is an import in disguise: upper layers register what they provide."""
     upward = {
         f"{name} -> {other}"
-        for name in TREES
-        for other in (*GRAPH[name], *named(name))
+        for name in trees()
+        for other in (*import_graph()[name], *named(name))
         if package_of(name) in LEVEL and LEVEL.get(package_of(other), 0) > LEVEL[package_of(name)]
     }
     assert upward == set()

@@ -183,8 +183,8 @@ def test_changes_of_a_check_equal_its_remedy() -> None:
         (["clearance.pin_gear_um=20", "clearance.pin_socket_um=20", "drive.torque_nm=0.3"], "load concentration"),
         (["gear.discs=2", "output.pins=9"], "identical discs"),
         pytest.param(["errors.pin_position_um=0.8"], "pin tolerance", marks=pytest.mark.slow),
-        ([f"errors.pin_dr_um=[{'2, ' * 35}2]"], "pin in socket"),
-        (["errors.disc_dr_um=[9]"], "assembly"),
+        pytest.param([f"errors.pin_dr_um=[{'2, ' * 35}2]"], "pin in socket", marks=pytest.mark.slow),
+        pytest.param(["errors.disc_dr_um=[9]"], "assembly", marks=pytest.mark.slow),
     ],
 )
 def test_a_remedy_button_resolves_its_check_and_has_no_raw_keys(changes: list[str], name: str) -> None:

@@ -1,5 +1,6 @@
 """The server of the page: what it sends, whom it refuses, and how it withstands malformed, slow and idle clients."""
 
+import gc
 import http.client
 import json
 import math
@@ -69,6 +70,14 @@ def running(connection: type[LimitedConnection] = LimitedConnection) -> Iterator
         server.should_exit = True
         thread.join(20.0)
         assert not thread.is_alive()
+
+
+@pytest.fixture(scope="module", autouse=True)
+def modules_left_out() -> Iterator[None]:
+    """Leave what is loaded out of the garbage collection after each answer, as the command does."""
+    gc.freeze()
+    yield
+    gc.unfreeze()
 
 
 @pytest.fixture(scope="module")

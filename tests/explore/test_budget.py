@@ -95,7 +95,7 @@ def synthetic(function: Function, samples: int, generator: np.random.Generator) 
     return budget.shares(PINS, [a, b], {"A": function(a), "B": function(b), **mixed})
 
 
-@pytest.mark.parametrize("samples", [64, 256])
+@pytest.mark.parametrize("samples", [64, pytest.param(256, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", list(EXACT))
 def test_intervals_contain_the_exact_share(name: str, samples: int) -> None:
     """Of 200 seeds 90 % or more each; a binomial count of 0.9 lies above the bound with 99.9 %."""

@@ -23,7 +23,7 @@ def test_dowels_of_m6_jam_in_sockets_with_5_um_of_clearance() -> None:
     """ISO 286: m6 at 5 mm is +4 to +12 um on the diameter, +2 to +6 um on the radius."""
     assert np.allclose(fits.limits("m6", 5e-3), (4e-6, 12e-6))
     with pytest.raises(TooManyJams, match="pin_gear interferes"):
-        tolerance(with_pins(2.0, 6.0), samples=SAMPLES)
+        tolerance(with_pins(2.0, 6.0), samples=16)
 
 
 def test_needle_rollers_of_iso_3096_turn_and_are_those_of_the_bill() -> None:
