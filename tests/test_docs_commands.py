@@ -283,7 +283,28 @@ def test_the_python_of_the_joint_runs(
 
 def test_the_python_of_other_pages_is_tested_elsewhere() -> None:
     with_python = {page for page, text in PAGES.items() if any(language == "python" for language, _ in blocks(text))}
-    assert {page for page in with_python if not page.startswith("models/")} == {"README.md", "docs/joint.md"}
+    assert {page for page in with_python if not page.startswith("models/")} == {
+        "README.md",
+        "docs/joint.md",
+        "docs/python.md",
+    }
+
+
+def test_the_python_of_the_page_on_python_runs(
+    empty_folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The blocks run in order, and every function in the table is public."""
+    page, scope = "docs/python.md", {}
+    for language, block in blocks(PAGES[page]):
+        assert language == "python"
+        exec(compile(block, page, "exec"), scope)
+    printed = capsys.readouterr().out
+    efficiency = float(re.search(r"efficiency ([\d.]+)%", printed)[1])
+    assert 80.0 < efficiency < 95.0
+    assert len(re.findall(r"^backlash [\d.]+ arcmin$", printed, re.MULTILINE)) == 3
+    assert {"pin.mcap", "pin.html", "gear.stl"} <= {path.name for path in empty_folder.iterdir()}
+    named = set(re.findall(r"`cm\.(\w+)", PAGES[page]))
+    assert named <= set(scope["cm"].__all__)
 
 
 def test_a_broken_command_is_detected() -> None:
