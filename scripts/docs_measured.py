@@ -102,8 +102,9 @@ def comparison(data: Mapping[str, Any]) -> str:
     steps = ", ".join(dict.fromkeys(f"{run['timestep_us']:.3g}" for run in runs))
     starts = max(run["starts"] for run in runs)
     condition = (
-        f"`compare pin nonpin` at {data['speed_rpm']:g} rpm. Rms of the differences from the closed form.\n"
-        f"Without load: smallest to largest of {starts} independent starts, and mean. Time steps: {steps} us."
+                f"The table has results of `compare pin nonpin` at {data['speed_rpm']:g} rpm. All values but the efficiency\n"
+        f"are rms differences from the ideal motion. Without load, there are {starts} independent starts: the table\n"
+        f"has their smallest and largest value, and the mean in parentheses. Time steps: {steps} us."
     )
     rows = [(label, *(_level(run["figures"][label]) for run in runs)) for label, *_ in LEVELS]
     shares = (f"{100.0 * run['efficiency']:.1f}" if run["efficiency"] is not None else "" for run in runs)

@@ -24,7 +24,7 @@ CLAIMS, HYPOTHESIS = DATA / "paper-claims.csv", DATA / "paper-hypothesis.csv"
 """Tables for download: every claim, and the runs with the contact that the authors may have used."""
 
 STAGES = ("geometry", "equal", "input", "gear_speed", "q_path", "q_velocity", "pin_1", "vibration", "stress", "torque")
-TALLY = {"agrees": "agree", "depends": "depend on what the paper leaves open"}
+TALLY = {"agrees": "agree", "depends": "depend on values that the paper omits"}
 TALLY |= {"disagrees": "disagree", "not determined": "are not determined"}
 
 SECTIONS = {
@@ -96,7 +96,7 @@ def tally(content: Mapping[str, Any]) -> str:
         f"{sum(claim['verdict'] == verdict for claim in claims)} {words}" for verdict, words in TALLY.items()
     )
     command = "cycloid-mj reproduce --quick" if content["quick"] else "cycloid-mj reproduce"
-    return f"`{command}` compares {len(claims)} claims of the paper with the model:\n{counts}."
+    return f"`{command}` compares {len(claims)} claims of the paper with the model.\nOf these, {counts}."
 
 
 def claim_rows(content: Mapping[str, Any]) -> list[tuple[str, ...]]:
