@@ -102,7 +102,7 @@ def comparison(data: Mapping[str, Any]) -> str:
     steps = ", ".join(dict.fromkeys(f"{run['timestep_us']:.3g}" for run in runs))
     starts = max(run["starts"] for run in runs)
     condition = (
-                f"The table has results of `compare pin nonpin` at {data['speed_rpm']:g} rpm. All values but the efficiency\n"
+        f"The table has results of `compare pin nonpin` at {data['speed_rpm']:g} rpm. All values but the efficiency\n"
         f"are rms differences from the ideal motion. Without load, there are {starts} independent starts: the table\n"
         f"has their smallest and largest value, and the mean in parentheses. Time steps: {steps} us."
     )
