@@ -39,7 +39,7 @@ def _has_covers(reducer: Reducer) -> bool:
     return has_casing(reducer)
 
 
-def _rows(
+def _make_figures(
     need: Need,
     module: str,
     rows: Iterable[tuple[str, str, str, str]],
@@ -47,7 +47,8 @@ def _rows(
 ) -> tuple[Figure, ...]:
     """Return the figures that a module computes, from rows of key without unit, unit, name and definition.
 
-    The function has the name of the key, or that in `_FUNCTIONS`.
+    `need` states what they are computed from. The function has the name of the key, or that in `_FUNCTIONS`; `exists`
+    returns whether a reducer has the figures.
     """
     return tuple(
         Figure(
@@ -64,7 +65,7 @@ def _rows(
     )
 
 
-def _of_part(kind: str, name: str) -> Compute:
+def _part_function(kind: str, name: str) -> Compute:
     """Return the function of a figure of the parts of a kind, by finite elements."""
 
     def compute(reducer: Reducer) -> float:
@@ -75,8 +76,8 @@ def _of_part(kind: str, name: str) -> Compute:
     return compute
 
 
-def _of_parts(key: str, unit: str, name: str, definition: str) -> tuple[Figure, ...]:
-    """Return a figure of the parts of each kind by finite elements; texts have {} in place of the part."""
+def _make_part_figures(key: str, unit: str, name: str, definition: str) -> tuple[Figure, ...]:
+    """Return a figure for the parts of each kind, by finite elements; texts have {} in place of the part."""
     return tuple(
         Figure(
             key=f"{kind}_{key}",
@@ -84,7 +85,7 @@ def _of_parts(key: str, unit: str, name: str, definition: str) -> tuple[Figure, 
             unit=unit,
             definition=definition.format(words),
             need=Need.STRESS,
-            function=_of_part(kind, key),
+            function=_part_function(kind, key),
         )
         for kind, words in PARTS.items()
     )
@@ -92,20 +93,20 @@ def _of_parts(key: str, unit: str, name: str, definition: str) -> tuple[Figure, 
 
 # fmt: off
 UPPER_FIGURES = (
-    *_rows(Need.STATICS, "checks.rated_load", [
+    *_make_figures(Need.STATICS, "checks.rated_load", [
         ("pressure_angle", "deg", "pressure angle, averaged by force",
          "Pressure angle of the tooth forces, averaged by force under the nominal torque, with friction."),
         ("loaded_teeth_per_disc", "1", "loaded teeth of a disc at the nominal torque, mean number",
          "Contacts of one disc with the ring with at least 1 % of the largest force under the nominal torque, with "
          "friction: mean number."),
     ]),
-    *_rows(Need.GEOMETRY, "life.figures", [
+    *_make_figures(Need.GEOMETRY, "life.figures", [
         ("input_inertia", "kg cm2", "inertia at the input",
          "Inertia at the crank: crank, discs on their orbit, all other parts over the ratio squared."),
         ("length", "mm", "length of the mechanism",
          "Distance along the axis from the input journal to the far side of the output disc."),
     ]),
-    *_rows(Need.GEOMETRY, "life.figures", [
+    *_make_figures(Need.GEOMETRY, "life.figures", [
         ("drive_mass", "kg", "mass of the drive",
          "Mass including covers, bearings, screws, dowels and output flange, without motor and grease."),
         ("drive_inertia", "kg cm2", "inertia of the drive at the input",
@@ -115,18 +116,18 @@ UPPER_FIGURES = (
         ("drive_diameter", "mm", "overall diameter",
          "Diameter of the covers: that of the ring, or more if their screws do not fit into its wall."),
     ], _has_covers),
-    *_rows(Need.GEOMETRY, "life.figures", [
+    *_make_figures(Need.GEOMETRY, "life.figures", [
         ("largest_speed", "rpm", "largest speed of the crank",
          "Speed of the crank that the bearings of cams and shaft allow with grease: 300 000 over their mean diameter "
          "in mm, half of it for rollers without a cage."),
     ]),
-    *_rows(Need.LIFE, "life.figures", [
+    *_make_figures(Need.LIFE, "life.figures", [
         (f"{key}_speed", "rpm", f"largest speed of the crank, {words}",
          f"Speed of the crank at which the housing reaches its limit under the nominal torque, {words}; at most the "
          "largest that its bearings allow.")
         for key, words in (("continuous", "continuous"), ("intermittent", "for a quarter of the time"))
     ]),
-    *_rows(Need.STATICS, "life.output_bearing", [
+    *_make_figures(Need.STATICS, "life.output_bearing", [
         ("output_tilting_capacity", "N m", "tilting moment on the output",
          "Moment across the axis that the two bearings of the output's hub support next to the nominal torque, for "
          "the life of the design with its service factor (ISO 281) and standing (ISO 76)."),
@@ -139,7 +140,7 @@ UPPER_FIGURES = (
         ("output_axial_load", "N", "axial load on the output",
          "Force along the axis on the flange without other loads: a quarter of a bearing's static rating."),
     ], _has_covers),
-    *_rows(Need.LIFE, "life.figures", [
+    *_make_figures(Need.LIFE, "life.figures", [
         ("life", "h", "life",
          f"Time until the first part fails, wear excluded, by `cycloid-mj rate`, {_RATED}."),
         ("bearing_life", "h", "life of the bearings",
@@ -156,17 +157,17 @@ UPPER_FIGURES = (
          "Rated torque on the output for service.life_h (by default 6000 h) at the design's speed; at most the "
          "momentary torque."),
     ]),
-    *_of_parts(
+    *_make_part_figures(
         "stress_mpa", "MPa", "largest stress of {}",
         "Largest von Mises stress of {} away from contacts, or at a fillet by its notch factor, over a turn of the "
         "crank under the load or else the nominal torque, by `cycloid-mj stress --quick`.",
     ),
-    *_of_parts(
+    *_make_part_figures(
         "contact_pressure_mpa", "MPa", "largest contact pressure on {}",
         "Largest Hertz pressure on {} over a turn of the crank under the load, or the nominal torque without one, by "
         "`cycloid-mj stress --quick`; none if every contact is conformal.",
     ),
-    *_of_parts(
+    *_make_part_figures(
         "contact_safety", "1", "safety factor of the contact pressure on {}",
         "Shakedown limit 4 k of the surface over the largest Hertz pressure on {}, by `cycloid-mj stress --quick`: "
         "below 1, rolling yields at every pass (pitting life: `cycloid-mj rate`).",

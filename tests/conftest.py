@@ -74,12 +74,12 @@ def _statics() -> None:
     """Compile the static balance with all its paths, of samples, and along a load path with friction."""
     from cycloid_mj.checks import check
     from cycloid_mj.design import PRESETS, Design, override
-    from cycloid_mj.statics.friction_path import Losses, course_along
+    from cycloid_mj.statics.friction_path import Losses, follow_torque_path
     from cycloid_mj.statics.samples import identical_samples, solve_samples
     from cycloid_mj.statics.sheet import sheet
 
     reducer = Reducer(Design())
     sheet(reducer)
     solve_samples(reducer, identical_samples(reducer, 1), [1.0], 2)
-    course_along(reducer, np.linspace(0.0, 1.0, 3), 0.0, Losses())
+    follow_torque_path(reducer, np.linspace(0.0, 1.0, 3), 0.0, Losses())
     check(override(PRESETS["pin"], {"friction.pin_gear": 2.0, "friction.pin_socket": 2.0}))  # it jams on every path

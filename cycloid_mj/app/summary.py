@@ -142,7 +142,7 @@ def life(reducer: Reducer, required: Any = None, motor: MotorName = "auto") -> d
     ends = [item.life for item in rating.items.values() if item.decisive and item.life is not None]
     shortest = min(ends, default=math.inf)
     try:
-        rated, weakest = rated_torque(reducer, design.drive.speed, hours_required, poses=POSES, exact=TORQUE_RTOL)
+        rated, weakest = rated_torque(reducer, design.drive.speed, hours_required, crank_angles=POSES, rtol=TORQUE_RTOL)
         limit = weakest.name
         if (once := figure("momentary_torque_nm").value(reducer)) < rated:
             rated, limit = once, "emergency stop at twice the torque"

@@ -14,6 +14,12 @@ ARCSECOND = ARCMINUTE / 60.0
 ARCSECONDS = 3600.0 * 180.0 / math.pi
 """Arc seconds in a radian."""
 
+FREEZING_POINT = 273.15
+"""0 °C [K]."""
+
+HOUR = 3600.0
+"""[s]."""
+
 MILLIMETRES = 1e3
 """Millimetres in a metre."""
 

@@ -17,9 +17,9 @@ from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.result import Table
 from cycloid_mj.base.units import DEGREE
 from cycloid_mj.bench import model_selection
-from cycloid_mj.bench.fit import PROFILE, FitStopped, Fitted, fit
+from cycloid_mj.bench.fit import PROFILE, FitStopped, Fitted, fit_loops
 from cycloid_mj.bench.loop import DEFLECTION, MeasuredLoop, require_torque
-from cycloid_mj.bench.loop_figures import DEFINITIONS, LoopFigures, coulomb_of, loop_figures, width_of
+from cycloid_mj.bench.loop_figures import DEFINITIONS, LoopFigures, loop_coulomb_torque, loop_figures, loop_width
 from cycloid_mj.bench.overlay import LoopCondition, model_branches
 from cycloid_mj.bench.parameters import (
     DEFAULT,
@@ -34,17 +34,32 @@ from cycloid_mj.design import Design, Friction, Named, resolve
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.friction_path import Held, Losses
 
-MAX_CORRELATION = 0.95
-"""Correlation of two values from which the loops do not distinguish them."""
 
-MAX_PRIOR_SHARE = 0.5
-"""Share of the knowledge of a value from which the drawing determines it, not the loops."""
+@dataclass(frozen=True)
+class IdentifiabilityLimits:
+    """Limits of what the loops determine, and of plausible units of a deflection.
 
-MIN_SENSITIVITY = 1e-6
-"""Smallest change of the residuals, by a scaled value, of a parameter on which a loop depends: above rounding."""
+    Attributes
+    ----------
+    max_correlation
+        Correlation of two values from which the loops do not distinguish them.
+    max_prior_share
+        Share of the knowledge of a value from which the drawing determines it, not the loops.
+    min_sensitivity
+        Smallest change of the residuals, by a scaled value, of a parameter on which a loop depends: above rounding.
+    radians_factor, arcminutes_factor
+        How many times lower than the design's loop a loop is that may be in radians, and higher one in arcminutes
+        (heuristic).
+    """
 
-RADIANS_FACTOR, ARCMINUTES_FACTOR = 8.0, 30.0
-"""How many times lower than the design's a loop is that may be in radians, and higher one in arcminutes (heuristic)."""
+    max_correlation: float = 0.95
+    max_prior_share: float = 0.5
+    min_sensitivity: float = 1e-6
+    radians_factor: float = 8.0
+    arcminutes_factor: float = 30.0
+
+
+LIMITS = IdentifiabilityLimits()
 
 LOSSES = (
     ("constant", "constant friction alone", (), False),
@@ -159,7 +174,7 @@ class Calibration(Presented):
 
     @property
     def rms(self) -> float:
-        """Rms difference of all deflections from the model's [rad]."""
+        """Return the rms difference of all measured deflections from the fitted model's at the same torque [rad]."""
         loops = self.fitted.loops
         squares = sum(len(loop.torque) * self.fitted.rms(number) ** 2 for number, loop in enumerate(loops))
         return float(np.sqrt(squares / sum(len(loop.torque) for loop in loops)))
@@ -181,7 +196,7 @@ class Calibration(Presented):
 
     @property
     def misfits(self) -> tuple[str, ...]:
-        """Stretches that the fitted model cannot follow, and the model that does better; a sentence each."""
+        """Describe the stretches that the fitted model cannot follow, and a better candidate; a sentence each."""
         best, sentences = self.preferred, list(self._worst_stretches())
         if best is None or best.key == model_selection.WRITTEN:
             return tuple(sentences)
@@ -199,23 +214,23 @@ class Calibration(Presented):
         return (*sentences, better + (remedy if best.key == "load" else ""))
 
     def _worst_stretches(self) -> Iterator[str]:
-        """Yield the worst stretch of each loop that the fitted model cannot follow, a sentence each."""
-        every = self.stretches
+        """Describe the worst stretch of each loop that the fitted model cannot follow, a sentence each."""
+        all_stretches = self.stretches
         for loop in self.fitted.loops:
-            stretches = [item for item in every if item.loop == loop.name]
-            missed = [item for item in stretches if not item.is_within_model_error]
-            if missed:
-                worst = max(missed, key=attrgetter("share"))
-                limit = f"{len(missed)} of {len(stretches)} stretches differ by more than {MODEL_ERROR:.0%}"
+            stretches = [item for item in all_stretches if item.loop == loop.name]
+            outside = [item for item in stretches if not item.is_within_model_error]
+            if outside:
+                worst = max(outside, key=attrgetter("share"))
+                limit = f"{len(outside)} of {len(stretches)} stretches differ by more than {MODEL_ERROR:.0%}"
                 yield f"{worst.sentence} ({limit})"
 
     @property
     def measure_next(self) -> tuple[str, ...]:
-        """Loops that would determine most of the undetermined values, a sentence each."""
-        return _next_loops(self.fitted, self.unidentified, self.indistinguishable)
+        """Describe loops that would determine most of the undetermined values, a sentence each."""
+        return _advise_loops(self.fitted, self.unidentified, self.indistinguishable)
 
     def tables(self) -> tuple[Table, ...]:
-        """Return tables of parameters, figures, loops, deviations, and compared models."""
+        """Return tables of fitted values, figures, loops, deviations by stretch, and compared models."""
         compared = (
             ("candidate models of the loops", self.candidates),
             ("which losses explain the loops", self.variants),
@@ -229,7 +244,7 @@ class Calibration(Presented):
         )
 
     def _parameter_table(self) -> Table:
-        """Tabulate the fitted values with their intervals."""
+        """Return a table of the fitted values with their intervals and priors."""
         intervals = f"95 %, with a model error of {MODEL_ERROR:.0%}", "95 %, noise alone"
         header = ("value", "fitted", *intervals, "unit", "determined by the loop", "prior (one sigma)")
         rows: list[tuple[str | float, ...]] = []
@@ -241,7 +256,7 @@ class Calibration(Presented):
         return Table(f"{self.design.name}: fitted values", header, tuple(rows))
 
     def _figure_table(self) -> Table:
-        """Tabulate the figures of the measured and the fitted loop with their definitions."""
+        """Return a table of the figures of the measured and the fitted loops with their definitions."""
         modelled = self.modelled.in_units()
         rows = []
         for key, item in self.measured.in_units().items():
@@ -251,32 +266,35 @@ class Calibration(Presented):
         return Table("figures of the loop", ("figure", "measured", "95 %", "fitted model", "definition"), tuple(rows))
 
     def _loop_table(self) -> Table:
-        """Tabulate the loops with their residuals."""
+        """Return a table of the loops with their residuals."""
         header = (
             *("loop", "points", "height [deg]", "residual rms [deg]", "relative to the height"),
             *("without an offset of torque", "torque range [N m]"),
         )
         rows: list[tuple[str | float, ...]] = []
         for number, loop in enumerate(self.fitted.loops):
-            rms, without = self.fitted.rms(number), self.fitted.rms_without_offset(number)
-            shares = f"{rms / loop.height:.1%}", f"{without / loop.height:.1%}"
+            rms, without_offset = self.fitted.rms(number), self.fitted.rms_without_offset(number)
+            shares = f"{rms / loop.height:.1%}", f"{without_offset / loop.height:.1%}"
             degrees = loop.height / DEGREE, rms / DEGREE
             rows.append((loop.name, float(len(loop.torque)), *degrees, *shares, 2.0 * loop.most))
         return Table("loops", header, tuple(rows))
 
     def _deviation_table(self) -> Table:
-        """Tabulate the deviation of the fitted model from each stretch of each loop."""
+        """Return a table of the deviation of the fitted model from each stretch of each loop."""
         deviation = "measured less model, mean [deg]", "rms [deg]", "rms of the height"
         rows: list[tuple[str | float, ...]] = []
-        for each in self.stretches:
-            torques, missed = f"{each.first:+.3g} to {each.last:+.3g}", (each.mean / DEGREE, each.rms / DEGREE)
-            rows.append((each.loop, each.stretch, torques, *missed, f"{each.share:.1%}"))
+        for stretch in self.stretches:
+            torques, deviations = (
+                f"{stretch.first:+.3g} to {stretch.last:+.3g}",
+                (stretch.mean / DEGREE, stretch.rms / DEGREE),
+            )
+            rows.append((stretch.loop, stretch.stretch, torques, *deviations, f"{stretch.share:.1%}"))
         header = ("loop", "stretch", "torque [N m]", *deviation)
         return Table("where the fitted model misses the loops", header, tuple(rows))
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the calibration to JSON values."""
-        read = self.measured.in_units()
+        """Convert values, intervals, figures, loops, models and notes to JSON values."""
+        figures = self.measured.in_units()
         return {
             "design": self.design.name,
             "held": self.fitted.bench.held,
@@ -294,8 +312,8 @@ class Calibration(Presented):
                 for estimate, row in zip(self.estimates, correlations(self.fitted).tolist(), strict=True)
             },
             "residual_rms_deg": self.rms / DEGREE,
-            **{key: read[key].value for key in ("play_deg", "width_deg", "stiffness_nm_per_rad", "coulomb_nm")},
-            "measured": {key: {"value": item.value, "ci95": [item.low, item.high]} for key, item in read.items()},
+            **{key: figures[key].value for key in ("play_deg", "width_deg", "stiffness_nm_per_rad", "coulomb_nm")},
+            "measured": {key: {"value": item.value, "ci95": [item.low, item.high]} for key, item in figures.items()},
             "model": {key: {"value": item.value} for key, item in self.modelled.in_units().items()},
             "definitions": DEFINITIONS | {"residual_rms_deg": RESIDUAL},
             "measure_next": list(self.measure_next),
@@ -340,7 +358,7 @@ def _loop_json(fitted: Fitted, number: int) -> dict[str, Any]:
         "residual_rms_deg": rms / DEGREE,
         "residual_share": rms / loop.height,
         "residual_share_without_offset": fitted.rms_without_offset(number) / loop.height,
-        "width_at_zero_torque_deg": width_of(loop).value / DEGREE,
+        "width_at_zero_torque_deg": loop_width(loop).value / DEGREE,
         "offset_torque_nm": float(offset[0]),
         "offset_deg": float(offset[1]) / DEGREE,
         "points_left_out": loop.points_left_out,
@@ -401,27 +419,44 @@ def calibrate(
     model = Model(reducer, Losses(drag), needs_contact_friction(keys))
     bench = LoopCondition(held, crank, max(loop.most for loop in loops))
     _require_units(model, loops, bench)
-    chosen, trials = fit_parameters(reducer, keys, loops), Trials(progress)
-    _require_sensitivity(FitProblem(model, chosen, tuple(loops), bench, Trials()))
+    problem = FitProblem(model, fit_parameters(reducer, keys, loops), tuple(loops), bench, Trials())
+    _require_sensitivity(problem)
+    return _fit_and_compare(replace(problem, trials=Trials(progress)), with_candidates=set(keys) == set(DEFAULT))
+
+
+def _fit_and_compare(problem: FitProblem, with_candidates: bool) -> Calibration:
+    """Fit the parameters of a problem to its loops, and return the calibration.
+
+    With candidates, all of `model_selection.CANDIDATES` are fitted first; the best of them decides whether each loop
+    has a zero offset of torque.
+
+    Raises
+    ------
+    RunError
+        No static balance exists.
+    CalibrationStopped
+        Ctrl-C: it has the values by then.
+    """
+    model, loops, bench, trials = problem.model, problem.loops, problem.bench, problem.trials
     fits: dict[str, Fitted] = {}
     compared: tuple[model_selection.ModelFit, ...] = ()
     torque_offset, offset_gain = None, math.nan
     try:
-        if set(keys) == set(DEFAULT):
+        if with_candidates:
             for key, item in model_selection.fit_candidates(model, loops, bench, trials):
                 fits[key] = item
             compared = model_selection.compare_candidates(fits)
             # a zero offset belongs to the bench, not to the friction: the model nearest to the loops decides on it
             best = fits[model_selection.select_model(compared).key]
             torque_offset, offset_gain = best.torque_offset, best.offset_gain
-        fitted = fit(model, chosen, loops, bench, trials, torque_offset=torque_offset)
+        fitted = fit_loops(model, problem.parameters, loops, bench, trials, torque_offset=torque_offset)
     except FitStopped as stop:
-        so_far = _calibration(fits.get(model_selection.WRITTEN, stop.fitted))
+        so_far = _build_calibration(fits.get(model_selection.WRITTEN, stop.fitted))
         notes = (*so_far.notes, STOPPED)
         raise CalibrationStopped(stop, replace(so_far, complete=False, candidates=compared, notes=notes)) from stop
     if torque_offset is not None:
         fitted = replace(fitted, offset_gain=offset_gain)
-    return replace(_calibration(fitted), candidates=compared)
+    return replace(_build_calibration(fitted), candidates=compared)
 
 
 def calibrated_name(reducer: Reducer) -> str:
@@ -432,9 +467,11 @@ def calibrated_name(reducer: Reducer) -> str:
 def compare_losses(
     calibration: Calibration,
     progress: Progress = silent,
-    done: Callable[[Calibration], object] = lambda _: None,
+    on_fit: Callable[[Calibration], object] = lambda _: None,
 ) -> Calibration:
     """Fit constant friction, that of the contacts, a lossy material, and both, to the same loops (`LOSSES`).
+
+    Returns the calibration with these fits as `variants`.
 
     Parameters
     ----------
@@ -442,7 +479,7 @@ def compare_losses(
         The calibration whose loops and parameters are used.
     progress
         Called at each evaluation, as in `calibrate`.
-    done
+    on_fit
         Called after each fit with the calibration that has the fits so far as `variants`.
 
     Raises
@@ -457,38 +494,42 @@ def compare_losses(
         for parameter in fitted.parameters
         if parameter.key not in (*RUBBING, *STANDS_FOR_RUBBING)
     ]
-    smooth = fitted.model.reducer.but(friction=dict.fromkeys(Friction.model_fields, 0.0)).design
+    frictionless = fitted.model.reducer.but(friction=dict.fromkeys(Friction.model_fields, 0.0)).design
     trials = Trials(progress)
     fits: dict[tuple[str, str], Fitted] = {}
-    for key, meaning, extra, rough in LOSSES:
-        base = replace(
-            fitted.model, reducer=Reducer(fitted.model.reducer.design if rough else smooth), contact_friction=True
+    for key, meaning, extra, has_friction in LOSSES:
+        base_model = replace(
+            fitted.model,
+            reducer=Reducer(fitted.model.reducer.design if has_friction else frictionless),
+            contact_friction=True,
         )
         chosen = fit_parameters(fitted.model.reducer, [*common, *extra], fitted.loops)
         loops, offset = fitted.loops, fitted.torque_offset
-        fits[key, meaning] = fit(base, chosen, loops, fitted.bench, trials, intervals=False, torque_offset=offset)
+        fits[key, meaning] = fit_loops(
+            base_model, chosen, loops, fitted.bench, trials, intervals=False, torque_offset=offset
+        )
         trials.later = (len(LOSSES) - len(fits)) * trials.done / len(fits)
         calibration = replace(calibration, variants=model_selection.compare_fits(fits))
-        done(calibration)
+        on_fit(calibration)
     return calibration
 
 
 def correlations(fitted: Fitted) -> Array:
-    """Compute the correlations of the parameters, shape (p, p); 0 for those at a bound."""
+    """Compute the correlation matrix of the fitted parameters, shape (p, p); 0 for those at a bound."""
     count = len(fitted.parameters)
     covariance = fitted.uncertainty.covariance[:count, :count]
-    size = np.sqrt(np.diag(covariance))
-    both = np.outer(size, size)
-    return np.asarray(np.divide(covariance, both, out=np.eye(count), where=both > 0.0))
+    errors = np.sqrt(np.diag(covariance))
+    products = np.outer(errors, errors)
+    return np.asarray(np.divide(covariance, products, out=np.eye(count), where=products > 0.0))
 
 
-def _calibration(fitted: Fitted) -> Calibration:
-    """Return the calibration of a fit: its design, estimates, figures and notes."""
+def _build_calibration(fitted: Fitted) -> Calibration:
+    """Build the calibration of a fit: the calibrated design, estimates with intervals, figures and notes."""
     count = len(fitted.parameters)
-    estimates = {parameter.key: _estimate(fitted, number) for number, parameter in enumerate(fitted.parameters)}
+    estimates = {parameter.key: _estimate_value(fitted, number) for number, parameter in enumerate(fitted.parameters)}
     related = correlations(fitted)
     keys = list(estimates)
-    pairs = [(i, j) for i in range(count) for j in range(i) if abs(related[i, j]) > MAX_CORRELATION]
+    pairs = [(i, j) for i in range(count) for j in range(i) if abs(related[i, j]) > LIMITS.max_correlation]
     indistinguishable = tuple((keys[i], keys[j], float(related[i, j])) for i, j in pairs)
     calibrated = fitted.calibrated_model.reducer.design
     modelled = [replace(loop, deflection=turn) for loop, turn in zip(fitted.loops, fitted.turns, strict=True)]
@@ -499,20 +540,23 @@ def _calibration(fitted: Fitted) -> Calibration:
         indistinguishable=indistinguishable,
         measured=loop_figures(fitted.loops),
         modelled=loop_figures(modelled),
-        notes=_notes(fitted),
+        notes=_fit_notes(fitted),
     )
 
 
-def _estimate(fitted: Fitted, number: int) -> Estimate:
-    """Collect one fitted value with its intervals, and decide whether the loops determine it."""
-    parameter, scaled, ends = fitted.parameters[number], float(fitted.scaled[number]), fitted.ends[number]
-    value, low, high = (parameter.from_scale(float(item)) for item in (scaled, *ends))
+def _estimate_value(fitted: Fitted, index: int) -> Estimate:
+    """Return one fitted value with its intervals and prior, and whether the loops determine it.
+
+    `index` is that of the parameter.
+    """
+    parameter, scaled, interval = fitted.parameters[index], float(fitted.scaled[index]), fitted.ends[index]
+    value, low, high = (parameter.from_scale(float(item)) for item in (scaled, *interval))
     lower, upper = parameter.to_scale(parameter.lower), parameter.to_scale(parameter.upper)
     margin = SETTINGS.difference_step
-    bounded = lower + margin < ends[0] and ends[1] < upper - margin
-    at_bound, prior = bool(fitted.at_bound[number]), float(fitted.prior_share[number])
-    identified = bool(not at_bound and bounded and prior < MAX_PRIOR_SHARE and high - low < abs(value))
-    likeliest, half_width = float(fitted.likeliest[number]), float(fitted.uncertainty.half_widths[number])
+    bounded = lower + margin < interval[0] and interval[1] < upper - margin
+    at_bound, prior = bool(fitted.at_bound[index]), float(fitted.prior_share[index])
+    identified = bool(not at_bound and bounded and prior < LIMITS.max_prior_share and high - low < abs(value))
+    likeliest, half_width = float(fitted.likeliest[index]), float(fitted.uncertainty.half_widths[index])
     noise = math.nan, math.nan
     if not at_bound:
         noise = parameter.from_scale(likeliest - half_width), parameter.from_scale(likeliest + half_width)
@@ -525,7 +569,7 @@ def _percent(shares: Sequence[float]) -> str:
 
 
 def _comparison_table(title: str, loops: Sequence[MeasuredLoop], compared: Sequence[model_selection.ModelFit]) -> Table:
-    """Tabulate fits of several models to the same loops, with their criteria above the lowest."""
+    """Return a table of fits of several models to the same loops, with their criteria above the lowest."""
     bayesian, akaike = (min(getattr(item, key) for item in compared) for key in ("bayesian", "akaike"))
     header = ("model", *(f"{loop.name}: rms of height" for loop in loops), "BIC above best", "AIC above best", "values")
     rows = tuple(
@@ -557,14 +601,17 @@ def _format_number(value: float) -> str:
     return f"{value:.4g}" if np.isfinite(value) else "-"
 
 
-def _next_loops(
-    fitted: Fitted, unknown: Sequence[str], indistinguishable: Sequence[tuple[str, str, float]]
+def _advise_loops(
+    fitted: Fitted, undetermined: Sequence[str], indistinguishable: Sequence[tuple[str, str, float]]
 ) -> tuple[str, ...]:
-    """List loops that would determine the undetermined values, a sentence each."""
-    open_keys = {*unknown, *(key for pair in indistinguishable for key in pair[:2])}
+    """Describe loops that would determine some values, a sentence each.
+
+    `undetermined` are keys of values, `indistinguishable` pairs of keys with their correlation.
+    """
+    open_keys = {*undetermined, *(key for pair in indistinguishable for key in pair[:2])}
     max_torque, bench = max(loop.most for loop in fitted.loops), fitted.bench
     lowest = min(fitted.loops, key=attrgetter("height"))
-    coulomb, advice = coulomb_of(lowest).value, []
+    coulomb, advice = loop_coulomb_torque(lowest).value, []
     if any(key == "play" or key.endswith(("_play", "_um")) for key in open_keys):
         half_pitch = 180.0 / fitted.model.reducer.design.ring.teeth
         angle = bench.crank / DEGREE + half_pitch * fitted.model.reducer.design.reduction
@@ -589,7 +636,7 @@ def _next_loops(
     return tuple(advice)
 
 
-def _notes(fitted: Fitted) -> tuple[str, ...]:
+def _fit_notes(fitted: Fitted) -> tuple[str, ...]:
     """Return remarks on loops, intervals and offsets, a sentence each."""
     notes, sign = [], "counts deflection against the torque: its sign was changed"
     for loop in fitted.loops:
@@ -615,7 +662,13 @@ def _notes(fitted: Fitted) -> tuple[str, ...]:
 
 
 def _require_units(model: Model, loops: Sequence[MeasuredLoop], bench: LoopCondition) -> None:
-    """Raise UsageError for a loop that fits the design's only in N mm, in radians, or in arcminutes."""
+    """Check that the deflections are in degrees, by comparison with the loops of the design itself.
+
+    Raises
+    ------
+    UsageError
+        A loop fits the design's only in N mm, in radians, or in arcminutes.
+    """
     rated = model.reducer.design.rated_torque
     for loop in loops:
         require_torque(loop, rated)
@@ -624,13 +677,13 @@ def _require_units(model: Model, loops: Sequence[MeasuredLoop], bench: LoopCondi
         except RunError:
             continue
         expected = float(np.ptp(turn))
-        if loop.height * RADIANS_FACTOR < expected < loop.height / DEGREE * RADIANS_FACTOR:
+        if loop.height * LIMITS.radians_factor < expected < loop.height / DEGREE * LIMITS.radians_factor:
             raise UsageError(
                 f"{loop.name}: the measured deflection has a range of {loop.height / DEGREE:.3g} deg, but that of the "
                 f"model is {expected / DEGREE:.3g} deg. If the column {DEFLECTION} is in radians, multiply it by "
                 "57.2958; if not, set the clearances of the design closer to those of the drive"
             )
-        if loop.height > ARCMINUTES_FACTOR * expected:
+        if loop.height > LIMITS.arcminutes_factor * expected:
             raise UsageError(
                 f"{loop.name}: the measured deflection has a range of {loop.height / DEGREE:.3g} deg, but that of the "
                 f"model is {expected / DEGREE:.3g} deg. If the column {DEFLECTION} is in arcminutes, divide it by 60; "
@@ -638,11 +691,11 @@ def _require_units(model: Model, loops: Sequence[MeasuredLoop], bench: LoopCondi
             )
 
 
-def _require_sensitivity(search: FitProblem) -> None:
-    """Raise UsageError for parameters on none of which any loop depends."""
-    start = np.array([item.to_scale(item.start) for item in search.parameters] + [0.0] * (2 * len(search.loops)))
-    if not np.any(np.abs(search.slopes(start, range(len(search.parameters)), central=True)) > MIN_SENSITIVITY):
+def _require_sensitivity(problem: FitProblem) -> None:
+    """Raise UsageError if none of the parameters changes any loop, by central differences of the residuals."""
+    start = np.array([item.to_scale(item.start) for item in problem.parameters] + [0.0] * (2 * len(problem.loops)))
+    if not np.any(np.abs(problem.slopes(start, range(len(problem.parameters)), central=True)) > LIMITS.min_sensitivity):
         raise UsageError(
-            f"--fit {','.join(item.key for item in search.parameters)}: the measured loop does not depend on any of "
+            f"--fit {','.join(item.key for item in problem.parameters)}: the measured loop does not depend on any of "
             f"these parameters. Fit parameters on which it depends, such as {','.join(DEFAULT)}"
         )

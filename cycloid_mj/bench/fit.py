@@ -10,7 +10,7 @@ its inverse curvature (Cauchy-Schwarz, for a linear model). Intervals are wider 
 prior, such as a clearance with a tolerance in the design, counts as a residual of that size at one standard deviation.
 
 Loops do not distinguish between values within such intervals. The values that are returned are those whose deflections
-are nearest to the measured ones at the same torque (`FitProblem.nearest_deflections`). They differ from the likeliest
+are nearest to the measured ones at the same torque (`FitProblem.fit_deflections`). They differ from the likeliest
 where the model has an error: the fit measures the distance from a branch, in which a leap across the play that comes a
 little early counts little, and an outlier less.
 """
@@ -27,7 +27,7 @@ from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.base.statistics import rms
 from cycloid_mj.bench.loop import MeasuredLoop
-from cycloid_mj.bench.overlay import Branches, LoopCondition, apply_values, deflections, model_branches
+from cycloid_mj.bench.overlay import Branches, LoopCondition, apply_values, interpolate_deflections, model_branches
 from cycloid_mj.bench.parameters import Model, Parameter
 from cycloid_mj.bench.search import (
     FAILED_RESIDUAL,
@@ -109,7 +109,7 @@ class Fitted:
 
     @cached_property
     def branches(self) -> tuple[Branches, ...]:
-        """Torque [N m] and deflection [rad] of the model along each branch of each loop, with the loop's offsets."""
+        """Return torque [N m] and deflection [rad] of the model along each branch of each loop, offsets included."""
         lines = []
         for loop, (torque, deflection) in zip(self.loops, self.offsets, strict=True):
             branches = model_branches(self.calibrated_model, self.bench, loop, float(torque))
@@ -119,7 +119,9 @@ class Fitted:
     @cached_property
     def turns(self) -> tuple[Array, ...]:
         """Deflection of the model at every measured point [rad]: that of its branch at the measured torque."""
-        return tuple(deflections(loop, branches) for loop, branches in zip(self.loops, self.branches, strict=True))
+        return tuple(
+            interpolate_deflections(loop, branches) for loop, branches in zip(self.loops, self.branches, strict=True)
+        )
 
     @property
     def independent(self) -> tuple[float, ...]:
@@ -131,13 +133,13 @@ class Fitted:
         """Number of values that were fitted, offsets included."""
         return len(self.scaled) - (0 if self.torque_offset else len(self.loops))
 
-    def bayesian_criterion(self, independent: Sequence[float]) -> float:
-        """Compute the Bayesian information criterion, given the number of independent residuals of each loop.
+    def bayesian_criterion(self, independent_counts: Sequence[float]) -> float:
+        """Compute the Bayesian information criterion from the number of independent residuals of each loop.
 
         Criteria of models compare only where that number is the same: a model that leaves something out has correlated
         residuals, and by its own count would have less to explain.
         """
-        return _misfit(self.residuals, independent) + self.free_values * float(np.log(sum(independent)))
+        return _misfit(self.residuals, independent_counts) + self.free_values * float(np.log(sum(independent_counts)))
 
     def akaike_criterion(self, independent: Sequence[float]) -> float:
         """Compute Akaike's information criterion by the same residuals."""
@@ -147,15 +149,15 @@ class Fitted:
         """Compute the parameters' values from scaled ones."""
         return np.array([parameter.from_scale(item) for parameter, item in zip(self.parameters, scaled, strict=False)])
 
-    def rms(self, number: int) -> float:
-        """Compute the rms difference of a loop's deflection from the model's at the same torque [rad]."""
-        loop = self.loops[number]
-        return rms((self.turns[number] - loop.deflection)[loop.points_left_out :])
+    def rms(self, loop_index: int) -> float:
+        """Return the rms difference of a loop's deflection from the model's at the same torque [rad]."""
+        loop = self.loops[loop_index]
+        return rms((self.turns[loop_index] - loop.deflection)[loop.points_left_out :])
 
-    def rms_without_offset(self, number: int) -> float:
-        """Compute that difference for an offset of torque of 0, as in a scene, and the best of deflection [rad]."""
-        loop = self.loops[number]
-        turn = deflections(loop, model_branches(self.calibrated_model, self.bench, loop))
+    def rms_without_offset(self, loop_index: int) -> float:
+        """Return the rms difference for a torque offset of 0, as in a scene, and the best deflection offset [rad]."""
+        loop = self.loops[loop_index]
+        turn = interpolate_deflections(loop, model_branches(self.calibrated_model, self.bench, loop))
         return float(np.std((turn - loop.deflection)[loop.points_left_out :]))
 
 
@@ -167,7 +169,7 @@ class FitStopped(KeyboardInterrupt):
         self.fitted = fitted
 
 
-def fit(
+def fit_loops(
     model: Model,
     parameters: Sequence[Parameter],
     loops: Sequence[MeasuredLoop],
@@ -177,12 +179,12 @@ def fit(
     intervals: bool = True,
     torque_offset: bool | None = None,
 ) -> Fitted:
-    """Fit parameters of a model to loops by robust least squares.
+    """Fit parameters of a model to loops by robust least squares from several starts.
 
     Parameters
     ----------
     model, parameters, loops, bench
-        What is fitted to what.
+        The model, its parameters to fit, the measured loops, and the condition of their measurement.
     trials
         Counter of evaluations.
     start
@@ -200,47 +202,69 @@ def fit(
     FitStopped
         Ctrl-C: it has the best values by then, with intervals of the linearised model where there are no others.
     """
-    search = FitProblem(model, tuple(parameters), tuple(loops), bench, trials or Trials(), torque_offset is not False)
-    searches = {"ends": 2 * len(search.parameters), "nearest": 1} if intervals else {}
-    ended: list[tuple[float, Array]] = []
+    problem = FitProblem(model, tuple(parameters), tuple(loops), bench, trials or Trials(), torque_offset is not False)
+    interval_searches = {"ends": 2 * len(problem.parameters), "nearest": 1} if intervals else {}
+    solutions: list[tuple[float, Array]] = []
     fits: list[Fitted] = []
     try:
-        search.trials.expect(search.usual_trials(intervals))
-        starts = search.starts() if start is None else [start]
-        again = len(starts) if torque_offset is None else 0
+        problem.trials.expect(problem.usual_trials(intervals))
+        starts = problem.starts() if start is None else [start]
+        without_offset = len(starts) if torque_offset is None else 0
         for number, item in enumerate(starts):
-            search.trials.expect(search.expected_trials(starts=len(starts) - number, again=again, long=1, **searches))
-            ended.append(search.minimise(item, SETTINGS.max_steps_from_start, "trf"))
-        ended.sort(key=itemgetter(0))
+            problem.trials.expect(
+                problem.expected_trials(starts=len(starts) - number, again=without_offset, long=1, **interval_searches)
+            )
+            solutions.append(problem.minimise(item, SETTINGS.max_steps_from_start, "trf"))
+        solutions.sort(key=itemgetter(0))
         gain = math.nan
         if torque_offset is None:
-            search, gain, ended = _choose_offset(search, ended)
-        scaled = _refine(search, ended, fits, gain, searches)
+            problem, gain, solutions = _choose_offset(problem, solutions)
+        scaled = _refine(problem, solutions, fits, gain, interval_searches)
         if not intervals:
             return fits[-1]
-        return replace(fits[-1], scaled=search.nearest_deflections(scaled, *fits[-1].ends.T))
+        return replace(fits[-1], scaled=problem.fit_deflections(scaled, *fits[-1].ends.T))
     except KeyboardInterrupt as stop:
-        if not ended:
+        if not solutions:
             raise
-        so_far = fits[-1] if fits else evaluate_fit(search, min(ended, key=itemgetter(0))[1])
+        so_far = fits[-1] if fits else evaluate_fit(problem, min(solutions, key=itemgetter(0))[1])
         raise FitStopped(stop, so_far) from stop
 
 
 def _refine(
-    search: FitProblem, ended: list[tuple[float, Array]], fits: list[Fitted], gain: float, searches: dict[str, int]
+    problem: FitProblem,
+    solutions: list[tuple[float, Array]],
+    fits: list[Fitted],
+    offset_gain: float,
+    interval_searches: dict[str, int],
 ) -> Array:
-    """Search again from the best of the ends, and from each lower cost found for an interval; return the last values.
+    """Continue the search from the best solution, and restart it from each better point found for an interval.
 
-    Adds the ends to `ended` and the fits to `fits`, whose intervals are set if `searches` has searches for them.
+    Parameters
+    ----------
+    problem
+        The least-squares problem.
+    solutions
+        Cost and scaled values of the searches so far, the best first; the new ones are added.
+    fits
+        Fits with their intervals; those of this search are added.
+    offset_gain
+        Value of `Fitted.offset_gain`.
+    interval_searches
+        Number of searches for intervals by kind, for the progress; empty for no intervals by profile likelihood.
+
+    Returns
+    -------
+    Array
+        Scaled values of the last search.
     """
-    best, *others = ended
+    best, *others = solutions
     scaled = best[1]
     for _ in range(PROFILE.max_restarts):
-        search.trials.expect(search.expected_trials(long=1, **searches))
-        cost, scaled = search.minimise(scaled, SETTINGS.max_steps, "trf")
-        ended.append((cost, scaled))
-        fits.append(replace(evaluate_fit(search, scaled), offset_gain=gain))
-        better = widen_intervals(search, fits[-1], [(cost, scaled), *others]) if searches else None
+        problem.trials.expect(problem.expected_trials(long=1, **interval_searches))
+        cost, scaled = problem.minimise(scaled, SETTINGS.max_steps, "trf")
+        solutions.append((cost, scaled))
+        fits.append(replace(evaluate_fit(problem, scaled), offset_gain=offset_gain))
+        better = widen_intervals(problem, fits[-1], [(cost, scaled), *others]) if interval_searches else None
         if better is None:
             break
         others.append((cost, scaled))
@@ -248,7 +272,7 @@ def _refine(
     return scaled
 
 
-def evaluate_fit(search: FitProblem, scaled: Array) -> Fitted:
+def evaluate_fit(problem: FitProblem, scaled: Array) -> Fitted:
     """Compute the fit at scaled values, with the intervals of the linearised model.
 
     Raises
@@ -256,41 +280,46 @@ def evaluate_fit(search: FitProblem, scaled: Array) -> Fitted:
     RunError
         A loop has no model there.
     """
-    low, high = search.bounds
-    parts = search.residuals_by_loop(scaled)
-    failed = [loop.name for loop, part in zip(search.loops, parts, strict=True) if np.all(part == FAILED_RESIDUAL)]
+    low, high = problem.bounds
+    loop_residuals = problem.residuals_by_loop(scaled)
+    failed = [
+        loop.name for loop, part in zip(problem.loops, loop_residuals, strict=True) if np.all(part == FAILED_RESIDUAL)
+    ]
     if failed:
         raise RunError(
             f"{' and '.join(failed)}: the model has no static equilibrium for any parameters near the design. Reduce "
             "the friction coefficients of the design (friction.*), or set its clearances closer to those of the drive"
         )
     # the residuals of the priors are last
-    slopes = search.slopes(scaled, range(len(scaled)), central=True)[: sum(map(len, parts))]
-    prior = MODEL_ERROR * search.prior_weights
+    slopes = problem.slopes(scaled, range(len(scaled)), central=True)[: sum(map(len, loop_residuals))]
+    prior = MODEL_ERROR * problem.prior_weights
     at_bound = ~((scaled > low + PROFILE.bound_distance) & (scaled < high - PROFILE.bound_distance))
-    by_loop = np.split(slopes, np.cumsum([len(part) for part in parts])[:-1])
-    weighted = [part / np.sqrt(len(part)) for part in parts]
+    by_loop = np.split(slopes, np.cumsum([len(part) for part in loop_residuals])[:-1])
+    weighted = [part / np.sqrt(len(part)) for part in loop_residuals]
     free = estimate_uncertainty(by_loop, weighted, ~at_bound, prior)
-    every = estimate_uncertainty(by_loop, weighted, np.ones_like(at_bound), prior) if at_bound.any() else free
-    each = (every if bound else free for bound in at_bound.tolist())
+    bounded = estimate_uncertainty(by_loop, weighted, np.ones_like(at_bound), prior) if at_bound.any() else free
+    estimates = (bounded if bound else free for bound in at_bound.tolist())
     half_width = np.array(
-        [item.half_widths[index] + MODEL_ERROR * item.inverse[index, index] ** 0.5 for index, item in enumerate(each)]
+        [
+            item.half_widths[index] + MODEL_ERROR * item.inverse[index, index] ** 0.5
+            for index, item in enumerate(estimates)
+        ]
     )
     ends = np.clip(scaled[:, np.newaxis] + np.outer(half_width, [-1.0, 1.0]), low[:, np.newaxis], high[:, np.newaxis])
     return Fitted(
-        model=search.model,
-        parameters=search.parameters,
-        bench=search.bench,
-        loops=search.loops,
+        model=problem.model,
+        parameters=problem.parameters,
+        bench=problem.bench,
+        loops=problem.loops,
         likeliest=scaled,
         scaled=scaled,
-        residuals=tuple(parts),
+        residuals=tuple(loop_residuals),
         slopes=slopes,
         uncertainty=free,
         at_bound=at_bound,
         ends=ends,
         prior_share=prior**2 * np.diag(free.inverse),
-        torque_offset=search.torque_offset,
+        torque_offset=problem.torque_offset,
     )
 
 
@@ -301,29 +330,36 @@ def _misfit(residuals: Sequence[Array], independent: Sequence[float]) -> float:
 
 
 def _choose_offset(
-    search: FitProblem, ended: list[tuple[float, Array]]
+    problem: FitProblem, solutions: list[tuple[float, Array]]
 ) -> tuple[FitProblem, float, list[tuple[float, Array]]]:
     """Choose by the Bayesian information criterion whether the loops have zero offsets of torque.
 
-    `search` is the problem with offsets, `ended` has cost and scaled values at the ends of its searches, the best
-    first. Return the chosen problem, by how much the criterion is lower with offsets, and the ends of its searches.
+    `problem` is that with offsets; `solutions` are cost and scaled values of its searches, the best first. Returns the
+    chosen problem, by how much the criterion is lower with offsets, and the solutions of the chosen problem.
     """
-    without = replace(search, torque_offset=False)
+    without = replace(problem, torque_offset=False)
     steps = SETTINGS.max_steps_from_start
-    again = sorted((without.minimise(scaled, steps, "trf") for _, scaled in ended), key=itemgetter(0))
-    parts, fixed = search.residuals_by_loop(ended[0][1]), without.residuals_by_loop(again[0][1])
-    independent = [len(part) / autocorrelation_time(part) for part in parts]
-    gain = _misfit(fixed, independent) - _misfit(parts, independent) - len(search.loops) * math.log(sum(independent))
-    return (search, gain, ended) if gain > 0.0 else (without, gain, again)
+    solutions_without = sorted((without.minimise(scaled, steps, "trf") for _, scaled in solutions), key=itemgetter(0))
+    residuals_with, residuals_without = (
+        problem.residuals_by_loop(solutions[0][1]),
+        without.residuals_by_loop(solutions_without[0][1]),
+    )
+    independent = [len(part) / autocorrelation_time(part) for part in residuals_with]
+    gain = (
+        _misfit(residuals_without, independent)
+        - _misfit(residuals_with, independent)
+        - len(problem.loops) * math.log(sum(independent))
+    )
+    return (problem, gain, solutions) if gain > 0.0 else (without, gain, solutions_without)
 
 
-def widen_intervals(search: FitProblem, fitted: Fitted, valleys: Sequence[tuple[float, Array]]) -> Array | None:
+def widen_intervals(problem: FitProblem, fitted: Fitted, valleys: Sequence[tuple[float, Array]]) -> Array | None:
     """Set the ends of each interval by profile likelihood.
 
     Parameters
     ----------
-    search
-        The problem.
+    problem
+        The least-squares problem.
     fitted
         Its solution; `ends` is changed in place.
     valleys
@@ -338,56 +374,77 @@ def widen_intervals(search: FitProblem, fitted: Fitted, valleys: Sequence[tuple[
     inverse, lowest_cost = fitted.uncertainty.inverse, valleys[0][0]
     is_distinct = [np.any(np.abs(item - fitted.likeliest) > fitted.uncertainty.errors) for _, item in valleys[1:]]
     valleys = [valleys[0], *(valley for valley, other in zip(valleys[1:], is_distinct, strict=True) if other)]
-    unknown = np.all(fitted.ends == np.stack(search.bounds, axis=1), axis=1)
-    open_values = np.flatnonzero(~(fitted.at_bound | unknown)[: len(search.parameters)])
-    trials_before, done, usual = search.trials.done, 0, search.expected_trials(ends=1)
+    unknown = np.all(fitted.ends == np.stack(problem.bounds, axis=1), axis=1)
+    open_values = np.flatnonzero(~(fitted.at_bound | unknown)[: len(problem.parameters)])
+    trials_before, ends_done, usual_trials = problem.trials.done, 0, problem.expected_trials(ends=1)
     for index in open_values:
         for side, end in enumerate(fitted.ends[index].tolist()):
-            each = (search.trials.done - trials_before + usual) / (done + 1)
-            search.trials.expect((2 * len(open_values) - done) * each + search.expected_trials(nearest=1))
-            done += 1
-            linear = end - fitted.likeliest[index]
+            trials_per_end = (problem.trials.done - trials_before + usual_trials) / (ends_done + 1)
+            problem.trials.expect(
+                (2 * len(open_values) - ends_done) * trials_per_end + problem.expected_trials(nearest=1)
+            )
+            ends_done += 1
+            linear_distance = end - fitted.likeliest[index]
             # rise of the sum of squares there, if it is a paraboloid
-            allowed, reached = 0.5 * linear**2 / inverse[index, index], []
-            for cost, middle in valleys:
+            allowed, reached = 0.5 * linear_distance**2 / inverse[index, index], []
+            for cost, valley_values in valleys:
                 if (remaining := allowed - (cost - lowest_cost)) <= 0.0:
                     continue
-                distance, better = _profile_distance(search, fitted, (cost, middle), int(index), side, remaining)
+                distance, better = _profile_distance(
+                    problem, fitted, (cost, valley_values), int(index), side, remaining
+                )
                 if better is not None and better[0] < (1.0 - PROFILE.improvement_rtol) * lowest_cost:
                     return better[1]
-                reached.append(float(middle[index]) + distance)
+                reached.append(float(valley_values[index]) + distance)
             fitted.ends[index, side] = max(reached) if side else min(reached)
     return None
 
 
 def _profile_distance(
-    search: FitProblem, fitted: Fitted, valley: tuple[float, Array], index: int, side: int, allowed: float
+    problem: FitProblem, fitted: Fitted, valley: tuple[float, Array], index: int, side: int, allowed_rise: float
 ) -> tuple[float, tuple[float, Array] | None]:
-    """Compute the signed distance of a value from a valley at which the profile cost has risen by what is allowed.
+    """Compute the signed distance of a value from a valley at which the profile cost has risen by an allowed amount.
 
-    Also return cost and scaled values of a point that is lower than the valley, if one was reached.
+    The value of an `index` is fixed at distances that double, all others are fitted again, and the end is
+    interpolated.
+
+    Parameters
+    ----------
+    problem, fitted
+        The least-squares problem and its solution.
+    valley
+        Cost and scaled values at the bottom of the valley.
+    index, side
+        Index of the value; 0 for its lower end, 1 for its upper end.
+    allowed_rise
+        Rise of the cost at the end of the interval.
+
+    Returns
+    -------
+    distance, better
+        The distance, and cost and scaled values of a point lower than the valley, if a search reached one.
     """
-    (cost, middle), inverse = valley, fitted.uncertainty.inverse
+    (cost, valley_values), inverse = valley, fitted.uncertainty.inverse
     direction = inverse[:, index] / inverse[index, index]
-    limit = float(search.bounds[side][index] - middle[index])
-    distance = (2.0 * allowed * float(inverse[index, index])) ** 0.5
+    limit = float(problem.bounds[side][index] - valley_values[index])
+    distance = (2.0 * allowed_rise * float(inverse[index, index])) ** 0.5
     distance = min(distance, limit) if side else max(-distance, limit)
-    rise_before = reached = rise = 0.0
+    rise_before = last_distance = rise = 0.0
     better = None
     for _ in range(PROFILE.max_doublings):
-        start = np.clip(middle + distance * direction, *search.bounds)
-        new_cost, trial = search.minimise(start, PROFILE.max_steps, "dogbox", fixed=index)
+        start = np.clip(valley_values + distance * direction, *problem.bounds)
+        new_cost, trial = problem.minimise(start, PROFILE.max_steps, "dogbox", fixed=index)
         if new_cost < cost:
             better = new_cost, trial
         rise = max(new_cost - cost, 0.0)
-        if rise >= allowed or distance == limit:
+        if rise >= allowed_rise or distance == limit:
             break
-        reached, rise_before = distance, rise
+        last_distance, rise_before = distance, rise
         distance = min(2.0 * distance, limit) if side else max(2.0 * distance, limit)
     else:
         # nothing that was tried ends the interval
         distance = limit
-    if rise > allowed:
-        ratio = (allowed**0.5 - rise_before**0.5) / (rise**0.5 - rise_before**0.5)
-        distance = reached + ratio * (distance - reached)
+    if rise > allowed_rise:
+        ratio = (allowed_rise**0.5 - rise_before**0.5) / (rise**0.5 - rise_before**0.5)
+        distance = last_distance + ratio * (distance - last_distance)
     return distance, better

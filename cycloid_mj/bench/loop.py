@@ -146,7 +146,7 @@ def read_loop(path: Path | str) -> MeasuredLoop:
 
 
 def read_columns(path: Path, names: tuple[str, ...], content: str) -> dict[str, Array]:
-    """Read columns of numbers from a CSV file.
+    """Read columns of numbers from a CSV file, by name, shape (n,) each.
 
     Parameters
     ----------
@@ -162,46 +162,56 @@ def read_columns(path: Path, names: tuple[str, ...], content: str) -> dict[str, 
     UsageError
         The file cannot be read, lacks a column, has no rows, or contains something else than numbers.
     """
-    form = f"{content} needs the columns {','.join(names)}, separated by commas"
+    requirement = f"{content} needs the columns {','.join(names)}, separated by commas"
     try:
         lines = note_input(path).read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        raise UsageError(f"cannot read {path}: {reason(error)}; {form}") from error
+        raise UsageError(f"cannot read {path}: {reason(error)}; {requirement}") from error
     numbered = [(number, line) for number, line in enumerate(lines, 1) if line.strip(" \t#")]
     header = next((row for row, (_, line) in enumerate(numbered) if names[0] in line), None)
     columns = ", ".join(numbered[0][1].lstrip("# ").split(",")) if numbered else "no line: the file is empty"
     if header is None:
-        raise UsageError(f"{path}: no header line with the column names was found; the file has {columns[:80]}; {form}")
+        raise UsageError(
+            f"{path}: no header line with the column names was found; the file has {columns[:80]}; {requirement}"
+        )
     keys = [key.strip() for key in numbered[header][1].lstrip("# ").split(",")]
     if missing := [name for name in names if name not in keys]:
-        raise UsageError(f"{path}: the column {missing[0]} is missing; the file has {', '.join(keys)}; {form}")
+        raise UsageError(f"{path}: the column {missing[0]} is missing; the file has {', '.join(keys)}; {requirement}")
     rows = [(number, row) for number, row in numbered[header + 1 :] if not row.lstrip().startswith("#")]
     if not rows:
-        raise UsageError(f"{path}: there are no rows below the header; {form}, with one row per measured point")
+        raise UsageError(f"{path}: there are no rows below the header; {requirement}, with one row per measured point")
     values: dict[str, list[float]] = {name: [] for name in names}
     for number, line in rows:
-        words = next(csv.reader([line]))
+        cells = next(csv.reader([line]))
         for name in names:
             column = keys.index(name)
-            values[name].append(_number(words[column] if column < len(words) else "", f"{path}, line {number}: {name}"))
+            values[name].append(
+                _parse_number(cells[column] if column < len(cells) else "", f"{path}, line {number}: {name}")
+            )
     return {name: np.array(column) for name, column in values.items()}
 
 
-def _number(word: str, origin: str) -> float:
-    """Parse a finite number; raise UsageError otherwise."""
+def _parse_number(text: str, location: str) -> float:
+    """Parse a finite number.
+
+    Raises
+    ------
+    UsageError
+        The text is no finite number; the message begins with its `location` in the file.
+    """
     try:
-        value = float(word)
+        value = float(text)
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
         raise UsageError(
-            f"{origin} is {word.strip()!r}, which is not a finite number: correct the value, or remove the line"
+            f"{location} is {text.strip()!r}, which is not a finite number: correct the value, or remove the line"
         )
     return value
 
 
 def measured_loop(name: str, torque: Array, deflection_deg: Array, origin: str = "") -> MeasuredLoop:
-    """Create a loop from torque and deflection in the order of time.
+    """Create a loop from torque and deflection in the order of time, after checks; find its reversals and branches.
 
     Parameters
     ----------
@@ -231,7 +241,7 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, origin: str =
             f"{origin}: {constant} is the same in all rows, but both torque and deflection of a loop must vary. Record "
             "a full loop"
         )
-    turns, branch = _turns(torque)
+    turns, branch = _find_reversals(torque)
     if count < SETTINGS.min_branch_points * (branches := len(np.unique(branch))):
         raise UsageError(
             f"{origin}: the torque reverses {branches - 1} times in {count} points; a loop needs at least "
@@ -257,7 +267,7 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, origin: str =
     deflection = DEGREE * deflection_deg * (-1.0 if flipped else 1.0)
     points_left_out = _count_lead_points(torque, deflection, branch)
     loop = MeasuredLoop(name, torque, deflection, turns, branch, flipped, points_left_out)
-    if _opening(loop) < -SETTINGS.max_negative_opening * loop.height:
+    if _mean_opening(loop) < -SETTINGS.max_negative_opening * loop.height:
         raise UsageError(
             f"{origin}: the loop releases energy, because at the same torque the output deflects less while the torque "
             "falls than while it rises. Exchange the two columns, or reverse the order of the rows"
@@ -265,41 +275,44 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, origin: str =
     return loop
 
 
-def require_torque(loop: MeasuredLoop, rated: float) -> None:
+def require_torque(loop: MeasuredLoop, rated_torque: float) -> None:
     """Raise UsageError for a loop whose torque fits a drive's rated torque [N m] only in N mm or kN m."""
-    if rated and loop.most > SETTINGS.max_rated_torques * rated:
+    if rated_torque and loop.most > SETTINGS.max_rated_torques * rated_torque:
         raise UsageError(
-            f"{loop.name}: the torque reaches {loop.most:.4g} N m, {loop.most / rated:.3g} times the rated torque of "
-            f"the design, {rated:.4g} N m; at most {SETTINGS.max_rated_torques:g} times is allowed. If the column "
-            f"{TORQUE} is in N mm, divide it by 1000; otherwise correct drive.torque_nm of the design"
+            f"{loop.name}: the torque reaches {loop.most:.4g} N m, {loop.most / rated_torque:.3g} times the rated "
+            f"torque of the design, {rated_torque:.4g} N m; at most {SETTINGS.max_rated_torques:g} times is allowed. "
+            f"If the column {TORQUE} is in N mm, divide it by 1000; otherwise correct drive.torque_nm of the design"
         )
-    min_torque = SETTINGS.min_rated_torques * rated
+    min_torque = SETTINGS.min_rated_torques * rated_torque
     if loop.most < min_torque:
         raise UsageError(
             f"{loop.name}: the torque reaches only {loop.most:.4g} N m; at least {min_torque:.4g} N m is needed for "
-            f"the rated torque of the design, {rated:.4g} N m. If the column {TORQUE} is in kN m, multiply it by 1000; "
-            "otherwise measure a loop up to a higher torque"
+            f"the rated torque of the design, {rated_torque:.4g} N m. If the column {TORQUE} is in kN m, multiply it "
+            "by 1000; otherwise measure a loop up to a higher torque"
         )
 
 
 def _require_no_outlier(values: Array, column: str, origin: str) -> None:
-    """Raise UsageError for a value that differs from its neighbours by more than the range of the loop."""
-    smooth = _median_filter(values)
-    away = np.abs(values - smooth)
-    worst = int(np.argmax(away))
-    if away[worst] > np.ptp(smooth):
+    """Raise UsageError for a value that differs from the median of its neighbours by more than the loop's range."""
+    medians = _median_filter(values)
+    differences = np.abs(values - medians)
+    worst = int(np.argmax(differences))
+    if differences[worst] > np.ptp(medians):
         raise UsageError(
             f"{origin}: {column} is {values[worst]:.4g} in row {worst + 1} below the header, but about "
-            f"{smooth[worst]:.4g} in the rows next to it, so it is an outlier. Remove that row"
+            f"{medians[worst]:.4g} in the rows next to it, so it is an outlier. Remove that row"
         )
 
 
-def _opening(loop: MeasuredLoop) -> float:
+def _mean_opening(loop: MeasuredLoop) -> float:
     """Compute the mean rotation of the falling branches above the rising ones [rad], over the torques of both."""
-    sides = [loop.moving(direction) for direction in (1, -1)]
-    inside = max(loop.torque[side].min() for side in sides), min(loop.torque[side].max() for side in sides)
-    levels = np.linspace(*inside, len(loop.torque))
-    rising, falling = (_interpolate(loop.torque[side], loop.deflection[side], levels) for side in sides)
+    directions = [loop.moving(direction) for direction in (1, -1)]
+    common_range = (
+        max(loop.torque[side].min() for side in directions),
+        min(loop.torque[side].max() for side in directions),
+    )
+    levels = np.linspace(*common_range, len(loop.torque))
+    rising, falling = (_interpolate(loop.torque[side], loop.deflection[side], levels) for side in directions)
     return float(np.mean(falling - rising))
 
 
@@ -312,58 +325,65 @@ def _median_filter(values: Array) -> Array:
 def _count_lead_points(torque: Array, deflection: Array, branch: Integers) -> int:
     """Count the points before the loop: those of a first branch that starts away from the later ones in its direction.
 
-    A bench that starts from rest starts in the middle of the loop, and a closed loop on its own branch.
+    A bench that starts from rest starts in the middle of the loop; a closed loop starts on its own branch.
     """
     same_direction, first_branch = (branch > 0) & (branch % 2 == 0), branch == 1
     if not same_direction.any() or abs(torque[0]) > SETTINGS.end_torque * np.abs(torque).max():
         return 0
     start = float(np.median(deflection[: SETTINGS.median_window]))
     start_torque = float(np.median(torque[: SETTINGS.median_window]))
-    on_later, on_opposite = (
+    later_deflection, opposite_deflection = (
         float(_interpolate(torque[item], deflection[item], start_torque)) for item in (same_direction, first_branch)
     )
     return (
-        int(np.sum(branch == 0)) if abs(start - on_later) > SETTINGS.lead_distance * abs(on_opposite - on_later) else 0
+        int(np.sum(branch == 0))
+        if abs(start - later_deflection) > SETTINGS.lead_distance * abs(opposite_deflection - later_deflection)
+        else 0
     )
 
 
-def _end(torque: Array, smooth: Array, index: int) -> float:
-    """Compute the torque of a reversal near an index: the outermost there, unless it is an outlier."""
+def _reversal_torque(torque: Array, medians: Array, index: int) -> float:
+    """Compute the torque of a reversal near an index [N m]: the outermost of its neighbours unless an outlier."""
     neighbours = torque[max(index - SETTINGS.median_window, 0) : index + SETTINGS.median_window + 1]
-    outermost = float(neighbours.max() if smooth[index] >= np.median(neighbours) else neighbours.min())
-    usual = 3.0 * float(np.median(np.abs(torque - smooth))) + 2.0 * float(np.median(np.abs(np.diff(torque))))
-    return float(np.clip(outermost, smooth[index] - usual, smooth[index] + usual))
+    outermost = float(neighbours.max() if medians[index] >= np.median(neighbours) else neighbours.min())
+    tolerance = 3.0 * float(np.median(np.abs(torque - medians))) + 2.0 * float(np.median(np.abs(np.diff(torque))))
+    return float(np.clip(outermost, medians[index] - tolerance, medians[index] + tolerance))
 
 
-def _turns(torque: Array) -> tuple[tuple[float, ...], Integers]:
-    """Compute the torques of all reversals, with those of the start and the end, and the branch of each point.
+def _find_reversals(torque: Array) -> tuple[tuple[float, ...], Integers]:
+    """Find the torques at which the course reverses, with those of its start and its end, and the branch of each point.
 
     A first branch that starts half-way is taken to come from the extreme before it, as in a closed loop, and the last
     to go to the next one.
+
+    Returns
+    -------
+    torques, branch
+        Torques of start, reversals and end [N m], and the number of reversals before each point, shape (n,).
     """
-    smooth = _median_filter(torque)
-    min_reversal = SETTINGS.reversal * float(np.ptp(smooth))
+    medians = _median_filter(torque)
+    min_reversal = SETTINGS.reversal * float(np.ptp(medians))
     reversals: list[int] = []
-    best = low = high = 0
+    extreme = low = high = 0
     direction = 0
-    for index, value in enumerate(smooth):
+    for index, value in enumerate(medians):
         if direction == 0:
-            low = index if value < smooth[low] else low
-            high = index if value > smooth[high] else high
-            if smooth[high] - smooth[low] > min_reversal:
-                direction, best = (1, index) if high > low else (-1, index)
-        elif direction * (value - smooth[best]) > 0.0:
-            best = index
-        elif direction * (smooth[best] - value) > min_reversal:
-            reversals.append(best)
-            direction, best = -direction, index
+            low = index if value < medians[low] else low
+            high = index if value > medians[high] else high
+            if medians[high] - medians[low] > min_reversal:
+                direction, extreme = (1, index) if high > low else (-1, index)
+        elif direction * (value - medians[extreme]) > 0.0:
+            extreme = index
+        elif direction * (medians[extreme] - value) > min_reversal:
+            reversals.append(extreme)
+            direction, extreme = -direction, index
     if not reversals:
         return (), np.zeros(len(torque), int)
-    inner = [_end(torque, smooth, index) for index in reversals]
+    inner = [_reversal_torque(torque, medians, index) for index in reversals]
     # torques from which the first branch comes and to which the last goes: the other ends of the loop
-    first = inner[1] if len(inner) > 1 else float(smooth[: reversals[0] + 1][0])
-    last = inner[-2] if len(inner) > 1 else float(smooth[reversals[-1] :][-1])
-    beginning, end = smooth[: reversals[0] + 1], smooth[reversals[-1] :]
+    first = inner[1] if len(inner) > 1 else float(medians[: reversals[0] + 1][0])
+    last = inner[-2] if len(inner) > 1 else float(medians[reversals[-1] :][-1])
+    beginning, end = medians[: reversals[0] + 1], medians[reversals[-1] :]
     start = min(first, float(beginning.min())) if inner[0] > first else max(first, float(beginning.max()))
     stop = min(last, float(end.min())) if inner[-1] > last else max(last, float(end.max()))
     return (start, *inner, stop), np.searchsorted(reversals, np.arange(len(torque)), side="left")

@@ -119,158 +119,193 @@ class _Line(NamedTuple):
 
 
 def loop_figures(loops: Sequence[MeasuredLoop]) -> LoopFigures:
-    """Compute the figures of one drive: play and stiffness of the loop with the largest torque, the rest of the lowest.
+    """Compute play, width, stiffness and Coulomb torque of the loops of one drive (`DEFINITIONS`).
 
-    A figure that a loop does not show, as with too few points on a branch, is NaN.
+    Play and stiffness are those of the loop with the largest torque, the others those of the lowest loop. A figure that
+    a loop does not show, as with too few points on a branch, is NaN.
     """
     loaded, lowest = max(loops, key=attrgetter("most")), min(loops, key=attrgetter("height"))
-    coulomb = coulomb_of(lowest)
-    low, high = READING.loaded
-    below, above = loaded.ends
-    rising = _loading(loaded, 1, low * above, high * above, coulomb.value)
-    falling = _loading(loaded, -1, -low * below, -high * below, coulomb.value)
-    positive, negative = _stiffness(rising), _stiffness(falling)
-    both = _of_both(positive, negative)
-    return LoopFigures(_play(rising, falling, coulomb), width_of(lowest), both, positive, negative, coulomb)
+    coulomb = loop_coulomb_torque(lowest)
+    low_share, high_share = READING.loaded
+    lowest_torque, highest_torque = loaded.ends
+    rising = _fit_loading_line(loaded, 1, low_share * highest_torque, high_share * highest_torque, coulomb.value)
+    falling = _fit_loading_line(loaded, -1, -low_share * lowest_torque, -high_share * lowest_torque, coulomb.value)
+    positive, negative = _line_stiffness(rising), _line_stiffness(falling)
+    mean_stiffness = _mean_stiffness(positive, negative)
+    return LoopFigures(
+        _compute_play(rising, falling, coulomb), loop_width(lowest), mean_stiffness, positive, negative, coulomb
+    )
 
 
 def stiffness_between(loop: MeasuredLoop, low: float, high: float) -> LoopFigure:
-    """Compute the mean slope of both loading branches between two torques [N m], defined as `stiffness_nm_per_rad`.
+    """Compute the mean slope of both loading branches between two torques [N m], as `stiffness_nm_per_rad` is defined.
 
     NaN where the loop does not reach the higher torque.
     """
     if min(high, *map(abs, loop.ends)) < high * READING.loaded[1]:
         return NO_FIGURE
-    coulomb = coulomb_of(loop).value
-    return _of_both(*(_stiffness(_loading(loop, direction, low, high, coulomb)) for direction in (1, -1)))
+    coulomb = loop_coulomb_torque(loop).value
+    return _mean_stiffness(
+        *(_line_stiffness(_fit_loading_line(loop, direction, low, high, coulomb)) for direction in (1, -1))
+    )
 
 
-def lost_motion_of(loop: MeasuredLoop, rated: float) -> LoopFigure:
+def loop_lost_motion(loop: MeasuredLoop, rated_torque: float) -> LoopFigure:
     """Compute the rotation between the middles of the branches at +3 % and -3 % of a rated torque [rad]."""
-    level = LOST_MOTION_SHARE * rated
+    level = LOST_MOTION_SHARE * rated_torque
     sides = [
-        _crossings(loop, loop.torque, loop.deflection, direction * level, READING.lost_motion_window * level)
+        _find_crossings(loop, loop.torque, loop.deflection, direction * level, READING.lost_motion_window * level)
         for direction in (1, -1)
     ]
     branches = [branch for side in sides if side for branch in side]
     if len(branches) < 4:
         return NO_FIGURE
     value = 0.5 * (branches[0][0] + branches[1][0] - branches[2][0] - branches[3][0])
-    away = _quantile(min(item[2] for item in branches)) * 0.5 * sum(item[1] for item in branches) ** 0.5
-    return LoopFigure.about(value, away)
+    half_width = _quantile(min(item[2] for item in branches)) * 0.5 * sum(item[1] for item in branches) ** 0.5
+    return LoopFigure.about(value, half_width)
 
 
-def hysteresis_of(loop: MeasuredLoop, rated: float) -> LoopFigure:
-    """Compute the rotation between the branches at zero torque [rad], each while it is unloaded, before the play.
+def loop_hysteresis(loop: MeasuredLoop, rated_torque: float) -> LoopFigure:
+    """Compute the rotation between the branches at zero torque, each unloaded from its side, before the play [rad].
 
     It is that of the lines through the points of the branches from 3 % of a rated torque down to 0.5 %, extended to
     zero torque.
     """
     sides = []
     for direction in (1, -1):
-        torque, inside = direction * loop.torque, loop.moving(-direction)
-        if not inside.any() or not torque[inside].min() < 0.0 < torque[inside].max():
+        torque, falling = direction * loop.torque, loop.moving(-direction)
+        if not falling.any() or not torque[falling].min() < 0.0 < torque[falling].max():
             return NO_FIGURE
-        is_near_zero = (torque >= READING.min_unloaded * rated) & (torque <= LOST_MOTION_SHARE * rated)
-        line = _line(loop.torque, loop.deflection, inside & is_near_zero)
+        is_near_zero = (torque >= READING.min_unloaded * rated_torque) & (torque <= LOST_MOTION_SHARE * rated_torque)
+        line = _fit_line(loop.torque, loop.deflection, falling & is_near_zero)
         sides.append(
-            (*line.at(0.0), line.freedom) if line else _between(loop.torque[inside], loop.deflection[inside], 0.0)
+            (*line.at(0.0), line.freedom)
+            if line
+            else _interpolate_leap(loop.torque[falling], loop.deflection[falling], 0.0)
         )
-    (upper, of_upper, item), (lower, of_lower, other) = sides
-    return LoopFigure.about(upper - lower, _quantile(min(item, other)) * (of_upper + of_lower) ** 0.5)
+    (upper, upper_variance, upper_freedom), (lower, lower_variance, lower_freedom) = sides
+    return LoopFigure.about(
+        upper - lower, _quantile(min(upper_freedom, lower_freedom)) * (upper_variance + lower_variance) ** 0.5
+    )
 
 
-def width_of(loop: MeasuredLoop) -> LoopFigure:
+def loop_width(loop: MeasuredLoop) -> LoopFigure:
     """Compute the rotation between the branches of a loop at zero torque [rad]."""
     return _branch_distance(loop, loop.torque, loop.deflection, 0.0)
 
 
-def coulomb_of(loop: MeasuredLoop) -> LoopFigure:
+def loop_coulomb_torque(loop: MeasuredLoop) -> LoopFigure:
     """Compute half the torque between the branches of a loop halfway up its deflection [N m]."""
     inner = loop.deflection[loop.points_left_out :]
     value, low, high = _branch_distance(loop, loop.deflection, loop.torque, 0.5 * float(inner.max() + inner.min()))
     return LoopFigure(-0.5 * value, -0.5 * high, -0.5 * low)
 
 
-def _loading(loop: MeasuredLoop, direction: int, low: float, high: float, coulomb: float) -> _Line | None:
-    """Fit a line, deflection over torque, to the loading branches of one side between two torques."""
-    carried = direction * loop.torque
-    loaded = (carried >= low) & (carried <= high) & ~(carried < READING.loaded_coulomb * coulomb)
-    return _line(loop.torque, loop.deflection, loop.moving(direction) & loaded)
+def _fit_loading_line(
+    loop: MeasuredLoop, direction: int, low: float, high: float, coulomb_torque: float
+) -> _Line | None:
+    """Fit a line, deflection over torque, to the loading branches of one side between two torques [N m].
+
+    `direction` is 1 for positive, -1 for negative torque; points below `READING.loaded_coulomb` Coulomb torques are
+    left out.
+    """
+    signed_torque = direction * loop.torque
+    loaded = (
+        (signed_torque >= low) & (signed_torque <= high) & ~(signed_torque < READING.loaded_coulomb * coulomb_torque)
+    )
+    return _fit_line(loop.torque, loop.deflection, loop.moving(direction) & loaded)
 
 
-def _stiffness(line: _Line | None) -> LoopFigure:
+def _line_stiffness(line: _Line | None) -> LoopFigure:
+    """Return the inverse slope of a loading line [N m/rad] with its interval; NaN without a line."""
     if line is None or line.slope <= 0.0:
         return NO_FIGURE
-    away = _quantile(line.freedom) * line.slope_variance**0.5
+    half_width = _quantile(line.freedom) * line.slope_variance**0.5
     return LoopFigure(
-        1.0 / line.slope, 1.0 / (line.slope + away), 1.0 / (line.slope - away) if away < line.slope else math.inf
+        1.0 / line.slope,
+        1.0 / (line.slope + half_width),
+        1.0 / (line.slope - half_width) if half_width < line.slope else math.inf,
     )
 
 
-def _of_both(positive: LoopFigure, negative: LoopFigure) -> LoopFigure:
+def _mean_stiffness(positive: LoopFigure, negative: LoopFigure) -> LoopFigure:
     """Compute the stiffness whose compliance is the mean of both sides'; the interval covers both."""
     mean = 2.0 / (1.0 / positive.value + 1.0 / negative.value)
     return LoopFigure(mean, min(positive.low, negative.low), max(positive.high, negative.high))
 
 
-def _play(rising: _Line | None, falling: _Line | None, coulomb: LoopFigure) -> LoopFigure:
-    """Compute the rotation between the loading lines at the Coulomb torque, with its interval."""
+def _compute_play(rising: _Line | None, falling: _Line | None, coulomb: LoopFigure) -> LoopFigure:
+    """Compute the rotation between both loading lines at the Coulomb torque of their sides [rad], with its interval."""
     if rising is None or falling is None or math.isnan(coulomb.value):
         return NO_FIGURE
-    (upper, of_upper), (lower, of_lower) = rising.at(coulomb.value), falling.at(-coulomb.value)
-    reach = _quantile(min(rising.freedom, falling.freedom))
-    by_torque = (rising.slope + falling.slope) * 0.5 * (coulomb.high - coulomb.low)
-    away = math.hypot(reach * (of_upper + of_lower) ** 0.5, by_torque)
-    return LoopFigure.about(upper - lower, away)
+    (upper, upper_variance), (lower, lower_variance) = rising.at(coulomb.value), falling.at(-coulomb.value)
+    quantile = _quantile(min(rising.freedom, falling.freedom))
+    torque_part = (rising.slope + falling.slope) * 0.5 * (coulomb.high - coulomb.low)
+    half_width = math.hypot(quantile * (upper_variance + lower_variance) ** 0.5, torque_part)
+    return LoopFigure.about(upper - lower, half_width)
 
 
 def _branch_distance(loop: MeasuredLoop, abscissa: Array, values: Array, level: float) -> LoopFigure:
     """Compute the distance of the falling branches above the rising ones in `values`, at a level of `abscissa`."""
-    sides = _crossings(loop, abscissa, values, level, READING.level_window * float(np.ptp(abscissa)))
+    sides = _find_crossings(loop, abscissa, values, level, READING.level_window * float(np.ptp(abscissa)))
     if sides is None:
         return NO_FIGURE
-    (above, of_above, item), (below, of_below, other) = sides
-    return LoopFigure.about(above - below, _quantile(min(item, other)) * (of_above + of_below) ** 0.5)
+    (above, upper_variance, upper_freedom), (below, lower_variance, lower_freedom) = sides
+    return LoopFigure.about(
+        above - below, _quantile(min(upper_freedom, lower_freedom)) * (upper_variance + lower_variance) ** 0.5
+    )
 
 
-def _crossings(
+def _find_crossings(
     loop: MeasuredLoop, abscissa: Array, values: Array, level: float, window: float
 ) -> tuple[_Crossing, _Crossing] | None:
-    """Compute where the falling and the rising branches cross a level, from the points within a window about it."""
+    """Compute where the falling and the rising branches cross a level of `abscissa`, from lines in a window about it.
+
+    Returns value, variance and degrees of freedom of each; None if a branch does not cross the level.
+    """
     sides = []
     for direction in (-1, 1):
-        inside = loop.moving(direction)
-        if not inside.any() or not abscissa[inside].min() < level < abscissa[inside].max():
+        on_branch = loop.moving(direction)
+        if not on_branch.any() or not abscissa[on_branch].min() < level < abscissa[on_branch].max():
             return None
-        line = _line(abscissa, values, inside & (np.abs(abscissa - level) <= window))
-        sides.append((*line.at(level), line.freedom) if line else _between(abscissa[inside], values[inside], level))
+        line = _fit_line(abscissa, values, on_branch & (np.abs(abscissa - level) <= window))
+        sides.append(
+            (*line.at(level), line.freedom)
+            if line
+            else _interpolate_leap(abscissa[on_branch], values[on_branch], level)
+        )
     falling, rising = sides
     return falling, rising
 
 
-def _between(x: Array, y: Array, level: float) -> tuple[float, float, float]:
-    """Interpolate y where a branch leaps past a level; its variance is that of a uniform distribution in between."""
+def _interpolate_leap(x: Array, y: Array, level: float) -> tuple[float, float, float]:
+    """Interpolate y where a branch leaps past a level of x; return value, variance and degrees of freedom.
+
+    The variance is that of a uniform distribution between both neighbours.
+    """
     order = np.argsort(x)
     upper = int(np.searchsorted(x[order], level))
-    item, other = y[order[upper - 1]], y[order[upper]]
-    return float(np.interp(level, x[order], y[order])), float(other - item) ** 2 / 12.0, math.inf
+    before, after = y[order[upper - 1]], y[order[upper]]
+    return float(np.interp(level, x[order], y[order])), float(after - before) ** 2 / 12.0, math.inf
 
 
-def _line(x: Array, y: Array, chosen: Mask) -> _Line | None:
-    """Fit a line to points by least squares; None for too few points, or a single x."""
-    x, y = x[chosen], y[chosen]
-    count, away = len(x), x - np.mean(x) if len(x) else x
-    squares = float(away @ away)
-    if count < READING.min_points or squares <= 0.0:
+def _fit_line(x: Array, y: Array, mask: Mask) -> _Line | None:
+    """Fit a line to masked points by least squares; None for too few points, or a single x.
+
+    The variances account for autocorrelated residuals.
+    """
+    x, y = x[mask], y[mask]
+    count, offsets = len(x), x - np.mean(x) if len(x) else x
+    sum_of_squares = float(offsets @ offsets)
+    if count < READING.min_points or sum_of_squares <= 0.0:
         return None
-    slope = float(away @ y) / squares
-    residuals = y - np.mean(y) - slope * away
+    slope = float(offsets @ y) / sum_of_squares
+    residuals = y - np.mean(y) - slope * offsets
     # correlated residuals count as one
-    repeats = min(autocorrelation_time(residuals), count / 3.0)
-    freedom = max(count / repeats - 2.0, 1.0)
-    noise = float(residuals @ residuals) / count * (count / repeats) / freedom
-    variances = noise * repeats / count, noise * repeats / squares
+    correlation_time = min(autocorrelation_time(residuals), count / 3.0)
+    freedom = max(count / correlation_time - 2.0, 1.0)
+    noise = float(residuals @ residuals) / count * (count / correlation_time) / freedom
+    variances = noise * correlation_time / count, noise * correlation_time / sum_of_squares
     return _Line(float(np.mean(x)), float(np.mean(y)), slope, *variances, freedom)
 
 

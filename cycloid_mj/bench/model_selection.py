@@ -8,9 +8,9 @@ import numpy as np
 from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.statistics import rms
 from cycloid_mj.base.units import DEGREE
-from cycloid_mj.bench.fit import Fitted, fit
+from cycloid_mj.bench.fit import Fitted, fit_loops
 from cycloid_mj.bench.loop import MeasuredLoop
-from cycloid_mj.bench.loop_figures import READING, coulomb_of
+from cycloid_mj.bench.loop_figures import READING, loop_coulomb_torque
 from cycloid_mj.bench.overlay import LoopCondition
 from cycloid_mj.bench.parameters import DEFAULT, STANDS_FOR_RUBBING, Model, fit_parameters
 from cycloid_mj.bench.search import MODEL_ERROR, FitProblem, Trials
@@ -68,7 +68,7 @@ class LoopStretch:
 
     @property
     def sentence(self) -> str:
-        """Position and size of the deviation, in words."""
+        """Describe position and size of the deviation in a sentence."""
         side = "above" if self.mean > 0.0 else "below"
         return (
             f"{self.loop}, {self.stretch} from {self.first:+.3g} to {self.last:+.3g} N m: the measured deflection is "
@@ -82,9 +82,9 @@ def compare_candidates(fits: Mapping[str, Fitted]) -> tuple[ModelFit, ...]:
 
 
 def compare_fits(fits: Mapping[tuple[str, str], Fitted]) -> tuple[ModelFit, ...]:
-    """Compare the fits of several models to the same loops, by their keys and meanings.
+    """Compare the fits of several models to the same loops by information criteria, by their keys and meanings.
 
-    The model with the most values states how many residuals count as independent, for all of them: its residuals are
+    The number of independent residuals is that of the model with the most values, for all of them: its residuals are
     nearest to noise.
     """
     independent = max(fits.values(), key=lambda item: len(item.parameters)).independent
@@ -104,7 +104,7 @@ def compare_fits(fits: Mapping[tuple[str, str], Fitted]) -> tuple[ModelFit, ...]
 def fit_candidates(
     model: Model, loops: Sequence[MeasuredLoop], bench: LoopCondition, trials: Trials
 ) -> Iterator[tuple[str, Fitted]]:
-    """Fit each of `CANDIDATES` to loops, one after the other; values are the likeliest.
+    """Yield key and fit of each of `CANDIDATES` to the loops, one after the other; values are the likeliest.
 
     `trials` expects the fit of `WRITTEN` with intervals to follow.
 
@@ -118,10 +118,10 @@ def fit_candidates(
     chosen = {key: fit_parameters(model.reducer, (*COMMON, *extra), loops) for key, (_, extra) in CANDIDATES.items()}
     problems = {key: FitProblem(model, values, tuple(loops), bench, trials) for key, values in chosen.items()}
     expected = {key: problem.usual_trials(intervals=False) for key, problem in problems.items()}
-    final = problems[WRITTEN].usual_trials(intervals=True)
-    for number, (key, values) in enumerate(chosen.items(), 1):
-        trials.later = sum(list(expected.values())[number:]) + final
-        yield key, fit(model, values, loops, bench, trials, intervals=False)
+    final_trials = problems[WRITTEN].usual_trials(intervals=True)
+    for fitted_count, (key, values) in enumerate(chosen.items(), 1):
+        trials.later = sum(list(expected.values())[fitted_count:]) + final_trials
+        yield key, fit_loops(model, values, loops, bench, trials, intervals=False)
     trials.later = 0.0
 
 
@@ -134,23 +134,31 @@ def compare_stretches(fitted: Fitted) -> tuple[LoopStretch, ...]:
     """Split each loop into six stretches, and compare the model's deflection with the measured one in each.
 
     In either direction the torque first falls to zero, then crosses the play, and then loads the other side, from
-    `LOADED_COULOMB` Coulomb torques on. A stretch without points is left out.
+    `READING.loaded_coulomb` Coulomb torques on. A stretch without points is left out.
     """
     rows = []
-    for loop, turn in zip(fitted.loops, fitted.turns, strict=True):
-        coulomb = coulomb_of(loop).value
-        leap = READING.loaded_coulomb * coulomb if np.isfinite(coulomb) else 0.0
-        for direction, along in ((1, "torque rising"), (-1, "torque falling")):
-            moving, carried = loop.moving(direction), direction * loop.torque
-            crossing = (carried >= 0.0) & (carried < leap)
-            stretches = {"unloading": carried < 0.0, "across the play": crossing, "loading": carried >= leap}
+    for loop, modelled in zip(fitted.loops, fitted.turns, strict=True):
+        coulomb = loop_coulomb_torque(loop).value
+        loaded_torque = READING.loaded_coulomb * coulomb if np.isfinite(coulomb) else 0.0
+        for direction, direction_text in ((1, "torque rising"), (-1, "torque falling")):
+            moving, signed_torque = loop.moving(direction), direction * loop.torque
+            crossing = (signed_torque >= 0.0) & (signed_torque < loaded_torque)
+            stretches = {
+                "unloading": signed_torque < 0.0,
+                "across the play": crossing,
+                "loading": signed_torque >= loaded_torque,
+            }
             for stretch, inside in stretches.items():
                 if np.any(moving & inside):
-                    rows.append(_stretch(loop, turn, f"{along}, {stretch}", moving & inside, direction))
+                    rows.append(
+                        _compare_stretch(loop, modelled, f"{direction_text}, {stretch}", moving & inside, direction)
+                    )
     return tuple(rows)
 
 
-def _stretch(loop: MeasuredLoop, turn: Array, name: str, inside: Mask, direction: int) -> LoopStretch:
-    away, torque = (loop.deflection - turn)[inside], loop.torque[inside]
+def _compare_stretch(loop: MeasuredLoop, modelled: Array, name: str, mask: Mask, direction: int) -> LoopStretch:
+    differences, torque = (loop.deflection - modelled)[mask], loop.torque[mask]
     first, last = (float(torque.min()), float(torque.max()))[::direction]
-    return LoopStretch(loop.name, name, first, last, float(np.mean(away)), rms(away), rms(away) / loop.height)
+    return LoopStretch(
+        loop.name, name, first, last, float(np.mean(differences)), rms(differences), rms(differences) / loop.height
+    )

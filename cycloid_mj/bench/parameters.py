@@ -11,7 +11,7 @@ from pydantic.fields import FieldInfo
 from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.base.units import DEGREE
 from cycloid_mj.bench.loop import MeasuredLoop
-from cycloid_mj.bench.loop_figures import coulomb_of
+from cycloid_mj.bench.loop_figures import loop_coulomb_torque
 from cycloid_mj.design import Design, override
 from cycloid_mj.design.units import MICROMETRE, bounds_of, file_key, section_of, unit_of
 from cycloid_mj.explore.sampling import tolerance_zones
@@ -121,25 +121,25 @@ NAMED = (*DEFAULT, "load_friction", *RUBBING, "tooth_stiffness", "mesh_play", "o
 
 
 def needs_contact_friction(keys: Sequence[str]) -> bool:
-    """Return whether parameters need the friction of the contacts.
+    """Return whether the parameters of some keys need the friction of the contacts to be computed.
 
     Raises
     ------
     UsageError
-        Other parameters represent that friction.
+        Other parameters of the keys represent that friction.
     """
-    rubbing = [key for key in keys if key in RUBBING or key.startswith("friction.")]
-    standing = [key for key in keys if key in STANDS_FOR_RUBBING]
-    if rubbing and standing:
+    contact_keys = [key for key in keys if key in RUBBING or key.startswith("friction.")]
+    wind_up_keys = [key for key in keys if key in STANDS_FOR_RUBBING]
+    if contact_keys and wind_up_keys:
         raise UsageError(
-            f"--fit: {standing[0]} and {rubbing[0]} describe the same friction, and a loop determines only one of "
-            "them. Remove one of the two"
+            f"--fit: {wind_up_keys[0]} and {contact_keys[0]} describe the same friction, and a loop determines only "
+            "one of them. Remove one of the two"
         )
-    return bool(rubbing)
+    return bool(contact_keys)
 
 
 def fit_parameters(reducer: Reducer, keys: Sequence[str], loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
-    """Return the fit parameters for `keys`.
+    """Return the parameters of some keys: named ones (`NAMED`), or numbers of the design file.
 
     Those that depend on the measured loops take start, scale and bounds from `loops`.
 
@@ -153,12 +153,17 @@ def fit_parameters(reducer: Reducer, keys: Sequence[str], loops: Sequence[Measur
     if repeated := next((key for index, key in enumerate(keys) if key in keys[:index]), None):
         raise UsageError(f"--fit: {repeated} is listed twice. List each parameter once")
     parameters = _named_parameters(reducer, loops)
-    return tuple(parameters[key] if key in parameters else _of_file(reducer, key) for key in keys)
+    return tuple(parameters[key] if key in parameters else _file_parameter(reducer, key) for key in keys)
 
 
 def _named_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> Mapping[str, Parameter]:
     """Return all parameters of `NAMED` by their keys."""
-    named = (*_plays(reducer), *_stiffnesses(reducer, loops), *_frictions(reducer, loops), *_hystereses(loops))
+    named = (
+        *_play_parameters(reducer),
+        *_stiffness_parameters(reducer, loops),
+        *_friction_parameters(reducer, loops),
+        *_hysteresis_parameters(loops),
+    )
     return {parameter.key: parameter for parameter in named}
 
 
@@ -168,38 +173,40 @@ def _tooth_pairs(reducer: Reducer) -> tuple[str, ...]:
     return (design.tooth_pair, *([design.seat_pair] if design.seat_pair else []))
 
 
-def _plays(reducer: Reducer) -> tuple[Parameter, ...]:
-    """Return the parameters of clearances."""
+def _play_parameters(reducer: Reducer) -> tuple[Parameter, ...]:
+    """Return the parameters of clearances: of the mesh, the output pins, the cam, and of mesh and output together."""
     design = reducer.design
-    tooth, clearance, mated = design.tooth_pair, design.clearance, _tooth_pairs(reducer)
+    tooth, clearance, tooth_kinds = design.tooth_pair, design.clearance, _tooth_pairs(reducer)
     mesh = getattr(clearance, tooth) + design.pin_play
-    um, zones = MICROMETRE.from_si, tolerance_zones(reducer)
+    to_um, zones = MICROMETRE.from_si, tolerance_zones(reducer)
 
-    def play(key: str, meaning: str, start: float, *kinds: str) -> Parameter:
-        """Return the clearance of some kinds of pairs, with the tolerances that shift it as its prior."""
-        shifting = [
+    def make_play(key: str, meaning: str, start: float, *kinds: str) -> Parameter:
+        """Return the clearance of some kinds of pairs, with the tolerances that change it as its prior."""
+        tolerances = [
             item for item in SHIFTING if item in zones and {"teeth": tooth}.get(SHIFTING[item], SHIFTING[item]) in kinds
         ]
-        scale, apply = max(0.3 * um(start), 0.1), _play_setter(kinds)
-        parameter = Parameter(key, "um", meaning, um(start), scale, 1e-3, BOUNDS.max_play_um, apply)
-        if not shifting:
+        scale, apply = max(0.3 * to_um(start), 0.1), _play_setter(kinds)
+        parameter = Parameter(key, "um", meaning, to_um(start), scale, 1e-3, BOUNDS.max_play_um, apply)
+        if not tolerances:
             return parameter
-        squares = sum(zones[item].deviation ** 2 + zones[item].middle ** 2 for item in shifting)
-        source = f"tolerance: {', '.join(shifting)}"
-        return replace(parameter, deviation=um(math.sqrt(squares)), source=source)
+        squares = sum(zones[item].deviation ** 2 + zones[item].middle ** 2 for item in tolerances)
+        source = f"tolerance: {', '.join(tolerances)}"
+        return replace(parameter, deviation=to_um(math.sqrt(squares)), source=source)
 
     return (
-        play("mesh_play", "clearance between disc and ring, including that of pins in their seats", mesh, *mated),
-        play("output_play", "clearance of the output pins in their holes", clearance.output, "output"),
-        play("cam_play", "clearance of the cam in the disc's bore", clearance.cam, "cam"),
-        play("play", "clearance of teeth and holes, the same for both", mesh, *mated, "output"),
+        make_play(
+            "mesh_play", "clearance between disc and ring, including that of pins in their seats", mesh, *tooth_kinds
+        ),
+        make_play("output_play", "clearance of the output pins in their holes", clearance.output, "output"),
+        make_play("cam_play", "clearance of the cam in the disc's bore", clearance.cam, "cam"),
+        make_play("play", "clearance of teeth and holes, the same for both", mesh, *tooth_kinds, "output"),
     )
 
 
-def _stiffnesses(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
-    """Return the parameters of stiffness."""
+def _stiffness_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
+    """Return the parameters of stiffness: of the teeth, and of the structure."""
     loaded = max(loops, key=attrgetter("most"))
-    stiffness, stiffest = 2.0 * loaded.most / loaded.height, _max_structure_stiffness(reducer)
+    stiffness, max_stiffness = 2.0 * loaded.most / loaded.height, _max_structure_stiffness(reducer)
     return (
         Parameter(
             "tooth_stiffness",
@@ -216,21 +223,21 @@ def _stiffnesses(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tuple[Param
             "structure_stiffness",
             "N m/rad",
             "torsional stiffness at the output of housing, discs, shafts and mounting",
-            min(stiffness, 0.5 * stiffest),
+            min(stiffness, 0.5 * max_stiffness),
             0.1,
             1e-2 * stiffness,
-            stiffest,
+            max_stiffness,
             _set_structure_stiffness,
             logarithmic=True,
         ),
     )
 
 
-def _frictions(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
-    """Return the parameters of constant friction, and of friction that grows with the load."""
+def _friction_parameters(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
+    """Return the parameters of friction: of the contacts, in proportion to the load, and of constant size."""
     max_torque, lowest = max(loop.most for loop in loops), min(loops, key=attrgetter("height"))
-    turn, coulomb = lowest.height / DEGREE, coulomb_of(lowest).value
-    drag = coulomb if 0.0 < coulomb < BOUNDS.max_drag * max_torque else 0.02 * max_torque
+    height_deg, coulomb = lowest.height / DEGREE, loop_coulomb_torque(lowest).value
+    start_drag = coulomb if 0.0 < coulomb < BOUNDS.max_drag * max_torque else 0.02 * max_torque
     friction = reducer.design.friction_of(reducer.design.tooth_pair) or 0.05
     return (
         Parameter(
@@ -257,7 +264,7 @@ def _frictions(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tuple[Paramet
             "drag",
             "N m",
             "constant friction, at the output",
-            drag,
+            start_drag,
             0.02 * max_torque,
             0.0,
             BOUNDS.max_drag * max_torque,
@@ -267,38 +274,42 @@ def _frictions(reducer: Reducer, loops: Sequence[MeasuredLoop]) -> tuple[Paramet
             "drag_travel",
             "deg",
             "rotation of the output over which the constant friction builds up",
-            0.05 * turn,
-            0.05 * turn,
-            BOUNDS.min_travel * turn,
-            turn,
+            0.05 * height_deg,
+            0.05 * height_deg,
+            BOUNDS.min_travel * height_deg,
+            height_deg,
             _set_drag_travel,
         ),
     )
 
 
-def _hystereses(loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
+def _hysteresis_parameters(loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
     """Return the parameters of hysteresis, of the wind-up and of the material."""
     loaded = max(loops, key=attrgetter("most"))
-    most, widest, turn = loaded.most, loaded.height / DEGREE, min(loop.height for loop in loops) / DEGREE
+    max_torque, largest_height, smallest_height = (
+        loaded.most,
+        loaded.height / DEGREE,
+        min(loop.height for loop in loops) / DEGREE,
+    )
     return (
         Parameter(
             "hysteresis",
             "N m",
             "friction at the output that builds up gradually, as of loaded seats and of plastics",
-            0.1 * most,
-            0.02 * most,
+            0.1 * max_torque,
+            0.02 * max_torque,
             0.0,
-            2.0 * most,
+            2.0 * max_torque,
             lambda model, value: _with_spring(model, "hysteresis", value),
         ),
         Parameter(
             "hysteresis_travel",
             "deg",
             "rotation of the output over which the hysteresis builds up",
-            0.2 * widest,
-            0.05 * widest,
-            0.2 * turn,
-            2.0 * widest,
+            0.2 * largest_height,
+            0.05 * largest_height,
+            0.2 * smallest_height,
+            2.0 * largest_height,
             lambda model, value: _with_spring(model, "hysteresis_travel", DEGREE * value),
         ),
         Parameter(
@@ -315,13 +326,16 @@ def _hystereses(loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ...]:
 
 
 def _play_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
-    """Return a function that sets a clearance of kinds of pairs: teeth and seats share it as in the design."""
+    """Return a function that sets the clearance [um] of kinds of pairs in a model.
+
+    Teeth and seats of pins share it in the ratio of the design.
+    """
 
     def apply(model: Model, value: float) -> Model:
         clearance, total = model.reducer.design.clearance, MICROMETRE.to_si(value)
-        mated = [kind for kind in kinds if kind != "output"]
-        total_clearance = sum(getattr(clearance, kind) for kind in mated)
-        change = {kind: total * getattr(clearance, kind) / total_clearance for kind in mated}
+        tooth_kinds = [kind for kind in kinds if kind != "output"]
+        total_clearance = sum(getattr(clearance, kind) for kind in tooth_kinds)
+        change = {kind: total * getattr(clearance, kind) / total_clearance for kind in tooth_kinds}
         change |= {"output": total} if "output" in kinds else {}
         return replace(model, reducer=Reducer(model.reducer.design.but(clearance=change)))
 
@@ -329,7 +343,7 @@ def _play_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
 
 
 def _stiffness_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
-    """Return a function that sets the stiffness of kinds of pairs, relative to that at the rated load."""
+    """Return a function that sets the stiffness of kinds of pairs in a model, relative to that at the rated load."""
 
     def apply(model: Model, value: float) -> Model:
         rated = model.reducer.at_rated_load
@@ -340,7 +354,10 @@ def _stiffness_setter(kinds: Sequence[str]) -> Callable[[Model, float], Model]:
 
 
 def _set_structure_stiffness(model: Model, value: float) -> Model:
-    """Set the stiffness of the housing so that housing, carrier and shaft in series have a stiffness [N m/rad]."""
+    """Return a model with a torsional stiffness of the structure [N m/rad], by the stiffness of its housing.
+
+    Housing, carrier and shaft are in series.
+    """
     reducer = Reducer(model.reducer.design.model_copy(update={"structure": "springs"}))
     stiffness, compliance = twisting_stiffness(reducer), twisting_compliance(reducer)
     housing_compliance = 1.0 / value - compliance["carrier"] - compliance["shaft"]
@@ -384,8 +401,14 @@ def _with_spring(model: Model, name: str, value: float) -> Model:
     return replace(model, reducer=Reducer(design.model_copy(update={"springs": springs})))
 
 
-def _of_file(reducer: Reducer, key: str) -> Parameter:
-    """Return the parameter of a number of the design file."""
+def _file_parameter(reducer: Reducer, key: str) -> Parameter:
+    """Return the parameter of a number of the design file, with the file's bounds.
+
+    Raises
+    ------
+    UsageError
+        There is no such key, or it is no real number.
+    """
     table, _, name = key.partition(".")
     field = Design.model_fields.get(table)
     section: Any = section_of(field) if field else None

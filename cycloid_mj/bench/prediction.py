@@ -10,7 +10,7 @@ from cycloid_mj.base.frame import Cell, Frame, make_frame
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.loop_figures import LoopFigures, loop_figures
-from cycloid_mj.bench.overlay import LoopCondition, deflections, model_branches
+from cycloid_mj.bench.overlay import LoopCondition, interpolate_deflections, model_branches
 from cycloid_mj.bench.parameters import Model
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.friction_path import Losses
@@ -80,13 +80,13 @@ def predict_loops(reducer: Reducer, loops: Sequence[MeasuredLoop], crank: float 
     """
     model = Model(reducer, Losses(), contact_friction=False)
     condition = LoopCondition("crank", crank, max(loop.most for loop in loops))
-    turns = []
+    predicted = []
     for loop in loops:
-        turn = deflections(loop, model_branches(model, condition, loop))
-        turns.append(turn + float(np.mean((loop.deflection - turn)[loop.points_left_out :])))
+        deflection = interpolate_deflections(loop, model_branches(model, condition, loop))
+        predicted.append(deflection + float(np.mean((loop.deflection - deflection)[loop.points_left_out :])))
     shares = tuple(
-        float(np.std((turn - loop.deflection)[loop.points_left_out :])) / loop.height
-        for turn, loop in zip(turns, loops, strict=True)
+        float(np.std((deflection - loop.deflection)[loop.points_left_out :])) / loop.height
+        for deflection, loop in zip(predicted, loops, strict=True)
     )
-    modelled = [replace(loop, deflection=turn) for loop, turn in zip(loops, turns, strict=True)]
-    return Prediction(tuple(loops), tuple(turns), shares, loop_figures(loops), loop_figures(modelled))
+    modelled = [replace(loop, deflection=deflection) for loop, deflection in zip(loops, predicted, strict=True)]
+    return Prediction(tuple(loops), tuple(predicted), shares, loop_figures(loops), loop_figures(modelled))

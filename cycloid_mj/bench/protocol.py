@@ -21,27 +21,40 @@ from cycloid_mj.base.notebook_progress import shows_progress
 from cycloid_mj.base.result import Table
 from cycloid_mj.base.units import ARCMINUTE, ARCSECOND, DEGREE, RPM
 from cycloid_mj.bench.loop import MeasuredLoop, measured_loop, read_columns, require_torque
-from cycloid_mj.bench.loop_figures import NO_FIGURE, LoopFigure, hysteresis_of, lost_motion_of, stiffness_between
-from cycloid_mj.bench.te import MeasuredError, model_error
+from cycloid_mj.bench.loop_figures import NO_FIGURE, LoopFigure, loop_hysteresis, loop_lost_motion, stiffness_between
+from cycloid_mj.bench.te import MeasuredError, compute_model_error
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.figures import figure
 from cycloid_mj.measure import hysteresis
 from cycloid_mj.measure.back_driving import START
 from cycloid_mj.measure.bench import crank_angles
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.locked import locked_course, locked_curve, slip_elements
+from cycloid_mj.statics.locked import follow_locked_path, slip_elements, solve_locked_curve
 
 INTERVALS = {"low": (0.03, 0.15), "middle": (0.15, 0.5), "high": (0.5, 1.0)}
 """Ranges of torque over which stiffness is computed, as shares of the rated torque."""
 
-DEFAULT_ANGLES = 6
-"""Default number of crank angles at which the model is locked."""
 
-BRANCH_POINTS = 401
-"""Torques of a branch of the model's loop by statics."""
+@dataclass(frozen=True)
+class ProtocolSettings:
+    """Settings of the model's figures.
 
-UNLOADED_SHARE = 0.01
-"""Share of the rated torque under which the model's transmission error is computed: without it, parts are loose."""
+    Attributes
+    ----------
+    angles
+        Default number of crank angles at which the model is locked.
+    branch_points
+        Number of torques of a branch of the model's loop by statics.
+    unloaded_share
+        Share of the rated torque under which the transmission error is computed: without it, parts are loose.
+    """
+
+    angles: int = 6
+    branch_points: int = 401
+    unloaded_share: float = 0.01
+
+
+SETTINGS = ProtocolSettings()
 
 CRANK, CRANK_TORQUE, OUTPUT_TORQUE = "crank_deg", "torque_crank_Nm", "torque_output_Nm"
 """Columns of a bench's files of friction."""
@@ -87,7 +100,7 @@ LINES: Mapping[str, StatedLine] = {
         "arcsec",
         "largest less smallest deviation of the output's angle from the ideal one, over a turn of the output in one "
         "direction, "
-        f"unloaded (the model: {100.0 * UNLOADED_SHARE:g} % of the rated torque, without friction)",
+        f"unloaded (the model: {100.0 * SETTINGS.unloaded_share:g} % of the rated torque, without friction)",
         f"{HARMONIC}, transmission accuracy; GB/T 35089-2018",
     ),
     "starting_torque_nm": StatedLine("no-load starting torque", "N m", STARTING, f"{HARMONIC}; GB/T 35089-2018"),
@@ -134,7 +147,7 @@ class Protocol(Presented):
         return f"{self.design}, rated torque {self.rated:.4g} N m; {first}"
 
     def table(self) -> Table:
-        """Tabulate the figures of model and bench."""
+        """Return a table of the figures of model and bench, a row each."""
         rows = tuple(
             (line.name, line.unit, _in_words(self.model.get(key)), _in_words(self.bench.get(key)))
             for key, line in LINES.items()
@@ -144,18 +157,18 @@ class Protocol(Presented):
 
     @property
     def frame(self) -> Frame:
-        """Figures, one row each; NaN where there is none."""
+        """Return the figures, one row each; NaN where there is none."""
         sides = {"model": self.model, "bench": self.bench}
         columns: dict[str, Array] = {
-            f"{side}_{part}": np.array([getattr(of.get(key), part, math.nan) for key in LINES])
-            for side, of in sides.items()
+            f"{side}_{part}": np.array([getattr(figures.get(key), part, math.nan) for key in LINES])
+            for side, figures in sides.items()
             for part in LoopFigure._fields
         }
         text = {"line": np.array(list(LINES)), "unit": np.array([line.unit for line in LINES.values()])}
         return Frame({**text, **columns})
 
     def as_json(self) -> dict[str, Any]:
-        """Convert all of it to JSON values."""
+        """Convert the figures of model and bench with their definitions to JSON values."""
         return {
             "design": self.design,
             "nominal_torque_nm": self.rated,
@@ -182,7 +195,7 @@ def protocol_of(
     starting: Path | None = None,
     running: Path | None = None,
     back_driving: Path | None = None,
-    angles: int = DEFAULT_ANGLES,
+    angles: int = SETTINGS.angles,
     progress: Progress = silent,
 ) -> Protocol:
     """Evaluate standard test figures of a design and of a bench; in Python ``cm.protocol(design)``.
@@ -222,8 +235,8 @@ def protocol_of(
 def protocol(
     reducer: Reducer,
     files: BenchFiles,
-    rated: float,
-    angles: int = DEFAULT_ANGLES,
+    rated_torque: float,
+    angles: int = SETTINGS.angles,
     progress: Progress = silent,
     engine: Engine | None = None,
 ) -> Protocol:
@@ -235,8 +248,8 @@ def protocol(
         The model.
     files
         Files of the bench.
-    rated
-        Rated torque [N m].
+    rated_torque
+        Rated torque on the output [N m].
     angles
         Number of crank angles at which the model is locked.
     progress, engine
@@ -250,27 +263,27 @@ def protocol(
         The model has no static balance, or a run failed.
     """
     for loop in files.loops:
-        require_torque(loop, rated)
-    of_bench = {**_of_loops(files.loops, rated), **_of_files(files)} if files != BenchFiles() else {}
-    loaded = reducer.working_at(rated)
+        require_torque(loop, rated_torque)
+    of_bench = {**_loop_lines(files.loops, rated_torque), **_file_lines(files)} if files != BenchFiles() else {}
+    loaded = reducer.working_at(rated_torque)
     cranks = crank_angles(reducer, angles).tolist()
     engine = engine or Engine(kind="threads")
-    loops = tuple(engine.each(lambda crank: model_loop(loaded, rated, crank), cranks, progress))
-    of_model = {**_of_loops(loops, rated), **_of_model(loaded, rated)}
+    loops = tuple(engine.each(lambda crank: compute_model_loop(loaded, rated_torque, crank), cranks, progress))
+    of_model = {**_loop_lines(loops, rated_torque), **_model_lines(loaded, rated_torque)}
     notes = [
         f"model: loops at {angles} crank angles, their mean, smallest and largest value; contacts have the stiffness "
-        f"of {rated:.4g} N m",
+        f"of {rated_torque:.4g} N m",
         "the model has Coulomb friction: starting and running torque differ only by what grows with the speed "
         f"({abs(reducer.design.drive.speed) / RPM:.4g} rpm)",
         "the model's torques include shaft bearings, seals and grease only as [drag] of the design",
     ]
     if math.isnan(of_model["back_driving_torque_nm"].value):
         notes.append("the model is self-locking: friction under a load consumes all of the output's power")
-    short = [loop for loop in files.loops if loop.most < 0.98 * rated]
-    notes += [f"{loop.name} reaches {loop.most:.4g} N m, not the rated torque" for loop in short]
+    incomplete = [loop for loop in files.loops if loop.most < 0.98 * rated_torque]
+    notes += [f"{loop.name} reaches {loop.most:.4g} N m, not the rated torque" for loop in incomplete]
     return Protocol(
         reducer.design.name,
-        rated,
+        rated_torque,
         of_model,
         of_bench,
         loops,
@@ -279,46 +292,50 @@ def protocol(
     )
 
 
-def model_loop(reducer: Reducer, rated: float, crank: float) -> MeasuredLoop:
-    """Compute the loop to a torque on the output [N m] and back with a locked crank [rad], as a bench would record it.
+def compute_model_loop(reducer: Reducer, rated_torque: float, crank: float) -> MeasuredLoop:
+    """Compute the loop of a model with a locked crank [rad], to a torque on the output [N m] and back, as of a bench.
 
     It is a run as of `measure lost-motion`. Where the design has friction of its wind-up (`springs`), which no run has,
     it is computed by statics, and that friction represents all.
     """
-    slips = slip_elements(reducer)
-    if len(slips.limits):
-        up = rated * np.linspace(-1.0, 1.0, BRANCH_POINTS)
-        course = np.concatenate([up[BRANCH_POINTS // 2 :], -up[1:], up[1:], -up[1:], up[1:]])
-        turn = locked_course(locked_curve(reducer, rated, crank), slips, course)
-        torque, turn = course[-2 * BRANCH_POINTS + 1 :], turn[-2 * BRANCH_POINTS + 1 :]
+    elements = slip_elements(reducer)
+    if len(elements.limits):
+        rising = rated_torque * np.linspace(-1.0, 1.0, SETTINGS.branch_points)
+        course = np.concatenate(
+            [rising[SETTINGS.branch_points // 2 :], -rising[1:], rising[1:], -rising[1:], rising[1:]]
+        )
+        turn = follow_locked_path(solve_locked_curve(reducer, rated_torque, crank), elements, course)
+        torque, turn = course[-2 * SETTINGS.branch_points + 1 :], turn[-2 * SETTINGS.branch_points + 1 :]
     else:
-        loop = hysteresis.loop(reducer, crank, rated, hysteresis.slow_period(reducer, rated))
+        loop = hysteresis.loop(reducer, crank, rated_torque, hysteresis.slow_period(reducer, rated_torque))
         torque, turn = loop.torque, loop.turn
     return measured_loop(f"model at {crank / DEGREE:.3g} deg", torque, turn / DEGREE)
 
 
-def breakaway_torque(crank: Array, torque: Array) -> float:
-    """Compute the torque at which a crank begins to turn: the last before it has moved by 0.1 deg for good.
+def find_breakaway_torque(crank: Array, torque: Array) -> float:
+    """Find the torque at which a crank begins to turn: the last before it has moved by 0.1 deg for good.
 
-    Angles [rad] and torques are in the order of time, shape (n,). NaN where the crank stays.
+    NaN if the crank stays.
+
+    Angles `crank` [rad] and `torque` are in the order of time, shape (n,).
     """
-    away = np.abs(crank - crank[0]) > START.turned
-    if not away[-1]:
+    has_moved = np.abs(crank - crank[0]) > START.turned
+    if not has_moved[-1]:
         return math.nan
-    still = np.flatnonzero(~away)
-    return float(abs(torque[still[-1]]))
+    at_rest = np.flatnonzero(~has_moved)
+    return float(abs(torque[at_rest[-1]]))
 
 
-def read_breakaway_torque(path: Path, torque: str) -> float:
-    """Read the torque at which the crank begins to turn from a CSV file of the columns crank_deg and `torque` [N m].
+def read_breakaway_torque(path: Path, torque_column: str) -> float:
+    """Read the torque at which the crank begins to turn [N m] from a CSV file with the columns crank_deg and a torque.
 
     Raises
     ------
     UsageError
         The file is malformed, or its crank does not turn.
     """
-    columns = read_columns(path, (CRANK, torque), "a start from rest")
-    value = breakaway_torque(DEGREE * columns[CRANK], columns[torque])
+    columns = read_columns(path, (CRANK, torque_column), "a start from rest")
+    value = find_breakaway_torque(DEGREE * columns[CRANK], columns[torque_column])
     if math.isnan(value):
         raise UsageError(
             f"{path}: {CRANK} stays within 0.1 deg of its first value, so the crank never starts to turn. Increase the "
@@ -327,26 +344,31 @@ def read_breakaway_torque(path: Path, torque: str) -> float:
     return value
 
 
-def _of_loops(loops: Sequence[MeasuredLoop], rated: float) -> dict[str, LoopFigure]:
-    """Compute the figures of the loops with the largest torques: their mean, smallest and largest value."""
-    furthest = [loop for loop in loops if loop.most >= 0.9 * min(rated, max(item.most for item in loops))]
-    if not furthest:
+def _loop_lines(loops: Sequence[MeasuredLoop], rated_torque: float) -> dict[str, LoopFigure]:
+    """Compute lost motion, hysteresis loss and stiffness of the loops with the largest torques, by keys of `LINES`.
+
+    Each is the mean over the loops with the smallest and the largest value.
+    """
+    full_loops = [loop for loop in loops if loop.most >= 0.9 * min(rated_torque, max(item.most for item in loops))]
+    if not full_loops:
         return {}
-    each = [
+    figures = [
         {
-            "lost_motion_arcmin": lost_motion_of(loop, rated).scale(1.0 / ARCMINUTE),
-            "hysteresis_loss_arcmin": hysteresis_of(loop, rated).scale(1.0 / ARCMINUTE),
+            "lost_motion_arcmin": loop_lost_motion(loop, rated_torque).scale(1.0 / ARCMINUTE),
+            "hysteresis_loss_arcmin": loop_hysteresis(loop, rated_torque).scale(1.0 / ARCMINUTE),
             **{
-                f"stiffness_{part}_nm_per_arcmin": stiffness_between(loop, low * rated, high * rated).scale(ARCMINUTE)
+                f"stiffness_{part}_nm_per_arcmin": stiffness_between(
+                    loop, low * rated_torque, high * rated_torque
+                ).scale(ARCMINUTE)
                 for part, (low, high) in INTERVALS.items()
             },
         }
-        for loop in furthest
+        for loop in full_loops
     ]
-    return {key: _merge([item[key] for item in each]) for key in each[0]}
+    return {key: _merge_figures([item[key] for item in figures]) for key in figures[0]}
 
 
-def _merge(figures: Sequence[LoopFigure]) -> LoopFigure:
+def _merge_figures(figures: Sequence[LoopFigure]) -> LoopFigure:
     """Compute the mean of a figure over the positions that have it, and the outermost ends of their intervals."""
     known_figures = [item for item in figures if not math.isnan(item.value)]
     if not known_figures:
@@ -358,18 +380,20 @@ def _merge(figures: Sequence[LoopFigure]) -> LoopFigure:
     )
 
 
-def _of_model(reducer: Reducer, rated: float) -> dict[str, LoopFigure]:
-    """Compute the model's figures that are not of a loop, by the functions of the catalogue."""
-    of_catalogue = {"starting_torque_nm": "starting_torque_nm", "running_torque_nm": "no_load_torque_nm"}
-    of_catalogue |= {"back_driving_torque_nm": "back_driving_torque_free_nm"}
+def _model_lines(reducer: Reducer, rated_torque: float) -> dict[str, LoopFigure]:
+    """Compute transmission error and torques of the model, by keys of `LINES`, with the functions of the catalogue."""
+    catalogue_keys = {"starting_torque_nm": "starting_torque_nm", "running_torque_nm": "no_load_torque_nm"}
+    catalogue_keys |= {"back_driving_torque_nm": "back_driving_torque_free_nm"}
     return {
-        "te_arcsec": LoopFigure.about(float(np.ptp(model_error(reducer, UNLOADED_SHARE * rated))) / ARCSECOND),
-        **{line: LoopFigure.about(figure(key).value(reducer)) for line, key in of_catalogue.items()},
+        "te_arcsec": LoopFigure.about(
+            float(np.ptp(compute_model_error(reducer, SETTINGS.unloaded_share * rated_torque))) / ARCSECOND
+        ),
+        **{line: LoopFigure.about(figure(key).value(reducer)) for line, key in catalogue_keys.items()},
     }
 
 
-def _of_files(files: BenchFiles) -> dict[str, LoopFigure]:
-    """Compute the figures of the bench's other files."""
+def _file_lines(files: BenchFiles) -> dict[str, LoopFigure]:
+    """Compute the figures of the bench's other files: transmission error, starting, running and back-driving torque."""
     figures = {}
     if files.te:
         figures["te_arcsec"] = LoopFigure.about(float(np.ptp(files.te.error)) / ARCSECOND)

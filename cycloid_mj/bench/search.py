@@ -18,7 +18,7 @@ from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.engine import Progress, silent
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.bench.loop import MeasuredLoop
-from cycloid_mj.bench.overlay import Branches, LoopCondition, deflections, distances, model_branches
+from cycloid_mj.bench.overlay import Branches, LoopCondition, branch_distances, interpolate_deflections, model_branches
 from cycloid_mj.bench.parameters import Model, Parameter
 
 MODEL_ERROR = 0.03
@@ -107,14 +107,14 @@ class FitProblem:
 
     @cached_property
     def point_weights(self) -> Array:
-        """Share of its loop that each residual is; 1 for the residual of a prior."""
+        """Return the share of its loop that each residual is; 1 for the residual of a prior."""
         lengths = [len(loop.torque) - loop.points_left_out for loop in self.loops]
         weights = [np.full(length, 1.0 / length) for length in lengths]
         return np.concatenate([*weights, np.ones(np.count_nonzero(self.prior_weights))])
 
     @property
     def bounds(self) -> tuple[Array, Array]:
-        """Lower and upper bounds of the scaled values; equal where a value is fixed."""
+        """Return lower and upper bounds of the scaled values; equal where a value is fixed."""
         free = np.tile([np.inf if self.torque_offset else 0.0, np.inf], len(self.loops))
         lower = [parameter.to_scale(parameter.lower) for parameter in self.parameters]
         upper = [parameter.to_scale(parameter.upper) for parameter in self.parameters]
@@ -138,8 +138,8 @@ class FitProblem:
         return self.expected_trials(starts=starts, again=starts, long=1, **searches)
 
     @cached_property
-    def _models(self) -> Callable[[tuple[float, ...]], Model]:
-        """Function from the scaled values of the parameters to the model with these values, cached."""
+    def _cached_models(self) -> Callable[[tuple[float, ...]], Model]:
+        """Return a cached function from the scaled values of the parameters to the model with these values."""
 
         @lru_cache(maxsize=8 * len(self.parameters))
         def with_first(scaled: tuple[float, ...]) -> Model:
@@ -151,42 +151,51 @@ class FitProblem:
         return with_first
 
     @cached_property
-    def _branches(self) -> Callable[[tuple[float, ...], int, float], Branches | None]:
-        """Cached function from scaled values, loop and torque offset [N m] to the model's branches, or None."""
+    def _cached_branches(self) -> Callable[[tuple[float, ...], int, float], Branches | None]:
+        """Return a cached function from scaled values, loop index and torque offset [N m] to the model's branches.
+
+        It returns None where the model has no static balance.
+        """
 
         @lru_cache(maxsize=4 * len(self.loops))
         def branches(scaled: tuple[float, ...], loop: int, shift: float) -> Branches | None:
             try:
-                return model_branches(self._models(scaled), self.bench, self.loops[loop], shift)
+                return model_branches(self._cached_models(scaled), self.bench, self.loops[loop], shift)
             except RunError:
                 return None
 
         return branches
 
     def residuals_by_loop(self, scaled: Array) -> list[Array]:
-        """Compute the residuals of the points of each loop, as shares of its ranges."""
+        """Compute the residuals of each loop's points: signed distances, as shares of the loop's ranges."""
         residuals = []
-        for loop, branches, (torque, turn) in self._modelled_loops(scaled):
+        for loop, branches, (torque, deflection) in self._modelled_loops(scaled):
             failed = np.full(len(loop.torque) - loop.points_left_out, FAILED_RESIDUAL)
-            residuals.append(failed if branches is None else distances(loop, branches, torque, turn))
+            residuals.append(failed if branches is None else branch_distances(loop, branches, torque, deflection))
         return residuals
 
     def _modelled_loops(self, scaled: Array) -> Iterator[tuple[MeasuredLoop, Branches | None, tuple[float, float]]]:
-        """Yield each loop, the model's branches at scaled values, and the offsets of torque [N m] and turn [rad]."""
+        """Yield each loop, the model's branches, and its offsets of torque [N m] and deflection [rad]."""
         count = len(self.parameters)
         values = tuple(scaled[:count].tolist())
-        for number, loop in enumerate(self.loops):
-            torque, turn = (offset_scales(loop) * scaled[count + 2 * number : count + 2 * number + 2]).tolist()
-            yield loop, self._branches(values, number, torque), (torque, turn)
+        for index, loop in enumerate(self.loops):
+            torque, deflection = (offset_scales(loop) * scaled[count + 2 * index : count + 2 * index + 2]).tolist()
+            yield loop, self._cached_branches(values, index, torque), (torque, deflection)
 
     def residuals(self, scaled: Array) -> Array:
-        """Join the residuals of all loops, each loop with the same weight, and those of the priors.
+        """Compute the residuals of all loops, each loop with the same weight, followed by those of the priors.
 
-        A value that differs from its prior by one standard deviation counts as a loop with a residual of `MODEL_ERROR`.
+        A value that differs from its prior by one standard deviation counts as a loop with a residual of
+        `MODEL_ERROR`.
         """
         self.trials()
-        off = MODEL_ERROR * (self.prior_weights * (scaled - self.prior_means))[self.prior_weights > 0.0]
-        return np.concatenate([*(part / np.sqrt(len(part)) for part in self.residuals_by_loop(scaled)), off])
+        prior_residuals = MODEL_ERROR * (self.prior_weights * (scaled - self.prior_means))[self.prior_weights > 0.0]
+        return np.concatenate(
+            [
+                *(loop_residuals / np.sqrt(len(loop_residuals)) for loop_residuals in self.residuals_by_loop(scaled)),
+                prior_residuals,
+            ]
+        )
 
     def deflection_errors(self, scaled_values: Array) -> Array:
         """Compute (model deflection - measured deflection) / loop height at each measured torque.
@@ -201,7 +210,7 @@ class FitProblem:
                 error = np.full(len(loop.torque), FAILED_RESIDUAL * loop.height)
             else:
                 shifted = [(torque + torque_offset, deflection) for torque, deflection in branches]
-                error = deflections(loop, shifted) - loop.deflection + deflection_offset
+                error = interpolate_deflections(loop, shifted) - loop.deflection + deflection_offset
             errors.append(error[loop.points_left_out :] / (loop.height * np.sqrt(len(error) - loop.points_left_out)))
         return np.concatenate(errors)
 
@@ -210,20 +219,20 @@ class FitProblem:
         scaled: Array,
         indices: Sequence[int],
         central: bool = False,
-        ends: tuple[Array, Array] | None = None,
+        limits: tuple[Array, Array] | None = None,
         residuals: Callable[[Array], Array] | None = None,
     ) -> Array:
-        """Compute finite differences of residuals by some scaled values.
+        """Compute the derivatives of the residuals by some scaled values, by finite differences.
 
         Parameters
         ----------
         scaled
-            The values.
+            The scaled values.
         indices
             Indices of the values by which to differentiate.
         central
             Whether differences are central, not forward.
-        ends
+        limits
             Bounds within which the steps stay; by default those of the problem.
         residuals
             Function to differentiate; by default `residuals`.
@@ -231,39 +240,41 @@ class FitProblem:
         Returns
         -------
         Array
-            Shape (points, len(by)).
+            Shape (points, len(indices)).
         """
-        low, high = ends or self.bounds
+        low, high = limits or self.bounds
         compute, columns = residuals or self.residuals, []
         for index in indices:
-            pair = np.stack([scaled, scaled])
-            pair[1, index] += SETTINGS.difference_step
-            pair[0, index] -= SETTINGS.difference_step if central else 0.0
-            if pair[1, index] > high[index]:
-                pair[:, index] = scaled[index] - SETTINGS.difference_step, scaled[index]
-            pair[:, index] = np.clip(pair[:, index], low[index], high[index])
-            width = pair[1, index] - pair[0, index]
-            change = compute(pair[1]) - compute(pair[0])
+            step_ends = np.stack([scaled, scaled])
+            step_ends[1, index] += SETTINGS.difference_step
+            step_ends[0, index] -= SETTINGS.difference_step if central else 0.0
+            if step_ends[1, index] > high[index]:
+                step_ends[:, index] = scaled[index] - SETTINGS.difference_step, scaled[index]
+            step_ends[:, index] = np.clip(step_ends[:, index], low[index], high[index])
+            width = step_ends[1, index] - step_ends[0, index]
+            change = compute(step_ends[1]) - compute(step_ends[0])
             columns.append(change / width if width else np.zeros_like(change))
         return np.stack(columns, axis=1)
 
     def starts(self) -> list[Array]:
-        """Compute the starts of the searches: `START_FACTORS` on the design's values, and the centre of each loop.
+        """Return scaled start values of the searches: `START_FACTORS` on the design, and centres of the loops.
 
         Where stiffness or play is fitted, the factors on them are those that bring the model nearest to the loops.
         """
         keys = {parameter.key for parameter in self.parameters}
         centres = [0.5 * float(loop.deflection.max() + loop.deflection.min()) for loop in self.loops]
-        shifts = [
-            [0.5 * sum(loop.ends), middle] / offset_scales(loop)
-            for loop, middle in zip(self.loops, centres, strict=True)
+        offset_starts = [
+            [0.5 * sum(loop.ends), centre] / offset_scales(loop)
+            for loop, centre in zip(self.loops, centres, strict=True)
         ]
-        plays = (1.0, 2.0, 0.5, 4.0) if {"mesh_play", "play", "output_play"} & keys else (1.0,)
-        softer = (1.0, 0.3, 0.1, 0.03, 0.01, 3.0) if {"tooth_stiffness", "structure_stiffness"} & keys else (1.0,)
+        play_factors = (1.0, 2.0, 0.5, 4.0) if {"mesh_play", "play", "output_play"} & keys else (1.0,)
+        stiffness_factors = (
+            (1.0, 0.3, 0.1, 0.03, 0.01, 3.0) if {"tooth_stiffness", "structure_stiffness"} & keys else (1.0,)
+        )
         starts = []
         for start_factors in self.start_factors:
             candidates = []
-            for play, stiffness in product(plays, softer):
+            for play, stiffness in product(play_factors, stiffness_factors):
                 factors = {"mesh_play": play, "output_play": play, "play": play, "tooth_stiffness": stiffness}
                 factors |= {"structure_stiffness": stiffness} | start_factors
                 values = [
@@ -271,7 +282,7 @@ class FitProblem:
                     for item in self.parameters
                 ]
                 start = [item.to_scale(value) for item, value in zip(self.parameters, values, strict=True)]
-                scaled = np.concatenate([start, *shifts])
+                scaled = np.concatenate([start, *offset_starts])
                 self.trials()
                 cost = sum(float(np.mean(np.abs(part))) for part in self.residuals_by_loop(scaled))
                 candidates.append((cost, scaled))
@@ -281,7 +292,7 @@ class FitProblem:
     def minimise(
         self, start: Array, max_steps: int, method: Literal["trf", "dogbox"], fixed: int | None = None
     ) -> tuple[float, Array]:
-        """Minimise the robust sum of squares from a start; return the cost and the scaled values.
+        """Minimise the robust sum of squares (soft L1 loss) from a start; return the cost and the scaled values.
 
         Parameters
         ----------
@@ -299,13 +310,13 @@ class FitProblem:
         low, high = self.bounds
         start = np.clip(start, low, high)
         free = [index for index in np.flatnonzero(high - low > SETTINGS.fixed_width).tolist() if index != fixed]
-        fill = _filler(start, free)
+        fill = _make_filler(start, free)
 
-        def residuals(part: Array) -> Array:
-            return self.residuals(fill(part))
+        def residuals(free_values: Array) -> Array:
+            return self.residuals(fill(free_values))
 
-        def slopes(part: Array) -> Array:
-            return self.slopes(fill(part), free)
+        def slopes(free_values: Array) -> Array:
+            return self.slopes(fill(free_values), free)
 
         def robust(squares: Array) -> Array:
             """Compute the soft L1 loss and two derivatives, of residuals by their size as points of their loops."""
@@ -329,8 +340,8 @@ class FitProblem:
         )
         return float(solution.cost), np.clip(fill(solution.x), low, high)
 
-    def nearest_deflections(self, start: Array, low: Array, high: Array) -> Array:
-        """Return the scaled values between two ends at which the model's deflections are nearest to the measured, rms.
+    def fit_deflections(self, start: Array, low: Array, high: Array) -> Array:
+        """Return the scaled values between two ends with the deflections nearest to the measured ones, rms.
 
         A value that moves from the start by a quarter of the distance between its ends, which is its standard
         deviation, adds the cost of a loop with a residual of `MODEL_ERROR`, so that a value on which the deflections
@@ -341,16 +352,16 @@ class FitProblem:
         free = np.flatnonzero(high - low > SETTINGS.fixed_width)
         weights = np.zeros_like(start)
         weights[free] = MODEL_ERROR * (4.0 / (high - low)[free])
-        fill = _filler(np.clip(start, low, high), free)
+        fill = _make_filler(np.clip(start, low, high), free)
 
         def residuals(scaled: Array) -> Array:
             return np.concatenate([self.deflection_errors(scaled), weights * (scaled - start)])
 
-        def slopes(part: Array) -> Array:
-            return self.slopes(fill(part), free.tolist(), ends=(low, high), residuals=residuals)
+        def slopes(free_values: Array) -> Array:
+            return self.slopes(fill(free_values), free.tolist(), limits=(low, high), residuals=residuals)
 
-        def filled_residuals(part: Array) -> Array:
-            return residuals(fill(part))
+        def filled_residuals(free_values: Array) -> Array:
+            return residuals(fill(free_values))
 
         solution = least_squares(
             filled_residuals,
@@ -364,12 +375,12 @@ class FitProblem:
         return fill(solution.x)
 
 
-def _filler(start: Array, free: Sequence[int] | Integers) -> Callable[[Array], Array]:
+def _make_filler(start: Array, free: Sequence[int] | Integers) -> Callable[[Array], Array]:
     """Return a function that sets the free elements of a start to values, and keeps the others."""
 
-    def fill(part: Array) -> Array:
+    def fill(values: Array) -> Array:
         scaled = start.copy()
-        scaled[free] = part
+        scaled[free] = values
         return scaled
 
     return fill

@@ -108,12 +108,12 @@ class BenchComparison(Presented):
 
     @property
     def strongest_first(self) -> list[int]:
-        """Indices of the orders with an amplitude of note in either curve, the strongest first."""
+        """Return the indices of the orders above `TE.min_amplitude` in either curve, the strongest first."""
         size = np.maximum(np.abs(self.bench_amplitude), np.abs(self.model_amplitude))
         return [int(index) for index in np.argsort(-size) if size[index] > TE.min_amplitude * size.max()]
 
     def table(self, max_rows: int = 20) -> Table:
-        """Tabulate the strongest orders."""
+        """Return a table of the strongest orders: amplitudes, phase, explained share and possible causes."""
         rows = tuple(
             (
                 f"{self.order[index]:.6g}",
@@ -136,7 +136,7 @@ class BenchComparison(Presented):
         return Table(f"{self.measured.name} compared with {self.design}, {self.load:.4g} N m", header, rows)
 
     def as_json(self) -> dict[str, Any]:
-        """Convert all of it to JSON values."""
+        """Convert the comparison with the amplitudes of its orders to JSON values."""
         return {
             "design": self.design,
             "load_nm": self.load,
@@ -161,7 +161,7 @@ class BenchComparison(Presented):
 
 
 def read_te(path: Path | str) -> MeasuredError:
-    """Read a transmission error from a CSV file of the columns crank_deg and te_arcsec.
+    """Read a transmission error from a CSV file with the columns crank_deg and te_arcsec.
 
     Parameters
     ----------
@@ -230,10 +230,10 @@ def compare_bench(design: Named, measured: MeasuredError, load: float | None = N
             "other than 0"
         )
     lobes = reducer.design.lobes
-    ideal = model_error(reducer, torque)
+    ideal = compute_model_error(reducer, torque)
     zero = _fit_zero(ideal, measured, lobes)
-    model = _interpolate(ideal, measured.crank + zero, lobes)
-    order = _orders(reducer, measured)
+    model = _interpolate_error(ideal, measured.crank + zero, lobes)
+    order = _resolved_orders(reducer, measured)
     if len(measured.crank) < 2 * len(order) + 1:
         raise UsageError(
             f"{measured.name}: {len(measured.crank)} points are too few to resolve {len(order)} orders; at least "
@@ -249,8 +249,11 @@ def compare_bench(design: Named, measured: MeasuredError, load: float | None = N
     return BenchComparison(name, torque, zero, measured, model, order, amplitude[:, 0], amplitude[:, 1], names)
 
 
-def model_error(reducer: Reducer, torque: float) -> Array:
-    """Compute the output's error about its mean [rad] under a torque on it [N m], evenly over its turn, shape (n,)."""
+def compute_model_error(reducer: Reducer, torque: float) -> Array:
+    """Compute the output's static error about its mean [rad] under a torque on it [N m], shape (n,).
+
+    The n crank angles are evenly spaced over a turn of the output; without friction and weight.
+    """
     lobes = reducer.design.lobes
     count = TE.poses_per_period * reducer.design.ring.teeth * lobes
     crank = 2.0 * np.pi * lobes * np.arange(count) / count
@@ -258,45 +261,45 @@ def model_error(reducer: Reducer, torque: float) -> Array:
     return np.asarray(error - error.mean())
 
 
-def _orders(reducer: Reducer, measured: MeasuredError) -> Array:
-    """Return the orders that a measurement resolves: integer orders, and those of the disc far enough from them."""
+def _resolved_orders(reducer: Reducer, measured: MeasuredError) -> Array:
+    """Return the orders that a measurement resolves, (k,): integers, and those of the disc far enough from them."""
     teeth, lobes = reducer.design.ring.teeth, reducer.design.lobes
-    sampled = 0.4 * len(measured.crank) / measured.turns
-    max_order = min(TE.max_harmonic * teeth, int(sampled))
+    resolution = 0.4 * len(measured.crank) / measured.turns
+    max_order = min(TE.max_harmonic * teeth, int(resolution))
     integer = np.arange(1, max_order + 1, dtype=np.float64)
-    gear = np.arange(1, max_order + 1) * teeth / lobes
-    is_distinct = np.abs(gear - np.rint(gear)) * measured.turns > 0.9
-    return np.sort(np.concatenate([integer, gear[is_distinct & (gear < max_order)]]))
+    disc_orders = np.arange(1, max_order + 1) * teeth / lobes
+    is_distinct = np.abs(disc_orders - np.rint(disc_orders)) * measured.turns > 0.9
+    return np.sort(np.concatenate([integer, disc_orders[is_distinct & (disc_orders < max_order)]]))
 
 
 def _fit_zero(ideal: Array, measured: MeasuredError, lobes: int) -> float:
-    """Compute the crank angle of the model at the bench's zero [rad] that explains most of the measured curve.
+    """Find the crank angle of the model at the bench's zero [rad] that explains most of the measured curve.
 
-    It is the smallest of equally good angles: where the parts return to the same pose after some turns of the crank,
-    several are equal.
+    The squared residual of all shifts is computed by FFT, and its minimum refined by a parabola. Where the parts return
+    to the same pose after some turns of the crank, several angles are equal: the smallest is returned.
     """
     count, turn = len(ideal), 2.0 * np.pi * lobes
     width = turn / count
     # the measured curve on the model's angles, then all shifts at once
     bins = np.floor(np.mod(measured.crank, turn) / width + 0.5).astype(int) % count
     error = measured.error - measured.error.mean()
-    total, hits = np.zeros(count), np.zeros(count)
-    np.add.at(total, bins, error)
-    np.add.at(hits, bins, 1.0)
+    binned, counts = np.zeros(count), np.zeros(count)
+    np.add.at(binned, bins, error)
+    np.add.at(counts, bins, 1.0)
     spectrum = np.fft.rfft(ideal)
-    cross = np.fft.irfft(np.conj(np.fft.rfft(total)) * spectrum, count)
-    power = np.fft.irfft(np.conj(np.fft.rfft(hits)) * np.fft.rfft(ideal**2), count)
+    cross = np.fft.irfft(np.conj(np.fft.rfft(binned)) * spectrum, count)
+    power = np.fft.irfft(np.conj(np.fft.rfft(counts)) * np.fft.rfft(ideal**2), count)
     residual = power - 2.0 * cross
-    best = int(np.argmax(residual <= residual.min() + TE.zero_rtol * np.ptp(residual)))
-    neighbours = [residual[(best + shift) % count] for shift in (-1, 0, 1)]
-    bend = neighbours[0] - 2.0 * neighbours[1] + neighbours[2]
-    return float((best + (0.5 * (neighbours[0] - neighbours[2]) / bend if bend > 0.0 else 0.0)) * width)
+    index = int(np.argmax(residual <= residual.min() + TE.zero_rtol * np.ptp(residual)))
+    neighbours = [residual[(index + shift) % count] for shift in (-1, 0, 1)]
+    curvature = neighbours[0] - 2.0 * neighbours[1] + neighbours[2]
+    return float((index + (0.5 * (neighbours[0] - neighbours[2]) / curvature if curvature > 0.0 else 0.0)) * width)
 
 
-def _interpolate(ideal: Array, crank: Array, lobes: int) -> Array:
+def _interpolate_error(ideal: Array, crank: Array, lobes: int) -> Array:
     """Interpolate the model's error at crank angles [rad] by periodic cubic splines."""
     from scipy.interpolate import CubicSpline
 
     turn = 2.0 * np.pi * lobes
-    grid = np.linspace(0.0, turn, len(ideal) + 1)
-    return np.asarray(CubicSpline(grid, np.append(ideal, ideal[0]), bc_type="periodic")(np.mod(crank, turn)))
+    knots = np.linspace(0.0, turn, len(ideal) + 1)
+    return np.asarray(CubicSpline(knots, np.append(ideal, ideal[0]), bc_type="periodic")(np.mod(crank, turn)))

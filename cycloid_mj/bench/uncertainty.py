@@ -35,13 +35,13 @@ def autocorrelation_time(residuals: Array) -> float:
     """
     centred = residuals - residuals.mean()
     variance = float(np.mean(centred**2))
-    total = 1.0
+    time = 1.0
     for lag in range(1, int(INTERVAL.max_lag * len(residuals))):
         correlation = float(np.mean(centred[lag:] * centred[:-lag])) / variance if variance else 0.0
         if correlation <= 2.0 / np.sqrt(len(residuals)):
             break
-        total += 2.0 * correlation
-    return total
+        time += 2.0 * correlation
+    return time
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +72,7 @@ class FitUncertainty:
         return np.array([self.quantile_along(row, confidence) for row in np.eye(len(self.inverse))])
 
     def quantile_along(self, direction: Array, confidence: float) -> float:
-        """Compute the half width, in standard errors, of the interval of a sum of the values with factors (v,).
+        """Compute the half width, in standard errors, of the interval of a sum of the values with weights (v,).
 
         It is Student's t. A few points may decide a value, such as those of a leap (6 of 181). Its error is then an
         estimate from few residuals, with Satterthwaite's degrees of freedom, (sum a)^2 / sum a^2, where a is the share
@@ -81,47 +81,47 @@ class FitUncertainty:
         """
         shares = (self.influence @ direction) ** 2
         squares = float(self.point_count @ shares**2)
-        largest = max(float(np.sum(1.0 / self.point_count)) - np.count_nonzero(np.diag(self.inverse)), 1.0)
-        freedom = float(shares.sum()) ** 2 / squares if squares else largest
-        return student_half_width(min(max(freedom, 1.0), largest), confidence)
+        max_freedom = max(float(np.sum(1.0 / self.point_count)) - np.count_nonzero(np.diag(self.inverse)), 1.0)
+        freedom = float(shares.sum()) ** 2 / squares if squares else max_freedom
+        return student_half_width(min(max(freedom, 1.0), max_freedom), confidence)
 
 
 def estimate_uncertainty(
-    slopes: Sequence[Array], residuals: Sequence[Array], free: Mask, prior: Array | None = None
+    slopes: Sequence[Array], residuals: Sequence[Array], is_free: Mask, prior: Array | None = None
 ) -> FitUncertainty:
     """Compute covariance and intervals of fitted values by the sandwich estimate HC3.
 
     (A'A)^-1 A' diag(r^2/(1-h)^2) A (A'A)^-1 with leverages h (MacKinnon and White, J. Econometrics 29, 1985, 305-325):
-    the noise of a turn is small along a steep branch, so each point has its own. A point counts as often as
-    `autocorrelation_time` states.
+    the noise of a turn is small along a steep branch, so each point has its own. Points count less by
+    `autocorrelation_time`.
 
     Parameters
     ----------
     slopes, residuals
         Those of each loop, shapes (n, v) and (n,), weighted as in the sum of squares.
-    free
+    is_free
         Which values are free, shape (v,); the others have no error. A value on which no residual depends has the error
         `INTERVAL.unknown_error`.
     prior
         Slope of the residual of each value's prior, shape (v,). It has no noise, and only bounds the value.
     """
-    information = np.sum([rows.T @ rows for rows in slopes], axis=0)
+    information = np.sum([loop_slopes.T @ loop_slopes for loop_slopes in slopes], axis=0)
     if prior is not None:
         information += np.diag(prior**2)
     inverse = np.zeros_like(information)
-    free_entries = np.ix_(free, free)
+    free_entries = np.ix_(is_free, is_free)
     values, vectors = np.linalg.eigh(information[free_entries])
     min_eigenvalue = 1e-12 * max(float(values.max(initial=0.0)), 1e-300)
-    unseen = vectors[:, values <= min_eigenvalue]
+    null_vectors = vectors[:, values <= min_eigenvalue]
     inverse[free_entries] = (vectors / np.maximum(values, min_eigenvalue)) @ vectors.T
     covariance, influence, counts = np.zeros_like(information), [], []
-    for part, rows in zip(residuals, slopes, strict=True):
-        leverage = np.minimum(np.sum(rows @ inverse * rows, axis=1), INTERVAL.max_leverage)
-        gain, count = rows @ inverse, autocorrelation_time(part)
+    for loop_residuals, loop_slopes in zip(residuals, slopes, strict=True):
+        leverage = np.minimum(np.sum(loop_slopes @ inverse * loop_slopes, axis=1), INTERVAL.max_leverage)
+        gain, correlation_time = loop_slopes @ inverse, autocorrelation_time(loop_residuals)
         # a sum of squares, so that no small variance is rounded below 0
-        scaled = gain * (part / (1.0 - leverage))[:, np.newaxis]
-        covariance += count * scaled.T @ scaled
+        scaled = gain * (loop_residuals / (1.0 - leverage))[:, np.newaxis]
+        covariance += correlation_time * scaled.T @ scaled
         influence.append(gain / np.sqrt(1.0 - leverage)[:, np.newaxis])
-        counts.append(np.full(len(part), count))
-    covariance[free_entries] += INTERVAL.unknown_error**2 * unseen @ unseen.T
+        counts.append(np.full(len(loop_residuals), correlation_time))
+    covariance[free_entries] += INTERVAL.unknown_error**2 * null_vectors @ null_vectors.T
     return FitUncertainty(covariance, inverse, np.concatenate(influence), np.concatenate(counts))

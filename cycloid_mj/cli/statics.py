@@ -80,14 +80,14 @@ def statics(
     from simulations are printed next to each figure.
     """
     from cycloid_mj.figures import quantities
-    from cycloid_mj.figures.film_map import film_map
+    from cycloid_mj.figures.film_map import compute_film_map
     from cycloid_mj.statics.sheet import sheet
 
     design = chosen.resolve_checked()
     place = claim_destination(delivery, f"{design.name}-statics")
     loaded = design if load_nm is None else design.but(load={"torque": load_nm})
     static = sheet(reducer_of(design), load_nm)
-    points = film_map(reducer_of(design.at_reference)) if map_ else ()
+    points = compute_film_map(reducer_of(design.at_reference)) if map_ else ()
     outcome = _outcome(static, quantities(reducer_of(loaded)), chosen.inheritance(), points)
     return deliver(outcome, place, delivery)
 

@@ -203,11 +203,11 @@ def stress(
         )
     from cycloid_mj.base.memory import keep_freed
     from cycloid_mj.stress.figures import for_one_turn
-    from cycloid_mj.stress.packages import package
+    from cycloid_mj.stress.packages import import_package
     from cycloid_mj.stress.study import QUICK, StudySettings
 
     for name in ("gmsh", "skfem"):
-        package(name)
+        import_package(name)
     keep_freed()
     if mounts is not None and not springs:
         raise UsageError("--mounts applies to --springs only: add --springs, or remove --mounts")
@@ -301,12 +301,12 @@ def _require_apart(designs: Sequence[Design]) -> None:
 
 def _plan_cost(designs: Sequence[Design], parts: Sequence[str], settings: "StudySettings", quiet: bool) -> list[Grids]:
     """Mesh the requested parts of every design, and print the time and memory that the study needs."""
-    from cycloid_mj.stress.cost import cost, total
+    from cycloid_mj.stress.cost import add_costs, estimate_cost
     from cycloid_mj.stress.study import study_grids
 
     chosen = _parts_by_design(designs, parts)
     grids = [study_grids(Reducer(design), names, settings) for design, names in zip(designs, chosen, strict=True)]
-    needed = total(cost(grid, settings) for each in grids for grid in each.values())
+    needed = add_costs(estimate_cost(grid, settings) for each in grids for grid in each.values())
     unknowns = sum(grid.unknowns for each in grids for grid in each.values())
     if not quiet:
         tell(
@@ -337,10 +337,10 @@ def _study_parts(
     runs: Sequence[Logged], planned: Sequence[Grids], settings: "StudySettings", quiet: bool
 ) -> "list[StressStudy]":
     """Compute the stress of the requested parts of every design, with progress."""
-    from cycloid_mj.stress.cost import cost
+    from cycloid_mj.stress.cost import estimate_cost
     from cycloid_mj.stress.study import stress_study
 
-    watch = _Watch([cost(grid, settings).seconds for grids in planned for grid in grids.values()], quiet)
+    watch = _Watch([estimate_cost(grid, settings).seconds for grids in planned for grid in grids.values()], quiet)
     return [
         stress_study(
             run,

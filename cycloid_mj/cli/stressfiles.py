@@ -33,7 +33,7 @@ def outcome_of(studies: "Sequence[StressStudy]", place: Destination, figures: Se
     """Build the outcome of stress studies, with the requested figures."""
     from cycloid_mj.base.frame import make_frame
     from cycloid_mj.figures import values_json
-    from cycloid_mj.stress.figures import of_study
+    from cycloid_mj.stress.figures import study_quantities
     from cycloid_mj.stress.findings import MAX_CHANGE
 
     findings = [study.findings for study in studies]
@@ -77,7 +77,7 @@ def outcome_of(studies: "Sequence[StressStudy]", place: Destination, figures: Se
         files=maps,
         result=with_warnings(
             {
-                "designs": [item.as_json() | {"figures": values_json(of_study(item))} for item in findings],
+                "designs": [item.as_json() | {"figures": values_json(study_quantities(item))} for item in findings],
                 "paper": [_as_json(claim) for claims in judged.values() for claim in claims],
                 "files": place.paths([*drawn, *maps]),
             }

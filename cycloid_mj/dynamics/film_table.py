@@ -18,7 +18,7 @@ from cycloid_mj.dynamics.contact.memory import read_float
 from cycloid_mj.geometry.envelope import arc_contacts
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Pair
-from cycloid_mj.statics.film import film_surfaces
+from cycloid_mj.statics.film import build_film_surfaces
 
 TEETH, SEAT, CAM, OUTPUT = range(4)
 """Kinds of mating pairs by their function: rows of the table."""
@@ -101,11 +101,11 @@ def film_table(reducer: Reducer) -> Array:
     phases: Array = np.linspace(0.0, np.pi, _PHASES)
     # at the crank angle B the first pin, on +y, has the phase B
     curvature = arc_contacts(reducer.tooth_profile, phases[:, np.newaxis]).relative_curvature[:, 0]
-    film = film_surfaces(reducer, phases, curvature)
+    film = build_film_surfaces(reducer, phases, curvature)
     force = np.exp(_FIRST + _FORCE_STEP * np.arange(_FORCES))
     at_teeth = force[:, np.newaxis]
     through = not reducer.design.ring.has_pin_bodies
-    teeth = (film.easier_friction(at_teeth)[0] if through else film.flank_friction(at_teeth)).coefficient
+    teeth = (film.smaller_friction(at_teeth)[0] if through else film.flank_friction(at_teeth)).coefficient
     seat = film.seat_friction(at_teeth)
     values = np.zeros((4, _PHASES, _FORCES))
     values[TEETH] = np.broadcast_to(teeth, (_FORCES, _PHASES)).T

@@ -22,7 +22,7 @@ from cycloid_mj.dynamics.timestep import (
     timestep,
 )
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.friction import lacking_friction
+from cycloid_mj.statics.friction import missing_friction
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ def _few_samples(reducer: Reducer, passing: float) -> Iterator[str]:
 
 def creeping(reducer: Reducer) -> Iterator[str]:
     """Warn of parts that slide too slowly for fully developed friction."""
-    lacking, of_output = lacking_friction(reducer)
+    lacking, of_output = missing_friction(reducer)
     if of_output > LIMITS.max_missing_loss:
         yield (
             f"contact.creep_speed_mm_s = {1e3 * reducer.contacts.creep_speed:g}: parts slide too slowly for full "
@@ -148,7 +148,7 @@ def creeping_in(runs: Mapping[str, Reducer]) -> Iterator[str]:
     """Yield the warning of `creeping` once for several runs, by their names."""
     groups: dict[str, list[str]] = {}
     for name, reducer in runs.items():
-        lacking, of_output = lacking_friction(reducer)
+        lacking, of_output = missing_friction(reducer)
         if of_output > LIMITS.max_missing_loss:
             groups.setdefault(f"{lacking:.0%} and {100.0 * of_output:.2g} percentage points", []).append(name)
     if groups:

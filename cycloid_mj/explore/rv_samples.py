@@ -17,7 +17,7 @@ from cycloid_mj.design.rv import CrankErrors
 from cycloid_mj.explore.budget import Share
 from cycloid_mj.explore.zone import Zone, zone
 from cycloid_mj.reducer import RvReducer
-from cycloid_mj.statics.rv_sheet import closed_turn
+from cycloid_mj.statics.rv_sheet import closed_rotation
 
 FIGURE = "te_errors_arcsec"
 """The figure of the samples."""
@@ -81,7 +81,7 @@ def crank_zones(reducer: RvReducer) -> dict[str, Zone]:
 def draw_rv_samples(reducer: RvReducer, samples: int, seed: int, worst: int) -> RvSamples:
     """Draw samples within the tolerances; the `worst` with the largest transmission error are kept as designs."""
     zones, rng = crank_zones(reducer), np.random.default_rng(seed)
-    own, responses = closed_turn(reducer), dict[str, Array]()
+    own, responses = closed_rotation(reducer), dict[str, Array]()
     drawn, variances = dict[str, Array](), dict[str, float]()
     for key, item in zones.items():
         of_key = {column: turn for field in ERRORS[key] for column, turn in _responses(reducer, field, own).items()}
@@ -120,7 +120,7 @@ def _responses(reducer: RvReducer, field: str, own: Array) -> dict[str, Array]:
         values = np.array(_values(reducer, field))
         values[number] += UNIT_ERROR
         moved = reducer.but(crank_errors={field: tuple(values.tolist()) if count else float(values[0])})
-        responses[name] = (closed_turn(moved) - own) / UNIT_ERROR
+        responses[name] = (closed_rotation(moved) - own) / UNIT_ERROR
     return responses
 
 

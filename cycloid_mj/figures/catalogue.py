@@ -48,7 +48,7 @@ def find_figure(key: str) -> Figure | None:
 
 
 def figure(key: str, needs: Collection[Need] = frozenset(Need), reducer: Reducer | None = None) -> Figure:
-    """Look up a figure by its key or one of its aliases.
+    """Return the figure of a key or alias; warn if the key is deprecated.
 
     Parameters
     ----------
@@ -67,7 +67,8 @@ def figure(key: str, needs: Collection[Need] = frozenset(Need), reducer: Reducer
     row = find_figure(key)
     if row is None:
         raise UsageError(
-            f"unknown figure {key!r:.60}; {_proposals(key, needs, reducer)}choose one that `cycloid-mj figures` lists"
+            f"unknown figure {key!r:.60}; {_suggest_keys(key, needs, reducer)}choose one that `cycloid-mj figures` "
+            "lists"
         )
     if key in row.deprecated:
         warnings.warn(
@@ -79,19 +80,19 @@ def figure(key: str, needs: Collection[Need] = frozenset(Need), reducer: Reducer
         possible = " or ".join(need for need in Need if need in needs)
         raise UsageError(
             f"the figure {key} needs a {row.need}, but only figures of {possible} can be computed here; "
-            f"{_proposals(key, needs, reducer)}choose one that `cycloid-mj figures` lists"
+            f"{_suggest_keys(key, needs, reducer)}choose one that `cycloid-mj figures` lists"
         )
     if reducer is not None and not row.applies_to(reducer):
         raise UsageError(
             f"the figure {key} does not apply to the design {reducer.design.name!r}; "
-            f"{_proposals(key, needs, reducer)}choose one that `cycloid-mj figures` lists"
+            f"{_suggest_keys(key, needs, reducer)}choose one that `cycloid-mj figures` lists"
         )
     return row
 
 
-def _proposals(key: str, needs: Collection[Need], reducer: Reducer | None) -> str:
-    """Return the question of an error message whether a similar key was meant; empty if there is none."""
-    there = [
+def _suggest_keys(key: str, needs: Collection[Need], reducer: Reducer | None) -> str:
+    """Return a question for an error message: whether one of up to five similar keys was meant; empty without."""
+    available = [
         name
         for name, row in _BY_ANY_NAME.items()
         if row.need in needs
@@ -99,9 +100,9 @@ def _proposals(key: str, needs: Collection[Need], reducer: Reducer | None) -> st
         and name != key
         and name not in row.deprecated
     ]
-    near = [name for name in there if key and key in name] or get_close_matches(key, there, n=5, cutoff=0.5)
-    meant = list(dict.fromkeys(_BY_ANY_NAME[name].key for name in near))[:5]
-    return f"did you mean {', '.join(meant)}? Otherwise " if meant else ""
+    similar = [name for name in available if key and key in name] or get_close_matches(key, available, n=5, cutoff=0.5)
+    suggested = list(dict.fromkeys(_BY_ANY_NAME[name].key for name in similar))[:5]
+    return f"did you mean {', '.join(suggested)}? Otherwise " if suggested else ""
 
 
 def figures_of(reducer: Reducer, needs: Collection[Need] = CHEAP) -> tuple[Figure, ...]:
@@ -150,10 +151,13 @@ def values_json(figures: Mapping[str, Quantity]) -> dict[str, dict[str, Any]]:
 
 
 def compute_sampled(
-    reducer: Reducer, made: Samples, keys: Collection[str] = SAMPLED, angles: int = ANGLES
+    reducer: Reducer, samples: Samples, keys: Collection[str] = SAMPLED, angles: int = ANGLES
 ) -> dict[str, Array]:
-    """Compute some of the figures `SAMPLED` for samples of a reducer, by key, shape (samples,) each."""
+    """Compute some of the figures `SAMPLED` for samples of a reducer, by key, shape (samples,) each.
+
+    `angles` is the number of crank angles over a turn.
+    """
     rows = {key: sampled for key in keys if (sampled := figure(key).sampled)}
-    needed = {state for row in rows.values() for state in row.states}
-    states = solve_states(reducer, made, needed, angles)
+    needed_states = {state for row in rows.values() for state in row.states}
+    states = solve_states(reducer, samples, needed_states, angles)
     return {key: row.value(*(states[state] for state in row.states)) for key, row in rows.items()}

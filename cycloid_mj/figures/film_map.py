@@ -12,14 +12,27 @@ from cycloid_mj.figures.statics import back_driving_spread, no_load_spread, star
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.film_spread import Spread, efficiency_spread
 
-SHARES = (0.25, 0.5, 1.0)
-"""Torques of the map over the nominal torque, and speeds over the design's speed."""
 
-TEMPERATURES = (0.0, 20.0, 40.0, 60.0)
-"""Temperatures of all parts in the map [°C]."""
+@dataclass(frozen=True)
+class MapSettings:
+    """Points of the map.
 
-SAMPLES = 64
-"""Samples of each interval of the map: their ends are within 0.3 points of those of 128 samples."""
+    Attributes
+    ----------
+    shares
+        Torques over the nominal torque, and speeds over the design's speed.
+    temperatures
+        Temperatures of all parts [°C].
+    samples
+        Samples of each interval: their ends are within 0.3 points of those of 128 samples.
+    """
+
+    shares: tuple[float, ...] = (0.25, 0.5, 1.0)
+    temperatures: tuple[float, ...] = (0.0, 20.0, 40.0, 60.0)
+    samples: int = 64
+
+
+MAP = MapSettings()
 
 
 @dataclass(frozen=True)
@@ -59,8 +72,8 @@ class MapPoint:
         }
 
 
-def film_map(
-    reducer: Reducer, shares: Sequence[float] = SHARES, temperatures: Sequence[float] = TEMPERATURES
+def compute_film_map(
+    reducer: Reducer, shares: Sequence[float] = MAP.shares, temperatures: Sequence[float] = MAP.temperatures
 ) -> tuple[MapPoint, ...]:
     """Compute efficiency over torque, speed and temperature, and the starting, no-load and back-driving torques.
 
@@ -91,24 +104,25 @@ def film_map(
     points = []
     for temperature in temperatures:
         warm = reducer.but(thermal=dict.fromkeys(HEATED, temperature))
-        points.append(MapPoint("starting torque", "N m", None, None, temperature, starting_spread(warm, SAMPLES)))
-        back = back_driving_spread(warm, SAMPLES)
+        points.append(MapPoint("starting torque", "N m", None, None, temperature, starting_spread(warm, MAP.samples)))
+        back = back_driving_spread(warm, MAP.samples)
         points.append(MapPoint("back-driving torque", "N m", None, None, temperature, back))
         for speed in (share * design.drive.speed for share in shares):
             turning = warm.but(drive={"speed": speed})
-            idle = no_load_spread(turning, SAMPLES)
+            idle = no_load_spread(turning, MAP.samples)
             points.append(MapPoint("no-load torque", "N m", None, speed, temperature, idle))
             for torque in (share * design.rated_torque for share in shares):
                 loaded = turning.but(load={"torque": torque})
-                spread = efficiency_spread(loaded, torque, SAMPLES)
+                spread = efficiency_spread(loaded, torque, MAP.samples)
                 points.append(MapPoint("efficiency", "%", torque, speed, temperature, spread))
     return tuple(points)
 
 
 def map_tables(points: Sequence[MapPoint]) -> tuple[Table, ...]:
-    """Tabulate the efficiency, and the torques without load, each with its interval."""
+    """Return two tables, of the efficiency and of the torques without load, each value with its interval."""
 
-    def row(point: MapPoint) -> tuple[str, ...]:
+    def format_row(point: MapPoint) -> tuple[str, ...]:
+        """Format a point of the map as a row of text."""
         spread = point.spread
         return (
             point.quantity,
@@ -123,6 +137,6 @@ def map_tables(points: Sequence[MapPoint]) -> tuple[Table, ...]:
     efficiencies = [point for point in points if point.quantity == "efficiency"]
     others = [point for point in points if point.quantity != "efficiency"]
     return (
-        Table("efficiency map", head, tuple(map(row, efficiencies))),
-        Table("torques on crank and output without load", head, tuple(map(row, others))),
+        Table("efficiency map", head, tuple(map(format_row, efficiencies))),
+        Table("torques on crank and output without load", head, tuple(map(format_row, others))),
     )

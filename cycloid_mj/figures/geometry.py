@@ -47,7 +47,7 @@ def short_width(reducer: Reducer) -> float:
     return ring.teeth * reducer.design.gear.eccentricity / ring.pin_circle_radius
 
 
-def _figure(
+def _make_figure(
     key: str,
     name: str,
     unit: str,
@@ -57,7 +57,7 @@ def _figure(
     deprecated: tuple[str, ...] = (),
     layouts: tuple[Layout, ...] = ("central", "rv"),
 ) -> Figure:
-    """Return the row of a figure of the geometry."""
+    """Return a row of the catalogue that needs dimensions and materials only."""
     return Figure(
         key=key,
         name=name,
@@ -73,25 +73,25 @@ def _figure(
 
 # fmt: off
 OF_GEOMETRY = (
-    _figure("ratio", "turns of the input per turn of the output", "1",
+    _make_figure("ratio", "turns of the input per turn of the output", "1",
             "Turns of the input, crank or sun, per turn of the output, without sign.",
             lambda reducer: float(abs(reducer.design.ratio))),
-    _figure("nominal_torque_nm", "nominal torque", "N m",
+    _make_figure("nominal_torque_nm", "nominal torque", "N m",
             "Torque of the motor times the ratio: the default load of a design.",
             lambda reducer: reducer.design.rated_torque, "nominal_torque", deprecated=("rated_torque_nm",)),
-    _figure("outer_diameter_mm", "outer diameter", "mm",
+    _make_figure("outer_diameter_mm", "outer diameter", "mm",
             "Outer diameter of the housing.",
             lambda reducer: 2.0 * MILLIMETRES * reducer.design.housing.outer_radius, "outer_diameter"),
-    _figure("mass_kg", "mass of all parts", "kg",
+    _make_figure("mass_kg", "mass of all parts", "kg",
             "Mass of all parts as drawn, without covers and the rings of bearings.",
             mass, "mass", layouts=("central",)),
-    _figure("specific_torque_nm_per_kg", "nominal torque over mass", "N m/kg",
+    _make_figure("specific_torque_nm_per_kg", "nominal torque over mass", "N m/kg",
             "Nominal torque over the mass of all parts as drawn.",
             specific_torque, layouts=("central",)),
-    _figure("least_convex_radius_mm", "smallest convex radius of the lobes", "mm",
+    _make_figure("least_convex_radius_mm", "smallest convex radius of the lobes", "mm",
             "Smallest radius of curvature of the convex profile of the disc, with clearance and modification.",
             least_convex_radius),
-    _figure("short_width", "K1 = c N / E", "1",
+    _make_figure("short_width", "K1 = c N / E", "1",
             "Eccentricity times the number of ring teeth over the pin-circle radius.",
             short_width),
 )

@@ -42,15 +42,15 @@ BACKLASH = Sampled(("ahead", "back"), lambda ahead, back: backlash(ahead, back) 
 def solve_states(
     reducer: Reducer, samples: Samples, states: Collection[State], angles: int = ANGLES
 ) -> dict[State, SampleFigures]:
-    """Solve the static equilibrium of samples at the torques of some of `STATES`, without friction, weight and inertia.
+    """Solve the static equilibrium of samples in some of `STATES`, without friction, weight and inertia.
 
-    Without inertia, because the crank turns at 1e-9 of its speed.
+    Inertia vanishes because the crank turns at 1e-9 of its speed. `angles` is the number of crank angles over a turn.
     """
     weightless = {"gravity_x": 0.0, "gravity_y": 0.0}
-    slow = reducer.but(environment=weightless, drive={"speed": 1e-9 * reducer.design.drive.speed})
+    creeping = reducer.but(environment=weightless, drive={"speed": 1e-9 * reducer.design.drive.speed})
     ordered = [state for state in STATES if state in states]
     torques = [STATES[state] * reducer.design.rated_torque for state in ordered]
-    return dict(zip(ordered, solve_samples(slow, samples, torques, angles), strict=True))
+    return dict(zip(ordered, solve_samples(creeping, samples, torques, angles), strict=True))
 
 
 def condition(reducer: Reducer) -> str:
@@ -67,8 +67,8 @@ def _as_designed(reducer: Reducer, state: State) -> SampleFigures:
     return solve_states(reducer, identical_samples(reducer, 1), [state])[state]
 
 
-def _figure(key: str, name: str, unit: str, definition: str, sampled: Sampled) -> Figure:
-    """Return the row of a figure whose value is that of a single sample."""
+def _make_figure(key: str, name: str, unit: str, definition: str, sampled: Sampled) -> Figure:
+    """Return a row of the catalogue whose value is that of a single sample without random deviations."""
 
     def compute(reducer: Reducer) -> float:
         return float(sampled.value(*(_as_designed(reducer, state) for state in sampled.states))[0])
@@ -83,35 +83,35 @@ _UNLOADED = f"under {TOUCH:g} of the nominal torque, without friction, over a tu
 
 # fmt: off
 OF_SAMPLES = (
-    _figure("te_loaded_arcsec", "transmission error of the output, peak to peak, loaded", "arcsec",
+    _make_figure("te_loaded_arcsec", "transmission error of the output, peak to peak, loaded", "arcsec",
             f"Range of the output's angle about the ideal one {_RATED}.",
             Sampled(("loaded",), lambda loaded: ARCSECONDS * loaded.output_range)),
-    _figure("te_unloaded_arcsec", "transmission error of the output, peak to peak, unloaded", "arcsec",
+    _make_figure("te_unloaded_arcsec", "transmission error of the output, peak to peak, unloaded", "arcsec",
             f"Range of the output's angle about the ideal one {_UNLOADED}.",
             Sampled(("ahead",), lambda ahead: ARCSECONDS * ahead.output_range)),
-    _figure("wind_up_arcmin", "turn of the output, loaded minus unloaded, mean", "arcmin",
+    _make_figure("wind_up_arcmin", "turn of the output, loaded minus unloaded, mean", "arcmin",
             "Turn of the output under the nominal torque at a locked crank, from contact without load: mean over a "
             "turn, without friction.",
             Sampled(("ahead", "loaded"), lambda ahead, loaded: (loaded.output_mean - ahead.output_mean) / ARCMINUTE)),
-    _figure("tooth_force_n", "largest force on a tooth", "N",
+    _make_figure("tooth_force_n", "largest force on a tooth", "N",
             f"Largest normal force of one contact between disc and ring {_RATED}.",
             Sampled(("loaded",), lambda loaded: loaded.tooth)),
-    _figure("output_pin_force_n", "largest force on an output pin", "N",
+    _make_figure("output_pin_force_n", "largest force on an output pin", "N",
             f"Largest normal force of one disc on one output pin {_RATED}.",
             Sampled(("loaded",), lambda loaded: loaded.output_pin)),
-    _figure("cam_force_n", "largest force of the cam", "N",
+    _make_figure("cam_force_n", "largest force of the cam", "N",
             f"Largest force of one cam on its disc {_RATED}.",
             Sampled(("loaded",), lambda loaded: loaded.cam)),
-    _figure("loaded_teeth", "loaded teeth, mean number", "1",
+    _make_figure("loaded_teeth", "loaded teeth, mean number", "1",
             f"Contacts of all discs with the ring with at least 1 % of the largest force {_RATED}: mean number.",
             Sampled(("loaded",), lambda loaded: loaded.carrying)),
-    _figure("preload_n", "largest force on a tooth, unloaded", "N",
+    _make_figure("preload_n", "largest force on a tooth, unloaded", "N",
             f"Largest normal force of one contact between disc and ring, in both directions, {_UNLOADED}.",
             Sampled(("ahead", "back"), lambda ahead, back: np.maximum(ahead.tooth, back.tooth))),
-    _figure("output_preload_n", "largest force on an output pin, unloaded", "N",
+    _make_figure("output_preload_n", "largest force on an output pin, unloaded", "N",
             f"Largest normal force of one disc on one output pin, in both directions, {_UNLOADED}.",
             Sampled(("ahead", "back"), lambda ahead, back: np.maximum(ahead.output_pin, back.output_pin))),
-    _figure("cam_preload_n", "largest force of the cam, unloaded", "N",
+    _make_figure("cam_preload_n", "largest force of the cam, unloaded", "N",
             f"Largest force of one cam on its disc, in both directions, {_UNLOADED}.",
             Sampled(("ahead", "back"), lambda ahead, back: np.maximum(ahead.cam, back.cam))),
 )

@@ -9,7 +9,7 @@ from cycloid_mj.figures.figure import Compute, Figure, Need
 from cycloid_mj.figures.sampled import BACKLASH, TOUCH
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics.balance import powers
-from cycloid_mj.statics.film_spread import SAMPLES, Spread, lost_powers, sample_inputs, spread_of
+from cycloid_mj.statics.film_spread import SAMPLES, Spread, compute_spread, lost_powers, sample_inputs
 from cycloid_mj.statics.sheet import sheet_part
 from cycloid_mj.statics.sheet_figures import SHEET_FIGURES, SheetFigure, SheetPart
 
@@ -23,8 +23,11 @@ def quantities(reducer: Reducer, part: SheetPart) -> Mapping[str, Quantity]:
     return sheet_part(reducer, part)
 
 
-def _figure(row: SheetFigure) -> Figure:
-    """Return the row of a figure of the sheet; other keys are that of the sheet and that with the unit."""
+def _make_figure(row: SheetFigure) -> Figure:
+    """Return the row of the catalogue for a figure of the static sheet.
+
+    Its other keys are that of the sheet and that with the unit.
+    """
     column = with_unit(row.key, row.unit)
     key = row.catalogue_key or column
     aliases = dict.fromkeys((row.key, column, column.replace("_per_", "_")))
@@ -43,7 +46,7 @@ def _figure(row: SheetFigure) -> Figure:
     )
 
 
-OF_STATICS = tuple(map(_figure, SHEET_FIGURES.values()))
+OF_STATICS = tuple(map(_make_figure, SHEET_FIGURES.values()))
 
 
 def no_load_torque(reducer: Reducer) -> float:
@@ -69,17 +72,17 @@ def back_driving_torque(reducer: Reducer) -> float:
     It solves T w/i = L(T) by secants, with the losses L, the crank's speed w and the ratio i; errors as `powers`.
     """
     creeping = _creeping(reducer)
-    arm = reducer.design.reduction / abs(creeping.design.drive.speed)
-    least = torque = TOUCH * reducer.design.rated_torque
+    lever = reducer.design.reduction / abs(creeping.design.drive.speed)
+    smallest_load = torque = TOUCH * reducer.design.rated_torque
     for _ in range(4):
-        near, far = (arm * powers(creeping, -load).lost for load in (torque, 2.0 * torque))
-        share = (far - near) / torque
-        if share >= 1.0:
+        drag, double_drag = (lever * powers(creeping, -load).lost for load in (torque, 2.0 * torque))
+        drag_slope = (double_drag - drag) / torque
+        if drag_slope >= 1.0:
             return math.nan
-        driven = max(near - share * torque, 0.0) / (1.0 - share)
-        if driven <= least:
-            return driven
-        torque = driven
+        balanced_torque = max(drag - drag_slope * torque, 0.0) / (1.0 - drag_slope)
+        if balanced_torque <= smallest_load:
+            return balanced_torque
+        torque = balanced_torque
     return torque
 
 
@@ -87,7 +90,7 @@ def no_load_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:
     """Compute `no_load_torque` with the law ``film`` and its interval [N m]; errors as `powers`."""
     speed = abs(reducer.design.drive.speed)
     lost, outcomes = lost_powers(reducer, TOUCH * reducer.design.rated_torque, samples)
-    return spread_of(lost / speed, outcomes / speed, sample_inputs(samples)[1])
+    return compute_spread(lost / speed, outcomes / speed, sample_inputs(samples)[1])
 
 
 def starting_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:
@@ -102,7 +105,7 @@ def back_driving_spread(reducer: Reducer, samples: int = SAMPLES) -> Spread:
     """
     torque = back_driving_torque(reducer)
     lost, outcomes = lost_powers(_creeping(reducer), TOUCH * reducer.design.rated_torque, samples)
-    return spread_of(torque, torque * outcomes / lost, sample_inputs(samples)[1])
+    return compute_spread(torque, torque * outcomes / lost, sample_inputs(samples)[1])
 
 
 def _creeping(reducer: Reducer) -> Reducer:
@@ -110,13 +113,15 @@ def _creeping(reducer: Reducer) -> Reducer:
     return reducer.but(drive={"speed": CREEP_SHARE * reducer.design.drive.speed})
 
 
-def _of_balance(key: str, name: str, function: Compute, spread: Callable[[Reducer], Spread], definition: str) -> Figure:
-    """Return the row of a torque [N m] that is not in the sheet."""
+def _make_torque_figure(
+    key: str, name: str, function: Compute, compute_spread: Callable[[Reducer], Spread], definition: str
+) -> Figure:
+    """Return the row of the catalogue for a torque [N m] that is not in the sheet, with its film interval."""
 
     def interval(reducer: Reducer) -> Quantity:
         if not reducer.design.has_film:
             return Quantity(key, name, math.nan, "N m")
-        found = spread(reducer)
+        found = compute_spread(reducer)
         return Quantity(key, name, found.value, "N m", low=found.low, high=found.high, causes=found.causes)
 
     return Figure(
@@ -132,14 +137,14 @@ def _of_balance(key: str, name: str, function: Compute, spread: Callable[[Reduce
 
 # fmt: off
 OF_BALANCE = (
-    _of_balance("starting_torque_nm", "starting torque on the crank", starting_torque, starting_spread,
+    _make_torque_figure("starting_torque_nm", "starting torque on the crank", starting_torque, starting_spread,
                 "Torque on the crank that starts it without load, mean over a turn: weight of the discs, and drag of "
                 "seals and lubricant, without shaft bearings."),
-    _of_balance("back_driving_torque_free_nm", "back-driving torque, crank free", back_driving_torque,
+    _make_torque_figure("back_driving_torque_free_nm", "back-driving torque, crank free", back_driving_torque,
                 back_driving_spread,
                 "Torque on the output that slowly turns a crank without load, mean over a turn; none if the reducer is "
                 "self-locking."),
-    _of_balance("no_load_torque_nm", "no-load torque on the crank", no_load_torque, no_load_spread,
+    _make_torque_figure("no_load_torque_nm", "no-load torque on the crank", no_load_torque, no_load_spread,
                 "Torque on the crank without load at the design's speed, mean over a turn: weight and centrifugal "
                 "force of the discs, and drag of seals and lubricant, without shaft bearings."),
 )

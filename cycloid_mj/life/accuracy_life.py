@@ -51,7 +51,7 @@ class Course:
     end: str
 
     def life(self, limit: float) -> float:
-        """Return the hours until the lost motion reaches a limit [rad]; inf if it does not grow.
+        """Return the hours until the lost motion reaches a limit [rad], interpolated; inf if it does not grow.
 
         Beyond the course it is extrapolated with the rate at the end, which is too short a life where wear slows down.
         """
@@ -136,7 +136,7 @@ class WearLife(Presented):
         return course.life(self.limit) if course else math.nan
 
     def life_text(self, case: Case = "typical") -> str:
-        """Return the accuracy life in a case, in words."""
+        """Format the accuracy life in a case: hours, "about ... h, extrapolated", "unlimited" or "not computed"."""
         life = self.life(case)
         if math.isnan(life):
             return "not computed"
@@ -190,7 +190,7 @@ class WearLife(Presented):
         return f"{self.design}, {self.condition}; accuracy life {self.life_text()} ({self.interval_text})"
 
     def tables(self) -> tuple[Table, ...]:
-        """Return the records and the surfaces as tables."""
+        """Return two tables: figures over the typical course, and material, coefficients and depths of each surface."""
         surfaces = tuple(
             (
                 item.surface.name,
@@ -257,9 +257,10 @@ def wear(
     settings: WearSettings = SETTINGS,
     on_progress: Callable[[Case, float], None] | None = None,
 ) -> WearLife:
-    """Wear a drive for some hours, and compute its accuracy life with its interval.
+    """Wear a drive step by step for some hours, and compute its accuracy life with its 5 to 95 % interval.
 
-    A course ends at the hours, or when the lost motion has grown by `growth`. Ctrl-C keeps what is finished.
+    Archard's law with run-in; the statics is solved again with the worn gaps after each step. A course ends at the
+    hours, or when the lost motion has grown by `growth`. Ctrl-C keeps what is finished.
 
     Parameters
     ----------
@@ -268,13 +269,13 @@ def wear(
     hours
         Hours of running [h].
     growth
-        Growth of the lost motion at which the accuracy life ends [1].
+        Relative growth of the lost motion at which the accuracy life ends [1].
     duty
         Torques and speeds with their shares of the time; by default the nominal torque at the design's speed.
     settings
-        Of the steps.
+        Settings of the time steps.
     on_progress
-        Called after each step with the case and the part of it that is over [1].
+        Called after each step with the case and the finished part of it [1].
 
     Returns
     -------
@@ -303,7 +304,7 @@ def wear(
     drive = WearingDrive(reducer, points, settings)
     log = _Log(drive, hours, growth)
     for case in CASES:
-        if not log.follow(case, on_progress):
+        if not log.run_case(case, on_progress):
             break
     return log.result(duty)
 
@@ -319,8 +320,8 @@ class _Log:
         self._last: WearState | None = None
         self._interrupted = False
 
-    def follow(self, case: Case, on_progress: Callable[[Case, float], None] | None) -> bool:
-        """Follow a case to its end, and return whether it was not interrupted.
+    def run_case(self, case: Case, on_progress: Callable[[Case, float], None] | None) -> bool:
+        """Compute the course of a case to its end, and return whether it was not interrupted.
 
         Raises
         ------
@@ -332,38 +333,45 @@ class _Log:
         records = self._drive.settings.records
         times = (self._hours * (np.arange(1, records + 1) / records) ** 2).tolist()
         hours: list[float] = []
-        motion: list[float] = []
+        lost_motions: list[float] = []
         end = f"{self._hours:g} h are over"
         try:
             for state in wear_steps(self._drive, case, times):
                 hours.append(state.hours)
-                motion.append(state.lost_motion)
-                grown = state.lost_motion / motion[0] - 1.0
-                over = grown >= self._growth
+                lost_motions.append(state.lost_motion)
+                growth = state.lost_motion / lost_motions[0] - 1.0
+                is_grown = growth >= self._growth
                 if case == "typical":
-                    self._record(state, state.hours in times or over)
+                    self._record_typical(state, state.hours in times or is_grown)
                 if on_progress:
-                    on_progress(case, min(1.0, max(state.hours / self._hours, grown / self._growth)))
-                if over:
+                    on_progress(case, min(1.0, max(state.hours / self._hours, growth / self._growth)))
+                if is_grown:
                     end = f"the lost motion has grown by {self._growth:.0%}"
                     break
         except RunError as error:
-            if not motion:
+            if not lost_motions:
                 raise
             end = f"no static equilibrium: {error}"
         except KeyboardInterrupt:
-            if not motion:
+            if not lost_motions:
                 raise
             self._interrupted, end = True, "interrupted"
-        self._courses[case] = Course(np.array(hours), np.array(motion), end)
+        self._courses[case] = Course(np.array(hours), np.array(lost_motions), end)
         return not self._interrupted
 
-    def _record(self, state: WearState, due: bool) -> None:
-        """Keep a state of the typical course; record its figures if they are due, or have changed by an eighth."""
+    def _record_typical(self, state: WearState, is_due: bool) -> None:
+        """Keep a state of the typical course as the last one, and record its figures if they are due.
+
+        They are also recorded whenever the lost motion has grown by the `records`-th part of the permitted growth.
+        """
         self._last = state
-        step = self._growth / self._drive.settings.records
-        last = self._records[-1][1] * ARCMINUTE if self._records else 0.0
-        if not (due or not self._records or state.lost_motion > last + step * self._records[0][1] * ARCMINUTE):
+        growth_step = self._growth / self._drive.settings.records
+        last_lost_motion = self._records[-1][1] * ARCMINUTE if self._records else 0.0
+        if not (
+            is_due
+            or not self._records
+            or state.lost_motion > last_lost_motion + growth_step * self._records[0][1] * ARCMINUTE
+        ):
             return
         torque = max(abs(point.torque) for point in self._drive.points)
         figures = quick_sheet(state.reducer, torque).quantities
@@ -381,7 +389,7 @@ class _Log:
         self._records.append((state.hours, state.lost_motion / ARCMINUTE, *values, *depths))
 
     def result(self, duty: Duty) -> WearLife:
-        """Return the result."""
+        """Collect courses, records and surface depths into the result."""
         assert self._last is not None
         last, laws = self._last, self._drive.laws
         surfaces = []

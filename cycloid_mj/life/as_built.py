@@ -49,8 +49,11 @@ def has_tolerances(design: Design) -> bool:
 
 
 @once
-def rated_samples(reducer: Reducer) -> RatedSamples:
-    """Return the samples whose largest tooth, output pin and cam force are at the percentile of `SETTINGS`.
+def select_rated_samples(reducer: Reducer) -> RatedSamples:
+    """Draw samples within the tolerances, and select those with the tooth, output pin or cam force at the percentile.
+
+    Settings of the draw are in `SETTINGS`; samples that jam are left out. One sample may be selected for several
+    forces.
 
     Raises
     ------

@@ -49,7 +49,7 @@ class CamCompliance:
 
     @property
     def words(self) -> str:
-        """The range of loads and lives, in a sentence."""
+        """Describe the range of cam loads and lives over the assumed stiffness in a sentence."""
         loads = [row.load for row in self.rows if row.load is not None]
         lives = [row.life for row in self.rows if row.life is not None]
         life = f", its life {_range_text(lives)}" if lives else ""
@@ -63,7 +63,7 @@ class CamCompliance:
         return [row.as_json() for row in self.rows]
 
     def table(self) -> Table:
-        """Tabulate the rows as text."""
+        """Return the cases as a text table: cam, stiffness, equivalent load and life."""
         rows = tuple(
             (
                 row.name,

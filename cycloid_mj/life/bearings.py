@@ -7,15 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.units import RPM
+from cycloid_mj.base.units import MILLIMETRES, RPM
 from cycloid_mj.design.lubricants import lubricant
 from cycloid_mj.design.stock import StockBearing, ball_bearings
 from cycloid_mj.life import rolling
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import CAM, FAR, NEAR, Body, Loading, relative_speed
 from cycloid_mj.life.modified_life import (
-    MAX_FACTOR,
-    MIN_KAPPA,
+    LIMITS,
     fatigue_load_limit,
     life_curve,
     life_factor,
@@ -29,17 +28,30 @@ from cycloid_mj.parts.export.drive import has_casing
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.film import lubricant_temperature
 
-NEEDLE_SHARE = 0.35
-"""Assumed diameter of the needles of an output roller over its wall, where no load rating is given."""
 
-SHAFT_ROLLERS, SHAFT_ROLLER_SHARE = 14, 0.4
-"""Assumed number of rollers of a shaft bearing, and diameter over the shaft's radius, where no rating is given."""
+@dataclass(frozen=True)
+class AssumedRollers:
+    """Rollers of bearings whose load ratings the design does not state.
 
-NEEDLE_FRICTION = 0.002
-"""Coefficient of friction of needle bearings, referred to the bore (SKF, Rolling bearings, 2018)."""
+    Attributes
+    ----------
+    needle_share
+        Diameter of the needles of an output roller over its wall.
+    shaft_rollers, shaft_roller_share
+        Number of rollers of a shaft bearing, and their diameter over the shaft's radius.
+    needle_friction
+        Coefficient of friction of needle bearings, referred to the bore (SKF, Rolling bearings, 2018).
+    """
+
+    needle_share: float = 0.35
+    shaft_rollers: int = 14
+    shaft_roller_share: float = 0.4
+    needle_friction: float = 0.002
 
 
-MM2 = 1e6
+ASSUMED_ROLLERS = AssumedRollers()
+
+MM2 = MILLIMETRES**2
 """Square millimetres in a square metre."""
 
 
@@ -110,17 +122,17 @@ class Bearing:
 
 
 def bearings_of(reducer: Reducer) -> tuple[Bearing, ...]:
-    """List the rolling bearings of a drive: cams, shaft, the output's hub, rollers of the output pins.
+    """List the rolling bearings of a drive: cams, shaft, hub of the output, rollers of the output pins.
 
-    The shaft's far bearing stands in the hub of the output where it straddles the discs, else in the housing with the
-    near one. A roller of the radius r in a hole of the radius R spins by R/r - 1 for each turn of the crank against the
-    disc: the hole's middle moves by (R - r) times that speed, and the roller rolls in it.
+    The shaft's bearing far from the discs is in the hub of the output if the shaft straddles the discs, else in the
+    housing next to the near one. A roller of the radius r in a hole of the radius R spins by R/r - 1 for each turn of
+    the crank against the disc: the hole's middle moves by (R - r) times that speed, and the roller rolls in it.
     """
-    return tuple(_bearings(reducer))
+    return tuple(_iterate_bearings(reducer))
 
 
-def _bearings(reducer: Reducer) -> Iterator[Bearing]:
-    """Yield the bearings of `bearings_of`."""
+def _iterate_bearings(reducer: Reducer) -> Iterator[Bearing]:
+    """Yield the bearings of cams, shaft, output hub and output rollers that `bearings_of` lists."""
     design = reducer.design
     output, shaft = design.output, design.shaft
     if design.gear.bearing == "rolling":
@@ -136,39 +148,46 @@ def _bearings(reducer: Reducer) -> Iterator[Bearing]:
             yield Bearing(f"output_bearing_{which}", name, ratings, ("output", "housing"), bore=bore)
     if output.has_needles:
         spin = output.hole_radius / output.pin_radius - 1.0
-        yield Bearing("output_rollers", "rollers of the output pins", _roller_ratings(reducer), CAM, spin)
+        yield Bearing("output_rollers", "rollers of the output pins", _output_roller_ratings(reducer), CAM, spin)
 
 
-def bearing_forces(reducer: Reducer, key: str, loading: Loading) -> Array:
-    """Compute the forces on a bearing of `bearings_of` [N], shape (m, bearings): of several like ones on each."""
-    if key == "cam_bearing":
+def bearing_forces(reducer: Reducer, bearing_key: str, loading: Loading) -> Array:
+    """Return the force on each bearing of a key of `bearings_of` [N], shape (m, bearings), at the m crank angles.
+
+    Several like bearings, such as those of the cams or rollers, share a key.
+    """
+    if bearing_key == "cam_bearing":
         return loading.cam
-    if key == "output_rollers":
+    if bearing_key == "output_rollers":
         return loading.output.reshape(len(loading.crank), -1)
-    if key.startswith("shaft"):
-        force = loading.shaft[:, FAR if key.endswith("far") else NEAR]
+    if bearing_key.startswith("shaft"):
+        force = loading.shaft[:, FAR if bearing_key.endswith("far") else NEAR]
     else:
         inner, outer = output_bearing_forces(reducer, loading)
-        force = inner if key.endswith("inner") else outer
+        force = inner if bearing_key.endswith("inner") else outer
     return rolling.magnitudes(force)[:, np.newaxis]
 
 
-def rate_bearings(reducer: Reducer, loadings: Sequence[Loading], peak: float) -> Iterator[RatedItem]:
-    """Rate every bearing at each point of a duty, and at the peak torque [N m] of an emergency stop."""
+def rate_bearings(reducer: Reducer, loadings: Sequence[Loading], peak_torque: float) -> Iterator[RatedItem]:
+    """Rate every rolling bearing over the points of a duty, and statically at an emergency stop's peak torque [N m].
+
+    Yields life (ISO 281), modified life if an oil viscosity is known, and static factor (ISO 76) of each.
+    """
     for bearing in bearings_of(reducer):
         forces = [bearing_forces(reducer, bearing.key, loading) for loading in loadings]
         turns = np.array([bearing.speed(reducer, loading.point.speed) * loading.point.share for loading in loadings])
-        yield from _rate_bearing(reducer, bearing, forces, turns, loadings, peak)
+        yield from _rate_bearing(reducer, bearing, forces, turns, loadings, peak_torque)
 
 
 def bearing_losses(reducer: Reducer, loading: Loading) -> dict[str, float]:
-    """Compute the friction loss of the bearings of shaft and output [W], by key: mu F d/2 at their speeds.
+    """Compute the friction loss of each bearing of shaft and output [W], by key: mu F d/2 times the bearing's speed.
 
     This is the estimate of manufacturers, with the bore d (SKF, Rolling bearings, 2018, "Friction"), and the friction
-    coefficient of a rolling cam, or `NEEDLE_FRICTION`. Losses of cam and output pins are among those of the statics.
+    coefficient of a rolling cam, or that of needles in `ASSUMED_ROLLERS`. The statics includes the losses of cam and
+    output pins.
     """
     design = reducer.design
-    mu = design.friction_of("cam") if design.gear.bearing == "rolling" else NEEDLE_FRICTION
+    mu = design.friction_of("cam") if design.gear.bearing == "rolling" else ASSUMED_ROLLERS.needle_friction
     return {
         bearing.key: 0.5
         * mu
@@ -181,7 +200,7 @@ def bearing_losses(reducer: Reducer, loading: Loading) -> dict[str, float]:
 
 
 def cam_ratings(reducer: Reducer) -> Ratings:
-    """Return the load ratings of each cam's bearing: bought, or rollers whose outer ring is the disc's bore."""
+    """Return the load ratings of a cam's bearing: bought, or rollers whose outer ring is the disc's bore."""
     design = reducer.design
     gear, bearing = design.gear, design.bearing
     row = RollerRow(
@@ -189,21 +208,24 @@ def cam_ratings(reducer: Reducer) -> Ratings:
     )
     where = "touching each other on the cam's circle, the disc's bore as outer ring"
     given = bearing.dynamic_capacity, bearing.static_capacity
-    return _ratings(given, cam_bearing(reducer), row, where)
+    return _choose_ratings(given, cam_bearing(reducer), row, where)
 
 
 def _shaft_ratings(reducer: Reducer) -> Ratings:
-    """Return the load ratings of each bearing of the shaft."""
+    """Return the load ratings of a bearing of the shaft: bought, or assumed rollers of its width on the shaft."""
     radius, bearing = reducer.design.shaft.radius, reducer.design.bearing
-    size = SHAFT_ROLLER_SHARE * radius
+    size = ASSUMED_ROLLERS.shaft_roller_share * radius
     low, high = shaft_measures(reducer).bearings[0]
-    row = RollerRow(SHAFT_ROLLERS, size, high - low, 2.0 * radius + size)
+    row = RollerRow(ASSUMED_ROLLERS.shaft_rollers, size, high - low, 2.0 * radius + size)
     given, bought = (bearing.shaft_dynamic_capacity, bearing.shaft_static_capacity), shaft_bearing(reducer)
-    return _ratings(given, (bought, 1) if bought else None, row, "on the shaft")
+    return _choose_ratings(given, (bought, 1) if bought else None, row, "on the shaft")
 
 
 def _hub_ratings(reducer: Reducer) -> Ratings:
-    """Return the load ratings of each bearing of the output's hub, and as a spread those of its balls by ISO 281."""
+    """Return the load ratings of a bearing of the output's hub from the catalogue.
+
+    The source also states, as a spread, the rating of its estimated balls by ISO 281.
+    """
     bearing = casing(reducer).hub
     row, source = balls_of(bearing), f"of the manufacturer's catalogue: {bearing.designation}"
     by_balls = rolling.ball_capacity(row.balls, row.diameter, row.pitch)
@@ -216,21 +238,33 @@ def _hub_ratings(reducer: Reducer) -> Ratings:
     return Ratings(bearing.dynamic, bearing.static, *sources, row.pitch, rolling.BALL_EXPONENT)
 
 
-def _roller_ratings(reducer: Reducer) -> Ratings:
-    """Return the load ratings of the needles of each roller of the output pins."""
+def _output_roller_ratings(reducer: Reducer) -> Ratings:
+    """Return the load ratings of the needles inside a roller of an output pin, from assumed needle dimensions."""
     design = reducer.design
     output, bearing = design.output, design.bearing
-    needle = NEEDLE_SHARE * (output.pin_radius - output.root_radius) * 2.0
+    needle = ASSUMED_ROLLERS.needle_share * (output.pin_radius - output.root_radius) * 2.0
     pitch = 2.0 * output.root_radius + needle
     row = RollerRow(max(int(math.pi * pitch / needle), 3), needle, design.gear.face_width, pitch)
     given = bearing.output_dynamic_capacity, bearing.output_static_capacity
-    return _ratings(given, None, row, "round the core of a pin")
+    return _choose_ratings(given, None, row, "round the core of a pin")
 
 
-def _ratings(
-    given: tuple[float, float], bought: tuple[StockBearing, int] | None, row: RollerRow, where: str
+def _choose_ratings(
+    stated: tuple[float, float], bought: tuple[StockBearing, int] | None, row: RollerRow, location_text: str
 ) -> Ratings:
-    """Return the load ratings of the design file [N], else of bought bearings, else of a row of rollers."""
+    """Return load ratings by preference: stated in the design file, of bought bearings, of a row of rollers.
+
+    Parameters
+    ----------
+    stated
+        C and C0 of the design file [N]; 0 if not stated.
+    bought
+        Bearing from stock and how many of them are side by side; None if none is bought.
+    row
+        The row of rollers that is assumed otherwise.
+    location_text
+        Where these rollers are, in words.
+    """
     exponent, pitch = rolling.EXPONENT, row.pitch
     if bought:
         bearing, count = bought
@@ -240,28 +274,40 @@ def _ratings(
         sources = f"C {source}", f"C0 {source}"
         exponent = rolling.BALL_EXPONENT if bearing in ball_bearings() else exponent
     else:
-        plain = row.dynamic / rolling.MACHINED_FACTOR
+        plain = row.dynamic / rolling.ISO_281.roller_steel
         dynamic, static = row.dynamic, row.static
         sources = (
-            f"assumed: {row} {where}, b_m {rolling.MACHINED_FACTOR:g} (C {plain:.0f} N with b_m 1)",
-            f"assumed: {row} {where}",
+            f"assumed: {row} {location_text}, b_m {rolling.ISO_281.roller_steel:g} (C {plain:.0f} N with b_m 1)",
+            f"assumed: {row} {location_text}",
         )
     return Ratings(
-        dynamic=given[0] or dynamic,
-        static=given[1] or static,
-        dynamic_source="C of the design file (bearing.*_capacity_n)" if given[0] else sources[0],
-        static_source="C0 of the design file" if given[1] else sources[1],
+        dynamic=stated[0] or dynamic,
+        static=stated[1] or static,
+        dynamic_source="C of the design file (bearing.*_capacity_n)" if stated[0] else sources[0],
+        static_source="C0 of the design file" if stated[1] else sources[1],
         pitch=pitch,
         exponent=exponent,
     )
 
 
 def _rate_bearing(
-    reducer: Reducer, bearing: Bearing, forces: Sequence[Array], turns: Array, loadings: Sequence[Loading], peak: float
+    reducer: Reducer,
+    bearing: Bearing,
+    forces: Sequence[Array],
+    turns: Array,
+    loadings: Sequence[Loading],
+    peak_torque: float,
 ) -> Iterator[RatedItem]:
-    """Rate one bearing, of several like ones the most loaded.
+    """Yield life, modified life and static factor of a bearing; of several like bearings, of the most loaded one.
 
-    `forces` (m, bearings) [N] at each point; `turns` the relative speeds there times the share of time [rad/s].
+    Parameters
+    ----------
+    forces
+        Forces at each point of the duty [N], shape (m, bearings) each.
+    turns
+        Relative speed of the rings times the share of time at each point [rad/s], shape (points,).
+    peak_torque
+        Output torque of the static factor [N m]; forces are scaled in proportion.
     """
     settings, ratings = reducer.design.bearing, bearing.ratings
     load = bearing_load(reducer, forces, turns, ratings.exponent)
@@ -276,11 +322,11 @@ def _rate_bearing(
     yield RatedItem(bearing.key, f"{bearing.name}, life", load, ratings.dynamic, "N", None, life, formula, note)
     if (viscosity := oil_viscosity(reducer)) and turns.any():
         speed = float(turns.sum()) / sum(load_case.point.share for load_case in loadings)
-        yield _modified_life(bearing, viscosity, settings.cleanliness, load, life, speed)
+        yield _rate_modified_life(bearing, viscosity, settings.cleanliness, load, life, speed)
     ratios = (
         float(force.max()) / abs(load_case.point.torque) for force, load_case in zip(forces, loadings, strict=True)
     )
-    worst = peak * max(ratios)
+    worst = peak_torque * max(ratios)
     yield RatedItem(
         f"{bearing.key}_static",
         f"{bearing.name}, static factor",
@@ -290,12 +336,15 @@ def _rate_bearing(
         ratings.static / worst if worst else math.inf,
         None,
         "s0 = C0/P0, ISO 76",
-        f"{ratings.static_source}; at the peak torque of {peak:.4g} N m, forces in proportion to the torque",
+        f"{ratings.static_source}; at the peak torque of {peak_torque:.4g} N m, forces in proportion to the torque",
     )
 
 
 def oil_viscosity(reducer: Reducer) -> float:
-    """Return the viscosity of the oil in the bearings [m2/s]: that of the design file, or of its film law; else 0."""
+    """Return the kinematic viscosity of the oil in the bearings [m2/s].
+
+    It is that of the design file, or of the film law's lubricant at its temperature; 0 if neither is stated.
+    """
     design = reducer.design
     if design.bearing.viscosity or not design.has_film:
         return design.bearing.viscosity
@@ -303,16 +352,20 @@ def oil_viscosity(reducer: Reducer) -> float:
     return oil.kinematic_viscosity(lubricant_temperature(reducer, "cam")) / MM2
 
 
-def _modified_life(
-    bearing: Bearing, viscosity: float, cleanliness: float, load: float, life: float, speed: float
+def _rate_modified_life(
+    bearing: Bearing, viscosity: float, cleanliness: float, load: float, basic_life: float, speed: float
 ) -> RatedItem:
-    """Rate the life of a bearing modified for lubrication and contamination, from L10 [h] and its speed [rad/s]."""
+    """Rate the bearing life modified for lubrication and contamination (ISO 281:2007): a_ISO times the basic life [h].
+
+    `viscosity` is in [m2/s], `cleanliness` the contamination factor e_C, `load` in [N], `speed` of the rings in
+    [rad/s].
+    """
     ratings = bearing.ratings
     curve = life_curve(ratings.exponent)
     kappa = MM2 * viscosity / reference_viscosity(speed, ratings.pitch)
     limit = fatigue_load_limit(ratings.static, ratings.pitch, curve)
-    factor = life_factor(kappa, cleanliness, limit, load, curve) if load else MAX_FACTOR
-    outside = f"; kappa is below {MIN_KAPPA:g}, where ISO 281 has no value" if kappa < MIN_KAPPA else ""
+    factor = life_factor(kappa, cleanliness, limit, load, curve) if load else LIMITS.max_factor
+    outside = f"; kappa is below {LIMITS.min_kappa:g}, where ISO 281 has no value" if kappa < LIMITS.min_kappa else ""
     return RatedItem(
         f"{bearing.key}_modified",
         f"{bearing.name}, modified life",
@@ -320,7 +373,7 @@ def _modified_life(
         ratings.dynamic,
         "N",
         None,
-        factor * life,
+        factor * basic_life,
         "L = a_ISO a1 L10, a_ISO by kappa and e_C C_u/P, ISO 281:2007",
         f"a_ISO {factor:.3g}: kappa {kappa:.3g} = {MM2 * viscosity:.3g} mm2/s over nu_1, e_C {cleanliness:g}, "
         f"C_u {limit:.4g} N by C0, d_m {1e3 * ratings.pitch:.3g} mm{outside}",
@@ -328,10 +381,16 @@ def _modified_life(
 
 
 def bearing_load(reducer: Reducer, forces: Sequence[Array], turns: Array, exponent: float) -> float:
-    """Compute the equivalent load on the most loaded of like bearings [N], with the exponent p of their life.
+    """Compute the equivalent dynamic load over a duty on the most loaded of like bearings [N], service factor included.
 
-    `forces` are those on each of them [N], (m, bearings), at each point of a duty, `turns` the relative speeds at the
-    points times the share of time [rad/s]. A life over a duty cycle is then Miner's sum of those at its points.
+    Parameters
+    ----------
+    forces
+        Forces at each point of the duty [N], shape (m, bearings) each.
+    turns
+        Relative speed of the rings times the share of time at each point [rad/s], shape (points,).
+    exponent
+        Exponent p of the bearing's life. With this load, the life is Miner's sum over the points.
     """
     means = np.array([max(rolling.mean_load(column, exponent=exponent) for column in force.T) for force in forces])
     return reducer.design.bearing.service_factor * rolling.mean_load(means, turns, exponent)

@@ -20,15 +20,19 @@ STIFFNESS_FACTORS = (0.1, 0.3, 1.0, 3.0, 10.0, 100.0)
 
 
 def rate_cam_compliance(reducer: Reducer, duty: Duty) -> CamCompliance:
-    """Rate the cam for a duty cycle at each of `STIFFNESS_FACTORS` times its stiffness, and by ideal sharing."""
+    """Compute equivalent load and life of the cam bearing over a duty cycle for several stiffnesses of the cam.
+
+    Returns a case for each of `STIFFNESS_FACTORS` times the assumed stiffness (without values where no static
+    equilibrium was found), and one with ideal load sharing of rigid parts.
+    """
     design = reducer.design
     points = [point for point in duty.points if point.speed]
     turns = np.array([relative_speed(reducer, point.speed) * point.share for point in points])
 
-    def case(name: str, stiffness: float | None, cams: list[Array]) -> CamCase:
-        """Rate the cam by its forces [N] at the points, shape (m, discs) each."""
+    def make_case(name: str, stiffness: float | None, cam_forces: list[Array]) -> CamCase:
+        """Return the case of a stiffness [N/m] from the cam forces at the duty's points [N], shape (m, discs) each."""
         ratings, reliability = cam_ratings(reducer), design.bearing.reliability
-        load = bearing_load(reducer, cams, turns, ratings.exponent)
+        load = bearing_load(reducer, cam_forces, turns, ratings.exponent)
         rolls, speed = design.gear.bearing == "rolling", float(turns.sum())
         life = life_hours(ratings.dynamic, load, speed, reliability, ratings.exponent) if rolls else None
         return CamCase(name, stiffness, load, life)
@@ -41,7 +45,9 @@ def rate_cam_compliance(reducer: Reducer, duty: Duty) -> CamCompliance:
         varied = reducer.but(stiffness={"cam": factor * linear})
         try:
             rows.append(
-                case(name, factor * linear, [solve_loading(varied, point, stops=False).cam for point in points])
+                make_case(
+                    name, factor * linear, [solve_loading(varied, point, with_wind_up=False).cam for point in points]
+                )
             )
         except CycloidError:
             rows.append(CamCase(name, factor * linear, None, None))
@@ -51,4 +57,4 @@ def rate_cam_compliance(reducer: Reducer, duty: Duty) -> CamCompliance:
         speed = math.copysign(point.speed, design.drive.speed)
         loaded = reducer.but(drive={"speed": speed}, load={"torque": point.torque})
         ideal.append(ideal_cam(loaded, crank))
-    return CamCompliance((*rows, case(IDEAL, None, ideal)))
+    return CamCompliance((*rows, make_case(IDEAL, None, ideal)))

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 
 from cycloid_mj.base.errors import CycloidError, DesignError
 from cycloid_mj.base.units import MILLIMETRES, RPM
@@ -15,13 +16,28 @@ from cycloid_mj.reducer import Reducer, RvReducer, reducer_of
 
 REMEDY = "lower drive.torque_nm to the rated torque of `cycloid-mj datasheet`, or see `cycloid-mj rate` for each item"
 
-FEW_POSES, TORQUE_RTOL = 61, 5e-3
-"""Crank angles and relative accuracy of the torque of a remedy."""
-
 BELOW, ABOVE = -1, 1
 
-MAX_WIDENING, MIN_LIFE = 2.0, 1.0
-"""Largest factor on the face width, and shortest required life [h], of a remedy."""
+
+@dataclass(frozen=True)
+class RemedySettings:
+    """Search of single changes that make a failed check pass.
+
+    Attributes
+    ----------
+    crank_angles, rtol
+        Number of crank angles, and relative accuracy, of a torque.
+    max_widening, min_life
+        Largest factor on the face width, and shortest required life [h].
+    """
+
+    crank_angles: int = 61
+    rtol: float = 5e-3
+    max_widening: float = 2.0
+    min_life: float = 1.0
+
+
+REMEDIES = RemedySettings()
 
 KINDS = {
     "momentary_torque": (
@@ -36,7 +52,7 @@ KINDS = {
 
 
 def check_design(design: Named) -> Checks:
-    """Return every check of a design: whether it can be built, how well it works, and whether it lasts.
+    """Run all checks of a design: whether it can be built, how well it works, and whether it lasts.
 
     The last two need a design that can be built, and are warnings. From Python as ``cm.check(design)``.
 
@@ -59,9 +75,10 @@ def check_design(design: Named) -> Checks:
 
 
 def life_checks(reducer: Reducer) -> tuple[Check, ...]:
-    """Check whether a sound design withstands its nominal torque and speed for its required life; all are warnings.
+    """Check whether a sound design withstands its nominal torque and speed for its required life.
 
-    Empty where the crank stands still, or where there is no static balance, which `rated_load` reports.
+    Returns one check for each of `KINDS`, all of them warnings. Empty if the crank stands still or no static
+    equilibrium exists, which the check `rated_load` reports.
     """
     try:
         return checks_of_rating(rate_at_rated_load(reducer))
@@ -70,9 +87,10 @@ def life_checks(reducer: Reducer) -> tuple[Check, ...]:
 
 
 def life_remedies(reducer: Reducer) -> dict[str, tuple[tuple[str, float], ...]]:
-    """Return single changes with which each failed check of `life_checks` passes, as keys of the file and values.
+    """Return single changes of the design with which each failed check of `life_checks` passes.
 
-    They are less torque or, depending on the check, a wider face, a shorter life or a slower crank; each was tried.
+    By name of the check: (key of the design file, value) of each change. Candidates are less torque and, depending on
+    the check, a wider face, a shorter life or a slower crank; each was rated again and passes.
     """
     try:
         rating = rate_at_rated_load(reducer)
@@ -80,54 +98,66 @@ def life_remedies(reducer: Reducer) -> dict[str, tuple[tuple[str, float], ...]]:
         return {}
     return {
         check.name: tuple(
-            change for change in _candidates(reducer, rating, check) if _passes_with(reducer, change, check.name)
+            change for change in _candidate_changes(reducer, rating, check) if _passes_with(reducer, change, check.name)
         )
         for check in checks_of_rating(rating)
         if not check.passed
     }
 
 
-def _candidates(reducer: Reducer, rating: Rating, failed: Check) -> Iterator[tuple[str, float]]:
-    """Yield changes that may make a failed check pass, by the laws of its items."""
+def _candidate_changes(reducer: Reducer, rating: Rating, failed_check: Check) -> Iterator[tuple[str, float]]:
+    """Yield changes, as key of the design file and value, that may make a failed check pass.
+
+    Values follow from the laws of the failed items: torque by a search, width, life and speed in proportion.
+    """
     design = reducer.design
-    keys = {item.key for item in rating.items.values() if item.decisive and _kind(item) == failed.name}
+    keys = {item.key for item in rating.items.values() if item.decisive and _check_kind(item) == failed_check.name}
     with suppress(DesignError):  # no torque is enough
         torque, _ = rated_torque(
-            reducer, design.drive.speed, rating.life, keys.__contains__, poses=FEW_POSES, exact=TORQUE_RTOL, stops=True
+            reducer,
+            design.drive.speed,
+            rating.life,
+            keys.__contains__,
+            crank_angles=REMEDIES.crank_angles,
+            rtol=REMEDIES.rtol,
+            with_stops=True,
         )
-        yield "drive.torque_nm", _rounded_safely(torque, BELOW) / design.reduction
-        if failed.name in ("life", "strength") and (share := design.rated_torque / torque) < MAX_WIDENING:
-            yield "gear.face_width_mm", _rounded_safely(MILLIMETRES * design.gear.face_width * share, ABOVE)
-    if failed.name == "life" and failed.value and failed.value > MIN_LIFE:
-        yield "service.life_h", _rounded_safely(failed.value, BELOW)
-    if failed.name == "heat" and failed.value:
-        yield "drive.speed_rpm", _rounded_safely(design.drive.speed / RPM * failed.value, BELOW)
+        yield "drive.torque_nm", _round_safely(torque, BELOW) / design.reduction
+        if (
+            failed_check.name in ("life", "strength")
+            and (share := design.rated_torque / torque) < REMEDIES.max_widening
+        ):
+            yield "gear.face_width_mm", _round_safely(MILLIMETRES * design.gear.face_width * share, ABOVE)
+    if failed_check.name == "life" and failed_check.value and failed_check.value > REMEDIES.min_life:
+        yield "service.life_h", _round_safely(failed_check.value, BELOW)
+    if failed_check.name == "heat" and failed_check.value:
+        yield "drive.speed_rpm", _round_safely(design.drive.speed / RPM * failed_check.value, BELOW)
 
 
-def _passes_with(reducer: Reducer, change: tuple[str, float], name: str) -> bool:
-    """Return whether a check of `KINDS` passes after a change."""
+def _passes_with(reducer: Reducer, change: tuple[str, float], check_name: str) -> bool:
+    """Return whether the check of a name passes once a change (key of the design file, value) is applied."""
     try:
         checks = checks_of_rating(rate(override(reducer.design, dict([change]))))
     except CycloidError:
         return False
-    return all(check.passed for check in checks if check.name == name)
+    return all(check.passed for check in checks if check.name == check_name)
 
 
-def _rounded_safely(value: float, side: int) -> float:
-    """Round to three digits, on the safe side of a value that is accurate to `TORQUE_RTOL`."""
-    return float(f"{(1.0 + 2.0 * side * TORQUE_RTOL) * value:.3g}")
+def _round_safely(value: float, direction: int) -> float:
+    """Round a value of accuracy `RemedySettings.rtol` to three digits, safely `BELOW` or `ABOVE` it."""
+    return float(f"{(1.0 + 2.0 * direction * REMEDIES.rtol) * value:.3g}")
 
 
 def checks_of_rating(rating: Rating) -> tuple[Check, ...]:
     """Summarize a rating as checks, one for each of `KINDS` by its weakest item."""
     items = [item for item in rating.items.values() if item.decisive]
-    return tuple(_checks(rating, items))
+    return tuple(_checks_by_kind(rating, items))
 
 
-def _checks(rating: Rating, items: Sequence[RatedItem]) -> Iterator[Check]:
-    """Yield the checks of `checks_of_rating`."""
+def _checks_by_kind(rating: Rating, decisive_items: Sequence[RatedItem]) -> Iterator[Check]:
+    """Yield a check for each of `KINDS` that has items: the weakest item against a safety factor of 1 or the life."""
     for kind, (about, why) in KINDS.items():
-        of_kind = [item for item in items if _kind(item) == kind]
+        of_kind = [item for item in decisive_items if _check_kind(item) == kind]
         if not of_kind:
             continue
         weakest = min(of_kind, key=lambda item: item.margin(rating.life))
@@ -148,8 +178,8 @@ def _checks(rating: Rating, items: Sequence[RatedItem]) -> Iterator[Check]:
         )
 
 
-def _kind(item: RatedItem) -> str:
-    """Return which of `KINDS` an item belongs to."""
+def _check_kind(item: RatedItem) -> str:
+    """Return the key in `KINDS` of the check to which an item belongs."""
     if is_momentary(item.key):
         return "momentary_torque"
     if item.key == "temperature" or item.key.endswith("_hot_clearance"):

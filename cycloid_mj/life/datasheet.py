@@ -26,9 +26,9 @@ from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.items import rate, rate_at_rated_load
 from cycloid_mj.life.loading import solve_loading
 from cycloid_mj.life.no_load import GREASE
-from cycloid_mj.life.output_bearing import USUAL_CLEARANCE, output_bearings
+from cycloid_mj.life.output_bearing import DEEP_GROOVE, output_bearings
 from cycloid_mj.life.rated import is_bearing_life, is_momentary, is_strength, rated_torque, weakest_torque
-from cycloid_mj.life.sheet_rows import environment, hysteresis, mounting, no_load_curves, torques_without_load
+from cycloid_mj.life.sheet_rows import environment_rows, hysteresis, mounting_rows, no_load_curves, torques_without_load
 from cycloid_mj.life.thermal import thermal
 from cycloid_mj.parts import body_solids, mass_properties, moving_masses, parts, turning_inertia
 from cycloid_mj.parts.accuracy import VISUAL_CHORD_ERROR
@@ -39,13 +39,27 @@ from cycloid_mj.statics import loads, powers, springs_of
 from cycloid_mj.statics.sheet import Sheet, sheet
 from cycloid_mj.statics.springs import at_rest
 
-CURVE_POSES, CURVE_RTOL = 61, 2e-3
-"""Crank angles and relative accuracy of the points of a curve."""
 
-SPEED_SHARES = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0)
-TORQUE_SHARES = (0.05, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.25)
-TORSION_SHARES = (0.01, 0.03, 0.1, 0.25, 0.5, 0.75, 1.0)
-"""Points of the curves, as shares of the design's speed and nominal torque."""
+@dataclass(frozen=True)
+class CurveSettings:
+    """Points of the curves.
+
+    Attributes
+    ----------
+    crank_angles, rtol
+        Number of crank angles, and relative accuracy of a rated torque.
+    speed_shares, torque_shares, torsion_shares
+        Speeds of the rated torque, and torques of efficiency and torsion, over the design's speed and nominal torque.
+    """
+
+    crank_angles: int = 61
+    rtol: float = 2e-3
+    speed_shares: tuple[float, ...] = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0)
+    torque_shares: tuple[float, ...] = (0.05, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.25)
+    torsion_shares: tuple[float, ...] = (0.01, 0.03, 0.1, 0.25, 0.5, 0.75, 1.0)
+
+
+CURVES = CurveSettings()
 
 
 DRIVE_FIGURES = {
@@ -132,13 +146,13 @@ class Datasheet(Presented):
 
 
 def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) -> Datasheet:
-    """Compute the data sheet of a sound design, its rated torque at the rated speed for a life [h] (0: its own).
+    """Compute the data sheet of a sound design, with its rated torque for a life [h] at the rated speed.
 
-    `progress` is called with how many parts of the work are done, and of how many.
+    A life of 0 is that of the design. `progress` is called with the numbers of finished and of all parts of the work.
     """
     design = reducer.design
     life = life or design.service.life
-    total, done = len(SPEED_SHARES) + 5, count(1)
+    total, done = len(CURVES.speed_shares) + 5, count(1)
 
     def advance() -> None:
         progress(next(done), total)
@@ -150,20 +164,20 @@ def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) 
     rated, weakest = min(for_life, (momentary, stop), key=lambda pair: pair[0])
     advance()
     groups = {
-        "Ratings": _ratings(reducer, life, (rated, weakest), (momentary, stop)),
-        "Accuracy and stiffness": _accuracy(reducer, static),
-        "Efficiency and heat": _efficiency(reducer, static),
-        "Speed": _speeds(reducer),
+        "Ratings": _rating_rows(reducer, life, (rated, weakest), (momentary, stop)),
+        "Accuracy and stiffness": _accuracy_rows(reducer, static),
+        "Efficiency and heat": _efficiency_rows(reducer, static),
+        "Speed": _speed_rows(reducer),
         "Without load": torques_without_load(reducer, static),
-        **({"Output bearing": _bearing(reducer)} if has_casing(reducer) else {}),
+        **({"Output bearing": _output_bearing_rows(reducer)} if has_casing(reducer) else {}),
     }
-    groups = {heading: _with_parts(reducer, group) for heading, group in groups.items()}
-    groups["Ratings"] += _tolerance_torques(reducer, rated, life)
-    groups["Mass and size"] = _mass(reducer)
-    groups["Lubrication and environment"] = environment(reducer)
+    groups = {heading: _note_parts(reducer, group) for heading, group in groups.items()}
+    groups["Ratings"] += _toleranced_torque_rows(reducer, rated, life)
+    groups["Mass and size"] = _mass_rows(reducer)
+    groups["Lubrication and environment"] = environment_rows(reducer)
     if has_casing(reducer):
-        groups["Interfaces"] = _interfaces(reducer)
-        groups["Assembly"] = tuple(mounting(reducer))
+        groups["Interfaces"] = _interface_rows(reducer)
+        groups["Assembly"] = tuple(mounting_rows(reducer))
     advance()
     curves = (
         life_curve(reducer, life, momentary, for_life[0], advance),
@@ -185,8 +199,8 @@ def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) 
     )
 
 
-def _with_parts(reducer: Reducer, group: tuple[Quantity, ...]) -> tuple[Quantity, ...]:
-    """Return quantities with the parts, perfect or with errors, in the condition of each that depends on them."""
+def _note_parts(reducer: Reducer, group: tuple[Quantity, ...]) -> tuple[Quantity, ...]:
+    """Add to the note of each quantity that depends on them whether the parts are perfect or have errors."""
     parts = f"parts {reducer.parts_text}" if reducer.deviations.largest else "perfect parts"
     return tuple(
         item if item.key in BY_GEOMETRY_ALONE else replace(item, note=f"{parts}; {item.note}" if item.note else parts)
@@ -195,7 +209,7 @@ def _with_parts(reducer: Reducer, group: tuple[Quantity, ...]) -> tuple[Quantity
 
 
 def momentary_torque(reducer: Reducer) -> tuple[float, RatedItem]:
-    """Compute the momentary torque [N m], with a safety factor of 1, and the item that limits it.
+    """Compute the torque of an emergency stop with a safety factor of 1 [N m], and the item that limits it.
 
     Forces are in proportion to those at the nominal torque.
     """
@@ -206,17 +220,20 @@ def momentary_torque(reducer: Reducer) -> tuple[float, RatedItem]:
     return duty.peak * (first.safety or 0.0), first
 
 
-def _ratings(
-    reducer: Reducer, life: float, for_life: tuple[float, RatedItem], momentarily: tuple[float, RatedItem]
+def _rating_rows(
+    reducer: Reducer, life: float, rated_limit: tuple[float, RatedItem], momentary_limit: tuple[float, RatedItem]
 ) -> tuple[Quantity, ...]:
-    """Return the torques and the speed; the arguments are rated and momentary torque with their limiting items."""
+    """Return ratio, rated, bearing, acceleration, momentary and nominal torque, and the input speed.
+
+    `rated_limit` and `momentary_limit` are each a torque [N m] and the item that limits it; `life` is in [h].
+    """
     design = reducer.design
     speed, direction = design.drive.speed, "same" if design.ratio > 0 else "opposite"
     condition = f"{_speed(reducer)} input"
     by_bearings, bearing = rated_torque(reducer, speed, life, is_bearing_life)
-    (rated, weakest), (momentary, stop) = for_life, momentarily
-    repeated, first = min(
-        rated_torque(reducer, speed, life, is_strength, poses=CURVE_POSES, exact=CURVE_RTOL),
+    (rated, weakest), (momentary, stop) = rated_limit, momentary_limit
+    acceleration_torque, strength_item = min(
+        rated_torque(reducer, speed, life, is_strength, crank_angles=CURVES.crank_angles, rtol=CURVES.rtol),
         (momentary, stop),
         key=lambda pair: pair[0],
     )
@@ -239,9 +256,9 @@ def _ratings(
         Quantity(
             "acceleration_torque",
             "Acceleration torque",
-            repeated,
+            acceleration_torque,
             "N m",
-            note=f"at every start and stop, safety factor 1; limited by {first.name}",
+            note=f"at every start and stop, safety factor 1; limited by {strength_item.name}",
         ),
         Quantity(
             "momentary_torque",
@@ -261,18 +278,18 @@ def _ratings(
     )
 
 
-def _tolerance_torques(reducer: Reducer, torque: float, life: float) -> tuple[Quantity, ...]:
+def _toleranced_torque_rows(reducer: Reducer, rated: float, life: float) -> tuple[Quantity, ...]:
     """Return rated and momentary torque of parts within the tolerances of the design; empty without tolerances.
 
-    They are those of the weakest item by its law, from the rating at a torque [N m].
+    They are extrapolated by the law of the weakest item from the rating at the torque `rated` [N m], for a life [h].
     """
     design = reducer.design
     if not has_tolerances(design):
         return ()
-    rating = rate(design, constant_duty(torque, design.drive.speed), life, parts="toleranced")
+    rating = rate(design, constant_duty(rated, design.drive.speed), life, parts="toleranced")
     stops = [item for item in rating.items.values() if is_momentary(item.key)]
     others = [item for item in rating.items.values() if item.decisive and not is_momentary(item.key)]
-    limits = weakest_torque(others, torque, life), weakest_torque(stops, 2.0 * torque, life)
+    limits = weakest_torque(others, rated, life), weakest_torque(stops, 2.0 * rated, life)
     percentile = f"{SETTINGS.percentile:g} % percentile of {SETTINGS.samples} samples"
     rows = (
         ("rated_torque_toleranced", "Rated torque, toleranced parts", *min(limits, key=lambda pair: pair[0])),
@@ -284,8 +301,8 @@ def _tolerance_torques(reducer: Reducer, torque: float, life: float) -> tuple[Qu
     )
 
 
-def _accuracy(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
-    """Return backlash, lost motion, stiffness and transmission error."""
+def _accuracy_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
+    """Return backlash, lost motion, stiffness, transmission error and hysteresis."""
     quantities, torque = static.quantities, f"{reducer.design.rated_torque:.4g} N m"
     error = quantities["output_peak_to_peak_loaded_forward_speed"]
     return (
@@ -297,8 +314,8 @@ def _accuracy(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
     )
 
 
-def _efficiency(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
-    """Return efficiencies, torques without load, and the temperature rise."""
+def _efficiency_rows(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
+    """Return efficiencies, torques without load, temperature rise and thermal limits."""
     design = reducer.design
     quantities = static.quantities
     condition = f"{design.rated_torque:.4g} N m, {_speed(reducer)}"
@@ -314,14 +331,14 @@ def _efficiency(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
         _figure(reducer, "no_load_torque_nm", "No-load running torque", f"{BARE}; on the crank, {_speed(reducer)}"),
         _figure(reducer, "starting_torque_nm", "Starting torque", f"{BARE}; on the crank"),
         Quantity("temperature_rise", "Temperature rise", housing.value - ambient, "K", note=f"{condition}, still air"),
-        *_thermal_limit(reducer),
+        *_thermal_rows(reducer),
     )
 
 
-def _thermal_limit(reducer: Reducer) -> Iterator[Quantity]:
-    """Yield the torque that the steady temperatures of all parts allow, and the disc's rise over the ring.
+def _thermal_rows(reducer: Reducer) -> Iterator[Quantity]:
+    """Yield the torque that the steady temperatures of all parts allow, and how much warmer the disc is than the ring.
 
-    Nothing of a design whose sizes are those of warm parts.
+    Yields nothing for a design whose sizes are those of warm parts.
     """
     if reducer.design.thermal.applied:
         return
@@ -334,8 +351,8 @@ def _thermal_limit(reducer: Reducer) -> Iterator[Quantity]:
     yield Quantity("disc_over_ring", "Disc warmer than the ring", state.difference, "K", note=jam)
 
 
-def _speeds(reducer: Reducer) -> tuple[Quantity, ...]:
-    """Return the input speeds."""
+def _speed_rows(reducer: Reducer) -> tuple[Quantity, ...]:
+    """Return the continuous, intermittent and largest input speed."""
     return (
         _figure(
             reducer,
@@ -353,10 +370,10 @@ def _speeds(reducer: Reducer) -> tuple[Quantity, ...]:
     )
 
 
-def _bearing(reducer: Reducer) -> tuple[Quantity, ...]:
-    """Return the load limits of the output flange, and its tilting stiffness."""
+def _output_bearing_rows(reducer: Reducer) -> tuple[Quantity, ...]:
+    """Return tilting, radial and axial load limits of the output flange, and its tilting stiffness."""
     seat, torque = output_bearings(reducer), f"in addition to {reducer.design.rated_torque:.4g} N m"
-    loose = seat.tilting_stiffness(USUAL_CLEARANCE) * ARCMINUTE
+    loose = seat.tilting_stiffness(DEEP_GROOVE.usual_clearance) * ARCMINUTE
     bearings = f"2 x {seat.bearing.designation}, {1e3 * seat.spacing:.4g} mm apart"
     return (
         _figure(reducer, "output_tilting_capacity_nm", "Tilting moment", f"{torque}; {bearings}, ISO 281 and 76"),
@@ -371,11 +388,11 @@ def _bearing(reducer: Reducer) -> tuple[Quantity, ...]:
     )
 
 
-def _interfaces(reducer: Reducer) -> tuple[Quantity, ...]:
+def _interface_rows(reducer: Reducer) -> tuple[Quantity, ...]:
     """Return the dimensions of the interfaces to motor, load and frame [mm]."""
-    sizes = casing(reducer)
-    motor, screws = sizes.motor, sizes.screws
-    coupled = f"shaft of {2e3 * motor.shaft:.4g} mm" if motor.shaft else "coupled to the input journal"
+    covers = casing(reducer)
+    motor, screws = covers.motor, covers.screws
+    shaft_text = f"shaft of {2e3 * motor.shaft:.4g} mm" if motor.shaft else "coupled to the input journal"
     return (
         Quantity(
             "motor_circle",
@@ -384,15 +401,15 @@ def _interfaces(reducer: Reducer) -> tuple[Quantity, ...]:
             "mm",
             note=_threads(motor.screws, motor.thread),
         ),
-        Quantity("motor_pilot", "Motor flange, pilot", 2e3 * motor.pilot, "mm", note=f"{motor.name}, {coupled}"),
+        Quantity("motor_pilot", "Motor flange, pilot", 2e3 * motor.pilot, "mm", note=f"{motor.name}, {shaft_text}"),
         Quantity(
             "output_circle",
             "Output flange, bolt circle",
-            2e3 * sizes.flange_circle,
+            2e3 * covers.flange_circle,
             "mm",
-            note=_threads(sizes.flange_screws, sizes.flange_bolt.thread),
+            note=_threads(covers.flange_screws, covers.flange_bolt.thread),
         ),
-        Quantity("cover_diameter", "Covers, diameter", 2e3 * sizes.outer, "mm", note="both"),
+        Quantity("cover_diameter", "Covers, diameter", 2e3 * covers.outer, "mm", note="both"),
         Quantity(
             "cover_circle",
             "Covers, bolt circle",
@@ -425,8 +442,8 @@ def _with_name(quantity: Quantity, name: str, condition: str) -> Quantity:
     return Quantity(quantity.key, name, quantity.value, quantity.unit, note=quantity.note or condition)
 
 
-def _mass(reducer: Reducer) -> tuple[Quantity, ...]:
-    """Return masses, inertias and dimensions."""
+def _mass_rows(reducer: Reducer) -> tuple[Quantity, ...]:
+    """Return masses, inertias and main dimensions of the mechanism, and of the drive where it has covers."""
     design = reducer.design
     gear, housing = design.gear, design.housing
     solids = {name: mass_properties(solid) for name, solid in body_solids(reducer).items()}
@@ -480,45 +497,48 @@ def life_curve(
     life: float,
     momentary: float = np.inf,
     rated: float = 0.0,
-    advance: Callable[[], None] = lambda: None,
+    on_point: Callable[[], None] = lambda: None,
 ) -> Curve:
-    """Compute the rated torque over the speed.
+    """Compute the rated torque for a life over the input speed; speeds at which no torque is rated have no point.
 
     Parameters
     ----------
     reducer, life
-        Whose, and for how many hours.
+        The reducer, and its required life [h].
     momentary
-        Momentary torque, which ends the curve above [N m].
+        Momentary torque, the upper limit of the curve [N m].
     rated
-        Rated torque at the design's own speed, where it is known [N m].
-    advance
+        Rated torque at the design's own speed, if it is known [N m].
+    on_point
         Called after each speed.
-
-    Speeds at which no torque is rated for that life have no point.
     """
     points: list[tuple[float, float]] = []
-    for share in SPEED_SHARES:
+    for share in CURVES.speed_shares:
         speed = share * abs(reducer.design.drive.speed)
         with suppress(DesignError):
             torque = rated if share == 1.0 else 0.0
             if not torque:
                 guess = points[-1][1] if points else rated
-                torque, _ = rated_torque(reducer, speed, life, guess=guess, poses=CURVE_POSES, exact=CURVE_RTOL)
+                torque, _ = rated_torque(
+                    reducer, speed, life, start_torque=guess, crank_angles=CURVES.crank_angles, rtol=CURVES.rtol
+                )
             points.append((speed / RPM, min(torque, momentary)))
-        advance()
+        on_point()
     x, y = np.array(points).T
     return Curve(f"Rated torque for {life:g} h", "all items", x, y, "input speed [rpm]", "output torque [N m]")
 
 
 def _efficiency_curve(reducer: Reducer) -> Curve:
-    """Compute the efficiency over the torque, all bearings included: their losses are a straight line of the torque."""
+    """Compute the efficiency over the output torque at the design's speed, all bearings included.
+
+    The losses of the bearings are interpolated linearly between the smallest and the largest torque.
+    """
     design = reducer.design
-    torques, speed = np.array(TORQUE_SHARES) * design.rated_torque, abs(design.drive.speed)
+    torques, speed = np.array(CURVES.torque_shares) * design.rated_torque, abs(design.drive.speed)
     ends = torques[[0, -1]]
     points = (DutyPoint(float(torque), speed, 1.0) for torque in ends)
     lost = [
-        sum(bearing_losses(reducer, solve_loading(reducer, point, CURVE_POSES, stops=False)).values())
+        sum(bearing_losses(reducer, solve_loading(reducer, point, CURVES.crank_angles, with_wind_up=False)).values())
         for point in points
     ]
     shares = []
@@ -532,10 +552,12 @@ def _efficiency_curve(reducer: Reducer) -> Curve:
 
 
 def _wind_up_curve(reducer: Reducer) -> Curve:
-    """Compute the turn of the output over its torque, with the input locked."""
+    """Compute the rotation of the output over its torque with the input locked, mean over a turn, without friction."""
     still = at_rest(reducer)
     springs = springs_of(still, friction=False)
-    torques = reducer.design.rated_torque * np.array([*(-np.array(TORSION_SHARES[::-1])), *TORSION_SHARES])
+    torques = reducer.design.rated_torque * np.array(
+        [*(-np.array(CURVES.torsion_shares[::-1])), *CURVES.torsion_shares]
+    )
     turns = [float(loads(still, springs, float(torque)).output_turn.mean()) / ARCMINUTE for torque in torques]
     panel = "Torsion, input locked"
     return Curve(panel, "mean over a turn", torques, np.array(turns), "output torque [N m]", "output turn [arcmin]")
@@ -549,14 +571,14 @@ def _notes(reducer: Reducer, life: float, static: Sheet) -> tuple[str, ...]:
         f"for {life:g} h, and by the momentary torque; wear is left out. Momentary torque (emergency stop): limited by "
         "first yield, dents, bent or sheared pins, a skipped tooth, or a joint that slips. Both have a safety factor "
         "of 1.",
-        _materials(reducer),
+        _material_text(reducer),
         f"Lubricant: {LUBRICANT}, to {reducer.design.service.grease_temperature:g} °C.",
         *(f"{sentence[0].upper()}{sentence[1:]}." for sentence in static.assumptions),
     )
 
 
-def _materials(reducer: Reducer) -> str:
-    """Describe materials and clearances."""
+def _material_text(reducer: Reducer) -> str:
+    """Describe the materials of all parts and the clearances in words."""
     design = reducer.design
     materials = ", ".join(f"{part} {design.material_of(part).name or 'of its own numbers'}" for part in PARTS)
     clearances = ", ".join(

@@ -58,10 +58,11 @@ def _cycle(points: tuple[DutyPoint, ...], peak: float | None) -> Duty:
     return Duty(points, 2.0 * max(abs(point.torque) for point in points), peak_given=False)
 
 
-def read_duty(path: Path, peak: float | None = None) -> Duty:
+def read_duty(path: Path, peak_torque: float | None = None) -> Duty:
     """Read a duty cycle from a CSV file with the columns torque_nm, speed_rpm and share.
 
-    Shares are relative to their sum. A rest has the speed 0: its share counts, its torque does not.
+    Shares are relative to their sum. A rest has the speed 0: its share counts, its torque does not. `peak_torque` [N m]
+    is that of an emergency stop; by default twice the largest torque.
 
     Raises
     ------
@@ -85,7 +86,7 @@ def read_duty(path: Path, peak: float | None = None) -> Duty:
         )
     if len(lines) == 1:
         raise UsageError(f"{path}: the duty cycle has no points. Add one line per point: {','.join(COLUMNS)}")
-    points = [_point(f"{path}, line {number}", dict(zip(header, row, strict=False))) for number, row in lines[1:]]
+    points = [_parse_point(f"{path}, line {number}", dict(zip(header, row, strict=False))) for number, row in lines[1:]]
     total = sum(point.share for point in points)
     if not total > 0.0:
         raise UsageError(
@@ -96,7 +97,7 @@ def read_duty(path: Path, peak: float | None = None) -> Duty:
         raise UsageError(
             f"{path}: the crank never turns. Give at least one point with a positive share a speed_rpm other than 0"
         )
-    return _cycle(tuple(DutyPoint(point.torque, point.speed, point.share / total) for point in points), peak)
+    return _cycle(tuple(DutyPoint(point.torque, point.speed, point.share / total) for point in points), peak_torque)
 
 
 def _has_values(line: str) -> bool:
@@ -109,25 +110,31 @@ def _cells(line: str) -> list[str]:
     return [cell.strip() for cell in next(csv.reader([line]))]
 
 
-def _point(where: str, row: dict[str, str]) -> DutyPoint:
-    """Convert a row to a point; raise UsageError with its line, `where`, if a value is not allowed."""
+def _parse_point(location: str, row: dict[str, str]) -> DutyPoint:
+    """Convert a row of the file (column -> text) to a point of the duty cycle.
+
+    Raises
+    ------
+    UsageError
+        A value is not allowed; the message begins with the row's `location`, file and line.
+    """
     values = {}
     for column in COLUMNS:
         text = row.get(column, "")
         try:
             values[column] = float(text)
         except ValueError as error:
-            raise UsageError(f"{where}: {column} is {text!r}, which is not a number. Correct this value") from error
+            raise UsageError(f"{location}: {column} is {text!r}, which is not a number. Correct this value") from error
         if not math.isfinite(values[column]):
-            raise UsageError(f"{where}: {column} is {text!r}, but must be finite. Correct this value")
+            raise UsageError(f"{location}: {column} is {text!r}, but must be finite. Correct this value")
     torque, speed, share = values.values()
     if not abs(speed) < MAX_SPEED:
-        raise UsageError(f"{where}: speed_rpm is {speed:g}, but must be less than {MAX_SPEED:g}. Reduce this speed")
+        raise UsageError(f"{location}: speed_rpm is {speed:g}, but must be less than {MAX_SPEED:g}. Reduce this speed")
     if share < 0.0:
-        raise UsageError(f"{where}: share is {share:g}, but must be at least 0. Correct this value")
+        raise UsageError(f"{location}: share is {share:g}, but must be at least 0. Correct this value")
     if torque == 0.0 and speed != 0.0:
         raise UsageError(
-            f"{where}: torque_nm is 0 while the crank turns, which is not allowed. Use a small torque for an idling "
+            f"{location}: torque_nm is 0 while the crank turns, which is not allowed. Use a small torque for an idling "
             "drive, or speed_rpm = 0 for a pause"
         )
     return DutyPoint(abs(torque), abs(speed) * RPM, share)

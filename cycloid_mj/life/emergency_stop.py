@@ -27,12 +27,16 @@ FAR_BEYOND = 2.0
 """Ratio of a torque by the square root law to the smallest other limit, from which no equilibrium is sought."""
 
 
-def rate_emergency_stop(reducer: Reducer, peak: float, worst: Loading) -> Iterator[RatedItem]:
-    """Rate a peak torque [N m] of an emergency stop; forces are in proportion to those of the worst loading."""
+def rate_emergency_stop(reducer: Reducer, peak_torque: float, worst: Loading) -> Iterator[RatedItem]:
+    """Rate the peak torque [N m] of an emergency stop: shear and bending of output pins, skipped teeth, yield, dents.
+
+    Forces are in proportion to those of the `worst` loading of the duty; pressures follow from the equilibrium at their
+    limit.
+    """
     design = reducer.design
     torque = abs(worst.point.torque)
     output, material = design.output, design.material_of("output")
-    radius, force = output.root_radius, float(worst.output.sum(axis=1).max()) * peak / torque
+    radius, force = output.root_radius, float(worst.output.sum(axis=1).max()) * peak_torque / torque
     sections = 1 if output.support == "cantilever" else 2
     shear, strength = force / (sections * math.pi * radius**2), material.yield_strength / math.sqrt(3.0)
     pin_shear = RatedItem(
@@ -46,7 +50,7 @@ def rate_emergency_stop(reducer: Reducer, peak: float, worst: Loading) -> Iterat
         "F/(n pi r^2) against Y/sqrt(3)",
         f"{sections} x {1e3 * radius:.3g} mm radius; forces in proportion to the torque",
     )
-    bending = 4.0 * float(pin_moment(reducer, worst.output).max()) * peak / torque / (math.pi * radius**3)
+    bending = 4.0 * float(pin_moment(reducer, worst.output).max()) * peak_torque / torque / (math.pi * radius**3)
     pin_bending = RatedItem(
         "peak_pin_bending",
         "emergency stop: bending of an output pin",
@@ -61,7 +65,7 @@ def rate_emergency_stop(reducer: Reducer, peak: float, worst: Loading) -> Iterat
     jump = _torque_item(
         "peak_jump",
         "skipped tooth",
-        peak,
+        peak_torque,
         torque / (design.lobes * worst.wind_up) if worst.wind_up else math.inf,
         "T = k/z: maximum of a sine with the pitch of one of z lobes and the initial stiffness k of the disc",
         "assumed: a rigid ring; k of all contacts and the cam at the largest load",
@@ -76,29 +80,29 @@ def rate_emergency_stop(reducer: Reducer, peak: float, worst: Loading) -> Iterat
             elif has_bare_rollers(reducer):  # a bought bearing has its static factor
                 limits[kind] = cam_pressure_limit(reducer, limit_factor, strength_name)
         if limits:
-            smallest = peak * min(item.margin(0.0) for item in items)
+            smallest = peak_torque * min(item.margin(0.0) for item in items)
             torque_limit, note = _torque_at_limits(worst, limits, smallest)
-            items.append(_torque_item(key, what, peak, torque_limit, source, note))
+            items.append(_torque_item(key, what, peak_torque, torque_limit, source, note))
     yield from items
 
 
-def _torque_at_limits(worst: Loading, limits: Mapping[str, float], other: float) -> tuple[float, str]:
-    """Compute the torque [N m] at which a kind of contact first reaches its pressure limit [Pa], and the method.
+def _torque_at_limits(worst: Loading, limits: Mapping[str, float], other_limit: float) -> tuple[float, str]:
+    """Compute the torque [N m] at which a kind of contact first reaches its pressure limit [Pa]; also name the method.
 
-    The square root of the torque gives a lower bound of it above the load, as more contacts share a larger torque. No
-    equilibrium is sought where that is beyond the `other` limit [N m], such as a skipped tooth: there may be none.
+    The law p ~ sqrt(T) is a lower bound of that torque, as more contacts share a larger torque. No equilibrium is
+    sought where it is beyond `other_limit` [N m], such as a skipped tooth: there may be none.
     """
     kind = min(limits, key=lambda name: limits[name] / worst.pressures[name])
     torque = math.copysign(worst.point.torque, worst.reducer.design.drive.speed)
     guess = torque * (limits[kind] / worst.pressures[kind]) ** 2
     by_root = "the pressure is taken as the square root of the torque"
-    if abs(guess) > max(FAR_BEYOND * other, abs(torque)):
+    if abs(guess) > max(FAR_BEYOND * other_limit, abs(torque)):
         return abs(guess), f"in {kind}, at least: {by_root}, as another limit of the stop is far below"
     try:
-        at_limit, kind = torque_at_pressure(worst.reducer, worst.springs, limits, guess)
+        limit_torque, kind = torque_at_pressure(worst.reducer, worst.springs, limits, guess)
     except RunError:
         return abs(guess), f"in {kind}; no equilibrium was found there: {by_root}"
-    return abs(at_limit), f"in {kind}, by the equilibrium at that torque"
+    return abs(limit_torque), f"in {kind}, by the equilibrium at that torque"
 
 
 def _torque_item(key: str, what: str, peak: float, torque: float, source: str, note: str) -> RatedItem:

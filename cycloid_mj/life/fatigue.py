@@ -8,14 +8,31 @@ from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Literal
 
-ENDURANCE_SHARE, MAX_ENDURANCE = 0.5, 700e6
-"""Endurance limit of a polished bar in bending over the tensile strength, and its maximum [Pa]."""
+
+@dataclass(frozen=True)
+class EnduranceFactors:
+    """Factors of the endurance limit of steel (Shigley, 6-7 to 6-9).
+
+    Attributes
+    ----------
+    share, maximum
+        Endurance limit of a polished bar in rotating bending over the tensile strength, and its maximum [Pa].
+    non_rotating_share
+        Equivalent diameter of a round bar that does not rotate over its diameter (Eq. 6-24).
+    scatter
+        Standard deviation of endurance limits over their mean.
+    """
+
+    share: float = 0.5
+    maximum: float = 700e6
+    non_rotating_share: float = 0.37
+    scatter: float = 0.08
+
+
+ENDURANCE = EnduranceFactors()
 
 SURFACES = {"ground": (1.58, -0.085), "machined": (4.51, -0.265), "forged": (272.0, -0.995)}
 """a and b of the surface factor a S^b, S the tensile strength in MPa."""
-
-NON_ROTATING_SHARE = 0.37
-"""Equivalent diameter of a round bar that does not rotate over its diameter (Eq. 6-24)."""
 
 Stress = Literal["bending", "torsion"]
 
@@ -24,9 +41,6 @@ NEUBER: dict[Stress, tuple[float, ...]] = {
     "torsion": (0.190, -2.51e-3, 1.35e-5, -2.67e-8),
 }
 """Factors of sqrt(a) in powers of the tensile strength (Shigley, Eqs 6-35a and 6-35b)."""
-
-ENDURANCE_SCATTER = 0.08
-"""Standard deviation of endurance limits over their mean."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +62,7 @@ class Fatigue:
 def endurance_limit(
     tensile: float, diameter: float, surface: str = "machined", reliability: float = 0.9, rotates: bool = False
 ) -> float:
-    """Compute the endurance limit [Pa] of a steel part in bending.
+    """Compute the endurance limit [Pa] of a steel part in bending (Shigley, 6-7 to 6-9).
 
     Parameters
     ----------
@@ -57,7 +71,7 @@ def endurance_limit(
     diameter
         Diameter of the section [m].
     surface
-        One of `SURFACES`.
+        Finish, one of `SURFACES`.
     reliability
         Share of parts that do not fail.
     rotates
@@ -65,9 +79,9 @@ def endurance_limit(
     """
     factor, power = SURFACES[surface]
     finish = min(factor * (1e-6 * tensile) ** power, 1.0)
-    size = size_factor(diameter if rotates else NON_ROTATING_SHARE * diameter)
-    reliable = 1.0 - ENDURANCE_SCATTER * NormalDist().inv_cdf(reliability)
-    return min(ENDURANCE_SHARE * tensile, MAX_ENDURANCE) * finish * size * reliable
+    size = size_factor(diameter if rotates else ENDURANCE.non_rotating_share * diameter)
+    reliable = 1.0 - ENDURANCE.scatter * NormalDist().inv_cdf(reliability)
+    return min(ENDURANCE.share * tensile, ENDURANCE.maximum) * finish * size * reliable
 
 
 def size_factor(diameter: float) -> float:
@@ -80,10 +94,11 @@ def size_factor(diameter: float) -> float:
 
 
 def notch_factor(shape_factor: float, fillet: float, tensile: float, stress: Stress = "bending") -> float:
-    """Compute K_f = 1 + q (K_t - 1), with Neuber's sensitivity q = 1/(1 + sqrt(a/r)) at a fillet r [m].
+    """Compute the fatigue notch factor K_f = 1 + q (K_t - 1) [1] (Shigley, 6-10).
 
-    sqrt(a) in sqrt(inch) is a polynomial of the tensile strength in ksi, at most 250: `NEUBER`.
+    `shape_factor` is K_t, `fillet` the notch radius r [m], `tensile` the tensile strength [Pa]. Neuber's sensitivity is
+    q = 1/(1 + sqrt(a/r)), with sqrt(a) in sqrt(inch) a polynomial of the strength in ksi, at most 250 (`NEUBER`).
     """
     ksi = min(tensile / 6.894757e6, 250.0)
-    root = sum(factor * ksi**power for power, factor in enumerate(NEUBER[stress]))
-    return 1.0 + (shape_factor - 1.0) / (1.0 + root / math.sqrt(fillet / 0.0254))
+    sqrt_a = sum(factor * ksi**power for power, factor in enumerate(NEUBER[stress]))
+    return 1.0 + (shape_factor - 1.0) / (1.0 + sqrt_a / math.sqrt(fillet / 0.0254))

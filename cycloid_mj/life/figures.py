@@ -1,6 +1,7 @@
 """Functions of the catalogue's figures that need a rating or belong to the data sheet."""
 
 import math
+from dataclasses import dataclass
 
 from cycloid_mj.base.units import MILLIMETRES, RPM
 from cycloid_mj.life import datasheet
@@ -14,14 +15,27 @@ from cycloid_mj.reducer import Reducer, once
 KG_CM2 = 1e4
 """kg cm2 in a kg m2."""
 
-SPEED_FACTOR = 300.0
-"""Speed [rpm] times mean diameter [m] of needle bearings with a cage, in grease, at C/P of about 8 (SKF, 2018)."""
 
-FULL_COMPLEMENT = 0.5
-"""Share of that speed for rollers without a cage, which rub on each other (assumed; makers state a third to 0.6)."""
+@dataclass(frozen=True)
+class SpeedLimits:
+    """Limits of the speed of greased needle bearings and of intermittent duty.
 
-INTERMITTENT_SHARE = 0.25
-"""Share of the time of an intermittent duty (S3 25 %)."""
+    Attributes
+    ----------
+    caged
+        Speed [rpm] times mean diameter [m] of needle bearings with a cage, in grease, at C/P of about 8 (SKF, 2018).
+    full_complement_share
+        Share of that speed for rollers without a cage, which rub on each other (assumed; makers state a third to 0.6).
+    intermittent_share
+        Share of the time of an intermittent duty (S3 25 %).
+    """
+
+    caged: float = 300.0
+    full_complement_share: float = 0.5
+    intermittent_share: float = 0.25
+
+
+SPEED_LIMITS = SpeedLimits()
 
 
 def input_inertia(reducer: Reducer) -> float:
@@ -56,14 +70,14 @@ def drive_inertia(reducer: Reducer) -> float:
 
 
 def largest_speed(reducer: Reducer) -> float:
-    """Compute the largest speed of the crank [rpm] for greased bearings of cams and shaft, by their size."""
+    """Compute the largest speed of the crank [rpm] by n d_m of the greased bearings of cams and shaft."""
     shaft, gear = reducer.design.shaft, reducer.design.gear
     seat = seat_radius(reducer, bearing_width_of(reducer))
-    speeds = [SPEED_FACTOR / (shaft.radius + seat)]
+    speeds = [SPEED_LIMITS.caged / (shaft.radius + seat)]
     if gear.bearing == "rolling":
         in_stock = cam_bearing(reducer)
         bore = 0.5 * in_stock[0].bore if in_stock else gear.bore_radius
-        factor = SPEED_FACTOR if in_stock else FULL_COMPLEMENT * SPEED_FACTOR
+        factor = SPEED_LIMITS.caged if in_stock else SPEED_LIMITS.full_complement_share * SPEED_LIMITS.caged
         slower = abs(reducer.design.drive.speed) / relative_speed(reducer, reducer.design.drive.speed)
         speeds.append(factor / (bore + gear.bore_radius) * slower)
     return min(speeds)
@@ -78,8 +92,8 @@ def continuous_speed(reducer: Reducer) -> float:
 
 
 def intermittent_speed(reducer: Reducer) -> float:
-    """Compute the largest speed at the nominal torque for `INTERMITTENT_SHARE` of the time (S3) [rpm]."""
-    return _speed_by_heat(reducer, INTERMITTENT_SHARE)
+    """Compute the largest speed at the nominal torque for `SpeedLimits.intermittent_share` of the time (S3) [rpm]."""
+    return _speed_by_heat(reducer, SPEED_LIMITS.intermittent_share)
 
 
 def _speed_by_heat(reducer: Reducer, duty: float) -> float:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from cycloid_mj.base.units import FREEZING_POINT
 from cycloid_mj.design import PARTNERS, PARTS
 from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.design.model import Service
@@ -28,15 +29,15 @@ Grundfos, "Shaft Seals", p. 22: nitrile rubber to 100 °C (120 for a short time)
 STILL_AIR = 8.0, 15.0
 """Range of the heat transfer coefficient of a housing in still air [W/(m2 K)]."""
 
-KELVIN = 273.15
-"""0 °C [K]."""
-
 REFERENCE = 20.0
 """Reference temperature of the clearances [°C] (ISO 1)."""
 
 
 def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
-    """Rate the temperature of the housing in still air, and the clearance that each kind of pair loses by it."""
+    """Yield the power lost, the housing's temperature in still air, and the clearance that each pair loses by heat.
+
+    All parts are taken at the housing's temperature.
+    """
     design = reducer.design
     service = design.service
     losses = mean_losses(reducer, loadings)
@@ -44,7 +45,7 @@ def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIt
     area = cooling_area(reducer)
     share = service.duty_share if len(loadings) == 1 and loadings[0].point.share == 1.0 else 1.0
     temperature = housing_temperature(reducer, share * lost)
-    film = housing_film(reducer, temperature)
+    film = heat_transfer_coefficient(reducer, temperature)
     limits = sorted(heat_limits(reducer), key=lambda limit: limit.temperature)
     lowest = limits[0]
     yield RatedItem(
@@ -94,43 +95,52 @@ def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIt
 
 
 def mean_losses(reducer: Reducer, loadings: Sequence[Loading]) -> dict[str, float]:
-    """Compute the mean power lost over a duty by part [W]: the contacts, the seals, and each bearing."""
-    total: dict[str, float] = {}
+    """Compute the mean power lost over a duty [W], by source: the contacts, the seals, and each bearing."""
+    mean: dict[str, float] = {}
     for loading in loadings:
         for part, power in {**loading.losses, **bearing_losses(reducer, loading)}.items():
-            total[part] = total.get(part, 0.0) + power * loading.point.share
-    return total
+            mean[part] = mean.get(part, 0.0) + power * loading.point.share
+    return mean
 
 
-def case_film(height: float, wall: float, ambient: float, emissivity: float) -> float:
+def still_air_coefficient(
+    height: float, wall_temperature: float, ambient_temperature: float, emissivity: float
+) -> float:
     """Compute the heat transfer coefficient of a housing in still air by convection and radiation [W/(m2 K)].
 
     ISO/TR 14179-2: 18 (H/0.1)^-0.1 (dT/T)^0.3 + 0.23e-6 eps ((T_wall + T_ambient)/2)^3, with the height H of the
     housing [m] and temperatures [°C].
     """
-    hot, cold = wall + KELVIN, ambient + KELVIN
+    hot, cold = wall_temperature + FREEZING_POINT, ambient_temperature + FREEZING_POINT
     convection = 18.0 * (height / 0.1) ** -0.1 * (max(hot - cold, 0.0) / cold) ** 0.3
     return float(convection + 0.23e-6 * emissivity * (0.5 * (hot + cold)) ** 3)
 
 
-def housing_film(reducer: Reducer, wall: float) -> float:
-    """Return the heat transfer coefficient of the housing [W/(m2 K)]: that of the design, or `case_film` if it is 0."""
+def heat_transfer_coefficient(reducer: Reducer, wall_temperature: float) -> float:
+    """Return the heat transfer coefficient of the housing [W/(m2 K)] at a temperature of its wall [°C].
+
+    It is that of the design, or `still_air_coefficient` if the design states none.
+    """
     service = reducer.design.service
     outer = casing(reducer).outer if has_casing(reducer) else reducer.design.housing.outer_radius
     emissivity = reducer.design.thermal.emissivity
-    return service.film_coefficient or case_film(2.0 * outer, wall, service.ambient_temperature, emissivity)
+    return service.film_coefficient or still_air_coefficient(
+        2.0 * outer, wall_temperature, service.ambient_temperature, emissivity
+    )
 
 
-def housing_temperature(reducer: Reducer, lost: float) -> float:
-    """Solve for the temperature of the housing [°C] at which it gives off a power [W]."""
+def housing_temperature(reducer: Reducer, power_lost: float) -> float:
+    """Solve for the temperature of the housing [°C] at which it passes a power [W] to still air (Brent's method)."""
     ambient, area = reducer.design.service.ambient_temperature, cooling_area(reducer)
     if reducer.design.service.film_coefficient:
-        return ambient + lost / (reducer.design.service.film_coefficient * area)
+        return ambient + power_lost / (reducer.design.service.film_coefficient * area)
     from scipy.optimize import brentq
 
-    hottest = ambient + lost / (case_film(1.0, ambient, ambient, reducer.design.thermal.emissivity) * area)
-    balance = lambda wall: housing_film(reducer, wall) * area * (wall - ambient) - lost  # noqa: E731
-    return float(brentq(balance, ambient, hottest + 1.0))
+    hottest = ambient + power_lost / (
+        still_air_coefficient(1.0, ambient, ambient, reducer.design.thermal.emissivity) * area
+    )
+    excess_power = lambda wall: heat_transfer_coefficient(reducer, wall) * area * (wall - ambient) - power_lost  # noqa: E731
+    return float(brentq(excess_power, ambient, hottest + 1.0))
 
 
 def cooling_area(reducer: Reducer) -> float:
@@ -167,11 +177,11 @@ def clearance_growth(reducer: Reducer, kind: str) -> float:
     if kind == "tooth":
         return (alpha["housing"] - alpha["gear"]) * (ring.pin_circle_radius - ring.pin_radius)
     if kind == "output":
-        apart = abs(alpha["gear"] - alpha["output"]) * output.pin_circle_radius
+        circle_mismatch = abs(alpha["gear"] - alpha["output"]) * output.pin_circle_radius
         return (
             alpha["gear"] * output.hole_radius
             - alpha["output"] * (output.pin_radius + design.gear.eccentricity)
-            - apart
+            - circle_mismatch
         )
     inner, outer = {"cam": ("shaft", "gear"), "pin_socket": ("pin", "housing"), "pin_sleeve": ("pin", "pin")}[kind]
     radius = {"cam": design.gear.bore_radius, "pin_socket": ring.pin_radius, "pin_sleeve": ring.sleeve_bore_radius}[

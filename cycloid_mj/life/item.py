@@ -63,16 +63,20 @@ class RatedItem:
     note: str = ""
     kind: ItemKind = ItemKind.STRENGTH
 
-    def margin(self, life: float) -> float:
-        """Return the safety factor, or the life over a required life [h]; 1 is just enough, infinite for a figure."""
+    def margin(self, required_life: float) -> float:
+        """Return the safety factor, or the life over a required life [h].
+
+        1 is just enough; a figure without a limit has an infinite margin.
+        """
         if self.safety is not None:
             return self.safety
-        return math.inf if self.life is None else self.life / life
+        return math.inf if self.life is None else self.life / required_life
 
     def as_json(self) -> dict[str, Any]:
         """Convert the item to JSON values, without its key.
 
-        `unlimited` distinguishes a life of more than `MAX_LIFE` hours, or an infinite safety, from none.
+        `unlimited` distinguishes a life of more than `MAX_LIFE` hours, or an infinite safety factor, from no life at
+        all.
         """
         return {
             "name": self.name,
@@ -92,10 +96,14 @@ class RatedItem:
         """Return whether the item limits the rated torque: neither a figure without a limit nor wear does."""
         return not (self.safety is None and self.life is None) and not self.key.endswith(INDICATIVE)
 
-    def judgement(self, life: float) -> Judgement:
-        """Judge the item for a required life [h]; wear only warns, and a mere figure has no judgement."""
+    def judgement(self, required_life: float) -> Judgement:
+        """Return whether the item passes for a required life [h].
+
+        Too small a margin is a failure, or a warning if the item is not `decisive` (wear); a figure without a limit has
+        no judgement.
+        """
         figure = self.safety is None and self.life is None
-        return judge(None if figure else self.margin(life), self.decisive)
+        return judge(None if figure else self.margin(required_life), self.decisive)
 
     @property
     def load_text(self) -> str:
@@ -188,7 +196,7 @@ class Rating(Presented):
         return make_frame(rows, rows[0], {})
 
     def _items_json(self) -> dict[str, dict[str, Any]]:
-        """Convert the items to JSON values with their judgements, by key."""
+        """Convert the items to JSON values with their judgements and the parts that were rated, by key."""
         return {
             key: {**item.as_json(), "judgement": item.judgement(self.life), "parts": self.parts}
             for key, item in self.items.items()
@@ -200,18 +208,18 @@ class Rating(Presented):
         return f"{self.design}; {self.weakest_line()}"
 
     def line_of(self, item: RatedItem) -> str:
-        """Format an item in one line."""
-        what = (
+        """Format an item in one line: its name, and its safety factor or its life next to the required one."""
+        margin_text = (
             "safety " + item.verdict if item.safety is not None else f"{item.verdict} of the required {self.life:g} h"
         )
-        return f"{item.name}: {what}"
+        return f"{item.name}: {margin_text}"
 
     def weakest_line(self) -> str:
         """Format the weakest item in one line."""
         return f"{self.line_of(self.weakest)} at {self.duty}"
 
     def table(self) -> Table:
-        """Tabulate the items as text."""
+        """Return the items as a text table, a row each: load, limit, safety or life, parts, source and assumptions."""
         header = ("item", "load", "limit", "safety or life", "parts", "formula and source", "assumptions")
         rows = tuple(
             (item.name, item.load_text, item.limit_text, item.verdict, self.parts, item.source, item.note)

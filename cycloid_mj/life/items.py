@@ -8,7 +8,7 @@ from itertools import chain
 from cycloid_mj.base.errors import CycloidWarning, DesignError, UsageError
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.geometry.measured import part_notes
-from cycloid_mj.life.as_built import Parts, rated_samples
+from cycloid_mj.life.as_built import Parts, select_rated_samples
 from cycloid_mj.life.bearings import rate_bearings
 from cycloid_mj.life.cam import rate_cam_compliance
 from cycloid_mj.life.duty import Duty, constant_duty
@@ -43,21 +43,16 @@ def rate(
     ----------
     design
         A design, or the name of a preset or a file.
-    duty
-        Torques and speeds with their shares of the time; by default the nominal torque at the design's speed.
-    life
-        Required life [h]; by default that of the design.
+    duty, life
+        Torques and speeds with their shares of the time, by default the nominal torque at the design's speed; and the
+        required life [h], by default that of the design.
     ranges
         Part -> stress range of disc or ring from a finite-element study.
-    compliance
-        Whether the cam load is also computed over the stiffness of its bearing, see ``life.cam``, and the torque that
-        the steady temperatures allow, see ``life.thermal``: half a second each.
-    poses
-        Number of crank angles: with a tenth of them margins differ by 0.5 %.
-    stops
-        Whether emergency stops and joints are rated, which takes half of the time.
-    give
-        Former name of `compliance`.
+    compliance, give
+        Whether the cam load is also computed over the stiffness of its bearing (``life.cam``), and the torque that the
+        steady temperatures allow (``life.thermal``): half a second each. `give` is the former name.
+    poses, stops
+        Number of crank angles; whether emergency stops and joints are rated, which takes half of the time.
     parts
         Parts as designed, or samples within the tolerances of the design, see ``life.as_built``.
 
@@ -87,10 +82,24 @@ def rate(
             raise UsageError("`--parts toleranced` does not apply to an RV reducer: use `--parts perfect`")
         return rate_rv(reducer, duty, life)
     if parts == "toleranced":
-        samples = rated_samples(reducer)
+        samples = select_rated_samples(reducer)
         ratings = [rate(sample, duty, life, ranges, compliance, poses, stops) for sample in samples.designs]
-        return _weakest_of(design.name, ratings, samples.words)
-    items, work = _rated_items(reducer, duty, ranges, poses, stops)
+        return _merge_sample_ratings(design.name, ratings, samples.words)
+    return _rate_parts(reducer, duty, life, ranges, compliance, poses, stops)
+
+
+def _rate_parts(
+    reducer: Reducer,
+    duty: Duty,
+    life: float,
+    ranges: dict[str, StressRange] | None,
+    compliance: bool,
+    poses: int,
+    stops: bool,
+) -> Rating:
+    """Rate the parts of one reducer as they are for a required life [h]; arguments as those of `rate`."""
+    design = reducer.design
+    items, work = _rate_all_items(reducer, duty, ranges, poses, stops)
     if compliance and not design.thermal.applied:
         items.append(replace(rate_thermal_torque(design, duty), kind=ItemKind.HEAT))
     by_key = {item.key: item for item in sorted(items, key=lambda item: item.margin(life))}
@@ -100,27 +109,37 @@ def rate(
     return Rating(design.name, words, life, by_key, assumptions, spread, work, reducer.parts_text)
 
 
-def _weakest_of(design: str, ratings: list[Rating], words: str) -> Rating:
-    """Return the rating with the weakest item of each key of some ratings of samples."""
+def _merge_sample_ratings(design_name: str, ratings: list[Rating], sample_text: str) -> Rating:
+    """Merge the ratings of several samples of a design: for each item, the one with the smallest margin.
+
+    `sample_text` describes the samples and becomes the first assumption.
+    """
     first = ratings[0]
     weakest = [
         min((rating.items[key] for rating in ratings if key in rating.items), key=lambda item: item.margin(first.life))
         for key in first.items
     ]
     items = {item.key: item for item in sorted(weakest, key=lambda item: item.margin(first.life))}
-    return replace(first, design=design, items=items, assumptions=(words, *first.assumptions), parts="toleranced")
+    return replace(
+        first, design=design_name, items=items, assumptions=(sample_text, *first.assumptions), parts="toleranced"
+    )
 
 
-def _rated_items(
-    reducer: Reducer, duty: Duty, ranges: dict[str, StressRange] | None, poses: int, stops: bool
+def _rate_all_items(
+    reducer: Reducer, duty: Duty, ranges: dict[str, StressRange] | None, crank_angles: int, with_stops: bool
 ) -> tuple[list[RatedItem], float]:
-    """Return the items of a rating, and the largest numerical work of a point of the duty."""
+    """Rate the bearings, surfaces, strength, wear, heat, emergency stops and joints of a reducer over a duty cycle.
+
+    Returns the items, and the largest numerical work of the static equilibria of the duty's points (see
+    `Loading.work`). `crank_angles` is the number of angles per turn; without `with_stops`, emergency stops and joints
+    are left out.
+    """
     turning = [point for point in duty.points if point.speed]
     if not turning:
         raise DesignError(
             "drive.speed_rpm is 0, but a life in hours needs a crank that turns: set another speed, such as 1640 rpm"
         )
-    loadings = [solve_loading(reducer, point, poses, stops) for point in turning]
+    loadings = [solve_loading(reducer, point, crank_angles, with_stops) for point in turning]
     worst = max(loadings, key=lambda loading: abs(loading.point.torque))
     by_kind = {
         ItemKind.BEARING: rate_bearings(reducer, loadings, duty.peak),
@@ -129,7 +148,7 @@ def _rated_items(
         ItemKind.WEAR: rate_wear(reducer, loadings),
         ItemKind.HEAT: chain(rate_heat(reducer, loadings), rate_jam_difference(reducer, loadings)),
     }
-    if stops:
+    if with_stops:
         by_kind[ItemKind.STOP] = rate_emergency_stop(reducer, duty.peak, worst)
         by_kind[ItemKind.JOINT] = rate_joints(reducer, duty.peak, worst)
     items = [replace(item, kind=kind) for kind, rated in by_kind.items() for item in rated]

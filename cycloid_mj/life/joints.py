@@ -60,8 +60,11 @@ class JointTorques:
         design, carrier = reducer.design, torque * reducer.member.share
         return cls(carrier, carrier * design.ring.teeth / design.lobes, torque / design.reduction)
 
-    def on(self, parts: Sequence[str]) -> float:
-        """Return the torque between mating parts: motor and shaft carry the crank's, hub and load the carrier's."""
+    def torque_between(self, parts: Sequence[str]) -> float:
+        """Return the torque [N m] that two mating parts transmit to each other.
+
+        Motor and shaft carry the crank's torque, hub and driven machine the carrier's, all other joints the ring's.
+        """
         if MOTOR in parts or names.SHAFT in parts or any(names.family(part) == names.CAM for part in parts):
             return self.crank
         return self.carrier if {names.OUTPUT, FLANGE, LOAD} & {*parts} else self.ring
@@ -115,13 +118,17 @@ class ScrewedJoint:
         return f"{self.count} x M{1e3 * self.thread.diameter:g} {self.property_class}"
 
 
-def rate_joints(reducer: Reducer, peak: float, loading: Loading) -> Iterator[RatedItem]:
-    """Rate all joints of a drive at a peak output torque [N m]; forces are in proportion to those of a `loading`."""
-    torques = JointTorques.at_output(reducer, peak)
+def rate_joints(reducer: Reducer, peak_torque: float, loading: Loading) -> Iterator[RatedItem]:
+    """Rate all joints of a drive (screws, dowels, keys, glued and pressed seats) at a peak output torque [N m].
+
+    Forces of pins are in proportion to those of a solved `loading`. Each item compares the torque on a joint with the
+    torque at which it slips, shears or yields.
+    """
+    torques = JointTorques.at_output(reducer, peak_torque)
     if has_casing(reducer):
         yield from _rate_faces(reducer, torques)
         yield from _rate_crank(reducer, torques)
-    force_scale = peak / abs(loading.point.torque)
+    force_scale = peak_torque / abs(loading.point.torque)
     yield from _rate_output_pins(reducer, loading, force_scale)
     yield from _rate_ring_pins(reducer, loading, force_scale)
 
@@ -144,12 +151,12 @@ def tightening_torques(reducer: Reducer) -> dict[str, float]:
 
 
 def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
-    """Rate screws and dowels of each face; where a face has both, the stronger transmits the torque."""
+    """Rate the screws and dowels of each clamped face; where it has both, the stronger transmits the torque."""
     joints, screwed = drive_joints(reducer, casing(reducer)), screwed_joints(reducer)
     dowelled = {joint: _dowel_torque(reducer, joint) for joint in joints if joint.kind is JointKind.DOWELLED}
     by_face = {frozenset(joint.parts): torque for joint, torque in dowelled.items()}
     clamp = next((each for each in screwed if {*each.joint.parts} == {MOTOR_COVER, OUTPUT_COVER}), None)
-    on_ring = _clamping_torque(reducer, clamp) if clamp else 0.0
+    on_ring = _ring_slip_torque(reducer, clamp) if clamp else 0.0
     for each in screwed:
         parts = each.joint.parts
         through_ring = (MOTOR_COVER, names.HOUSING, OUTPUT_COVER) if {*parts} == {MOTOR_COVER, OUTPUT_COVER} else parts
@@ -157,10 +164,10 @@ def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
         shared = f"; tighten with {each.tightening_torque:.3g} N m"
         shared += f"; dowels transmit {positive:.3g} N m without friction" if positive else ""
         for limit in each.limits:
-            yield _item(
+            yield _torque_item(
                 f"{_slug(each.joint)}_{limit.mechanism}",
                 f"{each.joint.name}, {limit.what}",
-                torques.on(parts),
+                torques.torque_between(parts),
                 max(limit.torque, positive),
                 limit.source,
                 limit.note + shared,
@@ -170,64 +177,72 @@ def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
         own = [each.torque for each in screwed if {*joint.parts} <= {*each.joint.parts}]
         clamped = max(own, default=on_ring if names.HOUSING in joint.parts else 0.0)
         friction = f"; screws transmit {clamped:.3g} N m by friction" if clamped else ""
-        yield _item(
+        yield _torque_item(
             _slug(joint),
             joint.name,
-            torques.on(joint.parts),
+            torques.torque_between(joint.parts),
             max(torque, clamped),
             "n F r, F least of shear, pi d^2/4 x 896 MPa (ASME B18.8.2), and yield of the hole, d s R_e (Roloff/Matek)",
             f"{len(part.origins)} x {part.designation}{friction}",
         )
     if clamp:
         ring = [torque for joint, torque in dowelled.items() if names.HOUSING in joint.parts]
-        yield _clamped_ring(reducer, torques.ring, clamp, max(ring, default=0.0))
+        yield _rate_clamped_ring(reducer, torques.ring, clamp, max(ring, default=0.0))
 
 
-def _clamped_ring(reducer: Reducer, torque: float, clamp: ScrewedJoint, positive: float) -> RatedItem:
-    """Rate a ring that is clamped between covers whose screws stand outside of it."""
-    limit = _clamping_torque(reducer, clamp)
-    dowels = f"; dowels transmit {positive:.3g} N m" if positive else ""
-    return _item(
+def _rate_clamped_ring(
+    reducer: Reducer, ring_torque: float, cover_screws: ScrewedJoint, dowel_torque: float
+) -> RatedItem:
+    """Rate the slip of a ring that is clamped between covers whose screws are outside of the ring.
+
+    `ring_torque` acts on the ring; `dowel_torque` is what its dowels transmit without friction, both [N m].
+    """
+    slip_torque = _ring_slip_torque(reducer, cover_screws)
+    dowels = f"; dowels transmit {dowel_torque:.3g} N m" if dowel_torque else ""
+    return _torque_item(
         "joint_ring",
         "ring between the covers, slip",
-        torque,
-        max(limit, positive),
+        ring_torque,
+        max(slip_torque, dowel_torque),
         "T = n F mu r (VDI 2230, R2/2)",
-        f"assumed: the rims of the covers stand back, so that {clamp.designation} clamp the ring with "
-        f"{1e-3 * clamp.preload:.3g} kN each at its mean radius, friction "
+        f"assumed: the rims of the covers stand back, so that {cover_screws.designation} clamp the ring with "
+        f"{1e-3 * cover_screws.preload:.3g} kN each at its mean radius, friction "
         f"{JOINTS.interface_friction:g}{dowels}",
     )
 
 
-def _clamping_torque(reducer: Reducer, clamp: ScrewedJoint) -> float:
-    """Compute the torque at which a ring slips that screws outside of it clamp at its mean radius [N m]."""
+def _ring_slip_torque(reducer: Reducer, cover_screws: ScrewedJoint) -> float:
+    """Compute the torque [N m] at which a ring slips that screws outside of it clamp at its mean radius: n F mu r."""
     radius = 0.5 * (reducer.design.ring_root_radius + reducer.design.housing.outer_radius)
-    return strength.friction_torque(clamp.count, clamp.preload, radius)
+    return strength.friction_torque(cover_screws.count, cover_screws.preload, radius)
 
 
-def _make_screwed_joint(reducer: Reducer, sizes: Casing, joint: Joint) -> ScrewedJoint:
-    """Return the strength of a screwed joint; the classes of screws of motor and load, not in the bill, are assumed."""
+def _make_screwed_joint(reducer: Reducer, covers: Casing, joint: Joint) -> ScrewedJoint:
+    """Return a screwed joint with its thread, property class and preload limits.
+
+    Screws of motor and driven machine are not in the bill of materials: their property classes are assumed.
+    """
     screw = next((part for part in joint.bought if "thread" in dict(part.dimensions)), None)
     centres = np.array(screw.origins)[:, :2] if screw else np.atleast_2d(joint.holes[0][1][0])
-    nominal = dict(screw.dimensions)["thread"] if screw else _foreign_thread(sizes, joint)
+    nominal = dict(screw.dimensions)["thread"] if screw else _foreign_thread(covers, joint)
     thread = strength.Thread(nominal, stock.pitch(nominal))
     assumed = FLANGE_CLASS if LOAD in joint.parts else USUAL_CLASS
     property_class = screw.material.split()[-1] if screw else assumed
-    each = ScrewedJoint(joint, thread, property_class, len(centres), float(np.hypot(*centres.T).mean()), ())
-    limits = (_preload_limit(each), *_face_limits(reducer, each, screw))
-    return replace(each, limits=limits)
+    screwed = ScrewedJoint(joint, thread, property_class, len(centres), float(np.hypot(*centres.T).mean()), ())
+    limits = (_screw_limit(screwed), *_face_limits(reducer, screwed, screw))
+    return replace(screwed, limits=limits)
 
 
 def _foreign_thread(sizes: Casing, joint: Joint) -> float:
     return sizes.motor.thread if MOTOR in joint.parts else sizes.flange_bolt.thread
 
 
-def _preload_limit(each: ScrewedJoint) -> ScrewLimit:
-    """Return the limit by the screws, with the spread of its assumed friction."""
-    preload = each.thread.usual_preload(strength.PROOF_STRESS[each.property_class])
-    torque = strength.friction_torque(each.count, preload, each.radius)
-    tightened = each.tightening_for(1.0)
-    smooth, rough = (tightened / each.tightening_for(1.0, friction) for friction in JOINTS.thread_friction_spread)
+def _screw_limit(screwed: ScrewedJoint) -> ScrewLimit:
+    """Return the slip torque at the usual preload of the screws (VDI 2230), with the spread of the assumed friction."""
+    preload = screwed.thread.usual_preload(strength.PROOF_STRESS[screwed.property_class])
+    torque = strength.friction_torque(screwed.count, preload, screwed.radius)
+    tightened = screwed.tightening_for(1.0)
+    smooth, rough = (tightened / screwed.tightening_for(1.0, friction) for friction in JOINTS.thread_friction_spread)
     slippery, dry = (friction / JOINTS.interface_friction for friction in JOINTS.interface_friction_spread)
     return ScrewLimit(
         "slip",
@@ -235,52 +250,52 @@ def _preload_limit(each: ScrewedJoint) -> ScrewLimit:
         preload,
         torque,
         "T = n F mu r, F = 0.7 R_p A_s (VDI 2230, R2/2, R13)",
-        f"{each.designation} on a circle of {2e3 * each.radius:.4g} mm, {1e-3 * preload:.3g} kN each; assumed: "
+        f"{screwed.designation} on a circle of {2e3 * screwed.radius:.4g} mm, {1e-3 * preload:.3g} kN each; assumed: "
         f"friction {JOINTS.interface_friction:g} of the faces and {JOINTS.thread_friction:g} of threads and heads; "
         f"{torque * rough * slippery:.3g} to {torque * smooth * dry:.3g} N m at 0.10 to 0.20 and 0.16 to 0.10",
     )
 
 
-def _face_limits(reducer: Reducer, each: ScrewedJoint, screw: BoughtPart | None) -> Iterator[ScrewLimit]:
-    """Yield the limits by the part under the heads, and by the part with the threads or inserts."""
-    nominal, joint = each.thread.diameter, each.joint
+def _face_limits(reducer: Reducer, screwed: ScrewedJoint, screw: BoughtPart | None) -> Iterator[ScrewLimit]:
+    """Yield the preload limits of the clamped parts: pressure under the heads, and strength of threads or inserts."""
+    nominal, joint = screwed.thread.diameter, screwed.joint
     top = screw.origins[0][2] if screw else math.inf
     bottom = top - dict(screw.dimensions)["length"] if screw else -math.inf
     washer = next((dict(part.dimensions)["length"] for part in joint.bought if part.item == FLANGE_WASHER), 0.0)
     for part, (_, radius, low, high) in joint.holes:
         material = _material(reducer, part)
         if math.isclose(radius, 0.5 * stock.bolt_hole(nominal)) and math.isclose(high, top - washer, abs_tol=1e-9):
-            yield _head_limit(each, part, material, washer)
+            yield _head_limit(screwed, part, material, washer)
         elif math.isclose(radius, core_radius(reducer, nominal)):
             insert = insert_in(reducer, nominal)
             engaged = min(high, top) - max(low, bottom)
-            yield _thread_limit(each, part, material, insert, engaged)
+            yield _thread_limit(screwed, part, material, insert, engaged)
 
 
-def _head_limit(each: ScrewedJoint, part: str, material: Material, washer: float) -> ScrewLimit:
-    """Return the limit by the pressure under the heads, or under washers of some thickness [m]."""
-    nominal = each.thread.diameter
+def _head_limit(screwed: ScrewedJoint, part: str, material: Material, washer_thickness: float) -> ScrewLimit:
+    """Return the preload limit by the pressure under the heads, or under washers of a thickness [m] (0: no washer)."""
+    nominal = screwed.thread.diameter
     bearing, hole = stock.head_bearing(nominal), stock.bolt_hole(nominal)
-    if washer:
-        bearing = strength.washer_bearing(bearing, washer, stock.washer_of(nominal).outside)
-    allowed = _permanent(material) * material.tensile_strength
+    if washer_thickness:
+        bearing = strength.washer_bearing(bearing, washer_thickness, stock.washer_of(nominal).outside)
+    allowed = _permanent_share(material) * material.tensile_strength
     preload = allowed / strength.head_pressure(1.0, bearing, hole)
     return ScrewLimit(
         "heads",
         "pressure under the heads",
         preload,
-        strength.friction_torque(each.count, preload, each.radius),
+        strength.friction_torque(screwed.count, preload, screwed.radius),
         "p = F/A <= R_m (VDI 2230, R10/1 and A9), T = n F mu r",
         f"{part} of {material.name or 'unnamed material'} withstands {1e-6 * allowed:.3g} MPa under a "
-        f"{'washer' if washer else 'head'}, "
+        f"{'washer' if washer_thickness else 'head'}, "
         f"{1e-3 * preload:.3g} kN{_creep_note(material)}",
     )
 
 
 def _thread_limit(
-    each: ScrewedJoint, part: str, material: Material, insert: stock.Insert | None, engaged: float
+    screwed: ScrewedJoint, part: str, material: Material, insert: stock.Insert | None, engaged_length: float
 ) -> ScrewLimit:
-    """Return the limit by stripped threads, or by inserts pulled out of a plastic."""
+    """Return the preload limit by stripping of threads over their engaged length [m], or pull-out of an insert."""
     shear = (
         JOINTS.plastic_shear * material.yield_strength
         if material.is_plastic
@@ -291,23 +306,23 @@ def _thread_limit(
         what, source = "pull-out of the inserts", "F = pi D l tau around an insert"
         note = f"inserts {insert.designation} in {part}, solid around them (assumed)"
     else:
-        force = each.thread.stripping_force(engaged, shear)
+        force = screwed.thread.stripping_force(engaged_length, shear)
         what, source = "stripping of the threads", "F = pi d m (0.5 + (d - d2)/(P sqrt 3)) tau (VDI 2230, 5.5.5)"
-        note = f"threads in {part}, {1e3 * engaged:.3g} mm engaged"
-    preload = _permanent(material) * force
+        note = f"threads in {part}, {1e3 * engaged_length:.3g} mm engaged"
+    preload = _permanent_share(material) * force
     return ScrewLimit(
         "threads",
         what,
         preload,
-        strength.friction_torque(each.count, preload, each.radius),
+        strength.friction_torque(screwed.count, preload, screwed.radius),
         f"{source}, T = n F mu r",
         f"{note}, of {material.name or 'unnamed material'}, shear strength {1e-6 * shear:.3g} MPa: "
         f"{1e-3 * preload:.3g} kN{_creep_note(material)}",
     )
 
 
-def _permanent(material: Material) -> float:
-    """Return the share of a short-time strength that may stay as a preload."""
+def _permanent_share(material: Material) -> float:
+    """Return the share of a short-time strength [1] that a preload may use permanently; plastics creep."""
     return JOINTS.plastic_preload if material.is_plastic else 1.0
 
 
@@ -321,7 +336,7 @@ def _mean_head(thread: strength.Thread) -> float:
 
 
 def _dowel_torque(reducer: Reducer, joint: Joint) -> float:
-    """Compute the torque that the dowels of a face transmit [N m]."""
+    """Compute the torque [N m] that the dowels of a face transmit: the sum of pin force times radius."""
     (part,) = joint.bought
     sizes = dict(part.dimensions)
     softest = min(_material(reducer, mate).yield_strength for mate in joint.parts)
@@ -330,7 +345,7 @@ def _dowel_torque(reducer: Reducer, joint: Joint) -> float:
 
 
 def _rate_crank(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
-    """Rate the shaft of the motor in the crank, and cams on the shaft of several discs."""
+    """Rate the glued or keyed joints of the crank: the motor's shaft in its bore, and the cams on the shaft."""
     sizes, shaft = casing(reducer), 2.0 * reducer.design.shaft.radius
     bore = motor_bore(reducer, sizes)
     if bore:
@@ -346,32 +361,35 @@ def _rate_crank(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
 
 
 def _rate_glued_shaft(key: str, name: str, torque: float, diameter: float, length: float) -> RatedItem:
-    """Rate a glued joint of a shaft [m]."""
-    limit = 0.5 * diameter * strength.glued_force(diameter, length)
+    """Rate a glued cylindrical joint of a diameter and length [m] against a torque [N m]."""
+    slip_torque = 0.5 * diameter * strength.glued_force(diameter, length)
     note = (
         f"assumed: retaining compound on {2e3 * 0.5 * diameter:.4g} x {1e3 * length:.4g} mm; no key or clamp is drawn"
     )
-    return _item(key, name, torque, limit, GLUE_SOURCE, note)
+    return _torque_item(key, name, torque, slip_torque, GLUE_SOURCE, note)
 
 
-def _rate_key(reducer: Reducer, joint: Joint, torque: float, shaft: float) -> RatedItem:
-    """Rate the side pressure of a parallel key."""
+def _rate_key(reducer: Reducer, joint: Joint, torque: float, shaft_diameter: float) -> RatedItem:
+    """Rate the side pressure of a parallel key on a shaft of a diameter [m] by a torque [N m] (DIN 6892-C)."""
     (part,) = joint.bought
     sizes = dict(part.dimensions)
     key = strength.ParallelKey(sizes["height"], sizes["depth"], sizes["length"])
     softest = min(_material(reducer, mate).yield_strength for mate in joint.parts)
-    return _item(
+    return _torque_item(
         _slug(joint),
         joint.name,
         torque,
-        key.torque(shaft, softest),
+        key.torque(shaft_diameter, softest),
         "p = 2 T/(d (h - t1) l) <= 0.9 R_e (DIN 6892, method C)",
         f"{part.designation}, {1e3 * key.carrying_length:.3g} mm carry, R_e {1e-6 * softest:.4g} MPa",
     )
 
 
 def _rate_output_pins(reducer: Reducer, loading: Loading, force_scale: float) -> Iterator[RatedItem]:
-    """Rate the seats of the output pins in their discs: pressure of the bent pin, and friction against turning."""
+    """Rate the seats of the output pins in their discs: hole pressure of bent pins, and press fits against turning.
+
+    `force_scale` multiplies the forces of `loading` [1].
+    """
     design, output = reducer.design, reducer.design.output
     if in_one_piece(reducer):
         return
@@ -397,7 +415,7 @@ def _rate_output_pins(reducer: Reducer, loading: Loading, force_scale: float) ->
     )
     if not is_printed(reducer, names.OUTPUT):
         friction_torque = design.friction_of("output") * force * output.root_radius
-        yield _pressed_pin(
+        yield _rate_press_fit(
             reducer,
             ("joint_output_pin_press", "output pin in its disc, press fit against turning"),
             friction_torque,
@@ -406,7 +424,10 @@ def _rate_output_pins(reducer: Reducer, loading: Loading, force_scale: float) ->
 
 
 def _rate_ring_pins(reducer: Reducer, loading: Loading, force_scale: float) -> Iterator[RatedItem]:
-    """Rate the seats of ring pins that are pressed in or glued, against the friction that turns them."""
+    """Rate pressed or glued seats of ring pins against the friction torque that turns the pins.
+
+    `force_scale` multiplies the forces of `loading` [1].
+    """
     design, ring = reducer.design, reducer.design.ring
     if ring.kind != "pin" or ring.has_sockets or is_printed(reducer, names.PIN):
         return
@@ -414,7 +435,7 @@ def _rate_ring_pins(reducer: Reducer, loading: Loading, force_scale: float) -> I
     if ring.has_sleeves:
         core, length = sleeve_core_radius(reducer), 2.0 * sleeve_pin_depth(reducer)
         friction_torque = design.friction_of("pin_sleeve") * force * core
-        yield _pressed_pin(
+        yield _rate_press_fit(
             reducer,
             ("joint_ring_pin_press", "ring pin in both covers, press fit against turning"),
             friction_torque,
@@ -423,7 +444,7 @@ def _rate_ring_pins(reducer: Reducer, loading: Loading, force_scale: float) -> I
         return
     friction_torque = design.friction_of("pin_gear") * force * ring.pin_radius
     half = 0.5 * strength.glued_force(2.0 * ring.pin_radius, length) * ring.pin_radius
-    yield _item(
+    yield _torque_item(
         "joint_ring_pin_glue",
         "fixed ring pin in its half-open socket, glued against turning",
         friction_torque,
@@ -434,12 +455,13 @@ def _rate_ring_pins(reducer: Reducer, loading: Loading, force_scale: float) -> I
     )
 
 
-def _pressed_pin(
-    reducer: Reducer, named: tuple[str, str], turning: float, seat: tuple[float, float, str, Material]
+def _rate_press_fit(
+    reducer: Reducer, key_and_name: tuple[str, str], turning_torque: float, seat: tuple[float, float, str, Material]
 ) -> RatedItem:
-    """Rate a press fit against a torque that turns the pin in its hole [N m].
+    """Rate a press fit against a torque that turns the pin in its hole [N m] (DIN 7190-1, thick-walled hub by Lame).
 
-    `seat` is radius and length [m] of the joint, the part of the pin's material, and the material of the hole.
+    `seat` contains radius and length of the joint [m], the part whose material the pin has, and the material of the
+    hole.
     """
     radius, length, part, hub = seat
     pin = reducer.design.material_of(part)
@@ -455,13 +477,13 @@ def _pressed_pin(
         strength.effective_interference(value, JOINTS.hole_roughness, JOINTS.pin_roughness)
         for value in (0.5 * (loose + tight), loose, tight)
     )
-    strongest = fit.yield_pressure(hub.yield_strength) * _permanent(hub)
+    strongest = fit.yield_pressure(hub.yield_strength) * _permanent_share(hub)
     at_middle, at_loose, at_tight = (min(fit.pressure(value), strongest) for value in (middle, *ends))
-    key, name = named
-    return _item(
+    key, name = key_and_name
+    return _torque_item(
         key,
         name,
-        turning,
+        turning_torque,
         fit.torque(at_middle),
         "Lame, p = Z/(d K), T = mu p pi d^2 l/2 (DIN 7190-1)",
         f"{PIN_FIT}, mean interference less smoothing {1e6 * middle:.3g} um: {1e-6 * at_middle:.3g} MPa; "
@@ -470,9 +492,9 @@ def _pressed_pin(
     )
 
 
-def fit_code(words: str) -> str:
-    """Return the fit code of a hole and a shaft, such as ``H7/m6``, in words such as ``m6 in H7``."""
-    pairs = _ZONES.findall(words)
+def fit_code(fit_text: str) -> str:
+    """Return the fit code of a hole and a shaft, such as ``H7/m6``, from a text such as ``m6 in H7``."""
+    pairs = _ZONES.findall(fit_text)
     hole, shaft = (next(pair[side] for pair in pairs if pair[side]) for side in (0, 1))
     return f"{hole}/{shaft}"
 
@@ -486,6 +508,8 @@ def _slug(joint: Joint) -> str:
     return "joint_" + joint.name.replace(" ", "_")
 
 
-def _item(key: str, name: str, torque: float, limit: float, source: str, note: str) -> RatedItem:
-    """Return the item of a torque on a joint against its limit [N m]."""
-    return RatedItem(key, name, torque, limit, "N m", limit / torque if torque else math.inf, None, source, note)
+def _torque_item(key: str, name: str, torque: float, torque_limit: float, source: str, note: str) -> RatedItem:
+    """Return the rated item of a torque on a joint against its limit, both [N m]."""
+    return RatedItem(
+        key, name, torque, torque_limit, "N m", torque_limit / torque if torque else math.inf, None, source, note
+    )

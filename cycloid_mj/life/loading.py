@@ -16,8 +16,8 @@ from cycloid_mj.parts import crank_solid, mass_properties
 from cycloid_mj.parts.crank import ShaftDimensions, shaft_measures
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import Loads, Springs, loads, peak_pressure, powers, springs_of
-from cycloid_mj.statics.bearings import Planes, reactions
-from cycloid_mj.statics.peaks import is_narrow
+from cycloid_mj.statics.bearings import Planes, compute_reactions
+from cycloid_mj.statics.peaks import is_hertzian
 from cycloid_mj.statics.springs import POSES as POWER_POSES
 from cycloid_mj.statics.springs import turn_evenly
 
@@ -120,9 +120,9 @@ CAM: tuple[Body, Body] = ("shaft", "disc")
 
 
 def relative_speed(reducer: Reducer, speed: float, bodies: tuple[Body, Body] = CAM) -> float:
-    """Compute the speed of two bodies against each other [rad/s] at a speed of the crank [rad/s].
+    """Compute the speed of two bodies against each other [rad/s] at a speed of the crank [rad/s], by the kinematics.
 
-    With the ring held, disc and output turn by -w/(N - 1); with the carrier held the ring turns by w/N.
+    With the ring fixed, disc and output turn by -w/(N - 1); with the carrier fixed the ring turns by w/N.
     """
     member = reducer.member
     turning = float(member.gear_angle(speed))
@@ -136,14 +136,16 @@ def speed_past_ring(reducer: Reducer, speed: float) -> float:
     return relative_speed(reducer, speed, ("shaft", "housing"))
 
 
-def solve_loading(reducer: Reducer, point: DutyPoint, poses: int = POSES, stops: bool = True) -> Loading:
-    """Solve the loads at one point of a duty cycle; the load brakes, whatever the signs of torque and speed.
+def solve_loading(reducer: Reducer, point: DutyPoint, crank_angles: int = POSES, with_wind_up: bool = True) -> Loading:
+    """Solve contact forces, shaft forces, sliding and losses over a turn at one point of a duty cycle.
+
+    The load always brakes, whatever the signs of torque and speed.
 
     Parameters
     ----------
-    reducer, point, poses
+    reducer, point, crank_angles
         The reducer of a sound design, a point of its duty, and the number of crank angles.
-    stops
+    with_wind_up
         Whether the wind-up is solved for, which only emergency stops need.
 
     Raises
@@ -154,19 +156,19 @@ def solve_loading(reducer: Reducer, point: DutyPoint, poses: int = POSES, stops:
     design = reducer.design
     speed = math.copysign(point.speed, design.drive.speed)
     turning = reducer.but(drive={"speed": speed})
-    crank = design.lobes * turn_evenly(reducer, poses)
+    crank = design.lobes * turn_evenly(reducer, crank_angles)
     springs, torque = springs_of(turning, crank), math.copysign(abs(point.torque), speed)
     try:
         contact_loads = loads(turning, springs, torque)
-        power = powers(turning, abs(point.torque), turn_evenly(reducer, min(poses, POWER_POSES)))
-        closed = loads(turning, springs, PRELOAD_SHARE * torque) if stops else None
+        power = powers(turning, abs(point.torque), turn_evenly(reducer, min(crank_angles, POWER_POSES)))
+        closed = loads(turning, springs, PRELOAD_SHARE * torque) if with_wind_up else None
     except RunError as error:
         condition = f"{abs(point.torque):.4g} N m at {point.speed / RPM:.4g} rpm"
         raise RunError(
             f"{design.name}: no static equilibrium at {condition}: {error}. Rate the drive at another torque with "
             "--load-nm"
         ) from error
-    cam = contact_loads.cam.reshape(poses, -1, 2)
+    cam = contact_loads.cam.reshape(crank_angles, -1, 2)
     shaft = shaft_measures(reducer)
     stations, forces = _shaft_forces(turning, shaft, springs.crank, cam)
     return Loading(
@@ -177,15 +179,15 @@ def solve_loading(reducer: Reducer, point: DutyPoint, poses: int = POSES, stops:
         cam=magnitudes(cam),
         shaft=forces,
         stations=stations,
-        output=contact_loads.output.reshape(poses, cam.shape[1], -1),
-        on_output=reactions(turning, springs, contact_loads).output.force,
+        output=contact_loads.output.reshape(crank_angles, cam.shape[1], -1),
+        on_output=compute_reactions(turning, springs, contact_loads).output.force,
         teeth=float(contact_loads.teeth.max()),
         pressures={
             kind: peak_pressure(turning, springs, contact_loads, kind)
             for kind in design.pair_kinds
-            if is_narrow(turning, springs, contact_loads, kind)
+            if is_hertzian(turning, springs, contact_loads, kind)
         },
-        sliding=_sliding(turning, springs, contact_loads),
+        sliding=_compute_sliding(turning, springs, contact_loads),
         losses=dict(power.friction),
         crank_torque=power.crank / abs(speed),
         wind_up=abs(float((contact_loads.departures - closed.departures)[:, 2].mean()))
@@ -196,11 +198,11 @@ def solve_loading(reducer: Reducer, point: DutyPoint, poses: int = POSES, stops:
     )
 
 
-def _sliding(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Sliding]:
-    """Compute the sliding of teeth, output pins or plain rollers, and a plain cam; a pin slips where friction is less.
+def _compute_sliding(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Sliding]:
+    """Compute the sliding of teeth, output pins or plain rollers, and a plain cam, by kind of pair.
 
-    Sleeves and rollers turn on their pins, so that their bores wear evenly. Flanks of the disc, sockets, holes and the
-    disc's bore wear where the load presses.
+    A ring pin that can turn slides where its friction is lower. Sleeves and rollers turn on their pins, so that their
+    bores wear evenly. Flanks of the disc, sockets, holes and the disc's bore wear where the load presses.
     """
     design, output, ring = reducer.design, reducer.design.output, reducer.design.ring
     slip, count = np.abs(springs.slip), springs.teeth
@@ -213,39 +215,46 @@ def _sliding(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[s
         at_pin = np.tile(profile.pin_angles(reducer.tooth_profile), ring.halves)
         along = springs.crank[:, None, None] + np.array(reducer.phases)[:, None] + at_pin
         density = _largest_density(teeth * on_teeth, along.reshape(teeth.shape), _flank_lengths(reducer))
-        sliding[design.tooth_pair] = _sliding_of(reducer, design.tooth_pair, teeth, on_teeth, ring.pin_radius, density)
+        sliding[design.tooth_pair] = _summarize_sliding(
+            reducer, design.tooth_pair, teeth, on_teeth, ring.pin_radius, density
+        )
     elif seat == "pin_sleeve":
         in_bore = on_teeth * ring.sleeve_bore_radius / ring.pin_radius
         density = _mean_density(teeth * in_bore, ring.sleeve_bore_radius)
-        sliding[seat] = _sliding_of(reducer, seat, teeth, in_bore, ring.sleeve_bore_radius, density)
+        sliding[seat] = _summarize_sliding(reducer, seat, teeth, in_bore, ring.sleeve_bore_radius, density)
     else:
         lengths = _circle_lengths(ring.pin_radius, teeth.shape[1])
         azimuth = np.tile(profile.pin_angles(reducer.tooth_profile), discs * ring.halves)
-        density = _largest_density(teeth * on_teeth, towards[:, :count] + azimuth, lengths, steady=False)
-        sliding[seat] = _sliding_of(reducer, seat, teeth, on_teeth, ring.pin_radius, density)
+        density = _largest_density(teeth * on_teeth, towards[:, :count] + azimuth, lengths, passes_evenly=False)
+        sliding[seat] = _summarize_sliding(reducer, seat, teeth, on_teeth, ring.pin_radius, density)
     pressed, on_pins = contact_loads.output, slip[:, count:]
     if not output.rollers:
         lengths = _circle_lengths(output.hole_radius, pressed.shape[1])
         azimuth = np.tile(2.0 * math.pi * np.arange(output.pins) / output.pins, discs)
         in_disc = towards[:, count:] + springs.crank[:, np.newaxis] / design.lobes
         density = _largest_density(pressed * on_pins, in_disc + azimuth, lengths)
-        sliding["output"] = _sliding_of(reducer, "output", pressed, on_pins, output.pin_radius, density)
+        sliding["output"] = _summarize_sliding(reducer, "output", pressed, on_pins, output.pin_radius, density)
     elif not output.has_needles:
         on_core = on_pins * output.root_radius / output.pin_radius
         density = _mean_density(pressed * on_core, output.root_radius)
-        sliding["output_roller"] = _sliding_of(reducer, "output", pressed, on_core, output.root_radius, density)
+        sliding["output_roller"] = _summarize_sliding(reducer, "output", pressed, on_core, output.root_radius, density)
     if design.gear.bearing == "plain":
         cam = contact_loads.cam
         force = magnitudes(cam)
         speed = np.full_like(force, design.gear.bore_radius * relative_speed(reducer, design.drive.speed))
         angle = np.arctan2(cam[..., 1], cam[..., 0]) + springs.crank[:, np.newaxis] / design.lobes
         density = _largest_density(force * speed, angle, _circle_lengths(design.gear.bore_radius, discs))
-        sliding["cam"] = _sliding_of(reducer, "cam", force, speed, design.gear.bore_radius, density)
+        sliding["cam"] = _summarize_sliding(reducer, "cam", force, speed, design.gear.bore_radius, density)
     return sliding
 
 
-def _sliding_of(reducer: Reducer, kind: str, force: Array, speed: Array, radius: float, density: float) -> Sliding:
-    """Return the sliding of contacts under forces [N] at speeds [m/s], shapes (m, n), on pins of a radius [m]."""
+def _summarize_sliding(
+    reducer: Reducer, kind: str, force: Array, speed: Array, radius: float, density: float
+) -> Sliding:
+    """Return power, p v and speed of contacts under forces [N] at speeds [m/s], shapes (m, n), on pins of a radius [m].
+
+    `density` is the largest wear power per length [W/m], which is passed on.
+    """
     power, loaded = force * speed, force > 0.0
     return Sliding(
         power=float(power.sum(axis=1).mean()),
@@ -255,24 +264,24 @@ def _sliding_of(reducer: Reducer, kind: str, force: Array, speed: Array, radius:
     )
 
 
-def _largest_density(power: Array, angle: Array, lengths: Array, steady: bool = True) -> float:
-    """Compute the largest mean power per length [W/m] on a surface that is divided by an angle.
+def _largest_density(power: Array, angle: Array, lengths: Array, passes_evenly: bool = True) -> float:
+    """Compute the largest mean power per length [W/m] on a surface that is divided into `SECTORS` of an angle.
 
     Parameters
     ----------
     power
         F v of each contact at each crank angle [W], shape (m, n).
     angle
-        Position of each on its surface [rad], shape (m, n); like surfaces are superposed.
+        Position of each contact on its surface [rad], shape (m, n); like surfaces are superposed.
     lengths
-        Length of all these surfaces together in each of the `SECTORS` [m], shape (SECTORS,).
-    steady
-        Whether each contact passes through all angles at one speed: then each sector has its share of the time, and not
-        as much as the crank angles happen to give it.
+        Length of all these surfaces together in each sector [m], shape (SECTORS,).
+    passes_evenly
+        Whether each contact passes through all angles at one speed: then each sector has an equal share of the time,
+        else the share of the crank angles that fall into it.
     """
     sector = (np.floor(angle / (2.0 * math.pi) * SECTORS).astype(int) % SECTORS).ravel()
     total = np.bincount(sector, weights=power.ravel(), minlength=SECTORS)
-    if steady:
+    if passes_evenly:
         mean = total / np.maximum(np.bincount(sector, minlength=SECTORS), 1) * power.shape[1] / SECTORS
     else:
         mean = total / len(power)
@@ -292,7 +301,7 @@ def _circle_lengths(radius: float, count: int) -> Array:
 def _flank_lengths(reducer: Reducer) -> Array:
     """Compute the arc of all discs' outlines [m] in each of `SECTORS` of the phase of a pin, shape (SECTORS,).
 
-    A lobe is passed as the phase B = zeta + crank of a pin makes a turn: t = -B/(N - 1) on the outline.
+    A pin passes a lobe while its phase B = zeta + crank makes a turn: t = -B/(N - 1) on the outline.
     """
     gear, lobes = reducer.gear_profile, reducer.design.lobes
     ends = -np.linspace(0.0, 2.0 * math.pi, SECTORS + 1) / lobes
@@ -300,27 +309,37 @@ def _flank_lengths(reducer: Reducer) -> Array:
     return np.asarray(reducer.design.gear.discs * lobes * lengths)
 
 
-def _shaft_forces(reducer: Reducer, shaft: ShaftDimensions, crank: Array, cam: Array) -> tuple[Array, Array]:
-    """Compute stations along the shaft (p,) [m] and the forces there in its frame, shape (m, p, 2) [N].
+def _shaft_forces(
+    reducer: Reducer, dimensions: ShaftDimensions, crank: Array, cam_forces: Array
+) -> tuple[Array, Array]:
+    """Compute the forces on the shaft in its own frame at m crank angles.
 
-    The loads are the force of each disc on its cam (m, discs, 2) and the unbalance of the shaft; two bearings support
-    it as a beam.
+    Loads are the force of each disc on its cam, the opposite of `cam_forces` [N], shape (m, discs, 2), and the
+    unbalance of the shaft; two bearings support it as a beam.
+
+    Returns
+    -------
+    stations, forces
+        Places along the shaft [m], shape (p,), and forces there [N], shape (m, p, 2): cams, counterweight, far bearing,
+        near bearing.
     """
     cosine, sine = np.cos(crank)[:, np.newaxis], np.sin(crank)[:, np.newaxis]
-    x, y = cam[..., 0], cam[..., 1]
+    x, y = cam_forces[..., 0], cam_forces[..., 1]
     on_cams = np.stack([-(cosine * x + sine * y), -(cosine * y - sine * x)], axis=-1)
     properties = mass_properties(crank_solid(reducer))
     unbalance = np.broadcast_to(
         properties.mass * properties.centroid[:2] * reducer.design.drive.speed**2, (len(crank), 1, 2)
     )
-    far, near = (0.5 * sum(ends) for ends in shaft.bearings)
-    loaded = np.array([*reducer.design.gear.disc_planes, 0.5 * sum(shaft.counterweight)])
+    far, near = (0.5 * sum(ends) for ends in dimensions.bearings)
+    loaded_stations = np.array([*reducer.design.gear.disc_planes, 0.5 * sum(dimensions.counterweight)])
     applied = np.concatenate([on_cams, unbalance], axis=1)
-    at_far, at_near = Planes(applied, loaded).held_at(far, near)
-    return np.array([*loaded, far, near]), np.concatenate([applied, at_far[:, None], at_near[:, None]], axis=1)
+    far_reaction, near_reaction = Planes(applied, loaded_stations).reactions_at(far, near)
+    return np.array([*loaded_stations, far, near]), np.concatenate(
+        [applied, far_reaction[:, None], near_reaction[:, None]], axis=1
+    )
 
 
 def bending_moment(loading: Loading, station: float) -> Array:
-    """Compute the bending moment of the shaft [N m] at a station along it [m], in its frame, shape (m, 2)."""
+    """Compute the bending moment of the shaft [N m], shape (m, 2), in its frame at a station along its axis [m]."""
     arm = np.maximum(loading.stations - station, 0.0)
     return np.asarray(np.einsum("p,mpx->mx", arm, loading.shaft))

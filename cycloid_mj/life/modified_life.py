@@ -6,14 +6,29 @@ from dataclasses import dataclass
 from cycloid_mj.base.units import RPM
 from cycloid_mj.life.rolling import BALL_EXPONENT
 
-MIN_KAPPA, MAX_KAPPA = 0.1, 4.0
-"""Range of viscosity ratios for which a_ISO is defined; a larger ratio counts as 4."""
 
-MIN_FACTOR, MAX_FACTOR = 0.1, 50.0
-"""Range of a_ISO; the least is used below `MIN_KAPPA`, where the standard has no value."""
+@dataclass(frozen=True)
+class LifeLimits:
+    """Limits of a_ISO and of the fatigue load limit (ISO 281:2007, 9 and B.3.3.3).
 
-FULL_SIZE = 0.1
-"""Pitch diameter [m] up to which C_u follows from C0 alone (ISO 281:2007, B.3.3.3)."""
+    Attributes
+    ----------
+    min_kappa, max_kappa
+        Range of viscosity ratios for which a_ISO is defined; a larger ratio counts as the largest.
+    min_factor, max_factor
+        Range of a_ISO; the least is used below `min_kappa`, where the standard has no value.
+    full_size
+        Pitch diameter [m] up to which C_u follows from C0 alone.
+    """
+
+    min_kappa: float = 0.1
+    max_kappa: float = 4.0
+    min_factor: float = 0.1
+    max_factor: float = 50.0
+    full_size: float = 0.1
+
+
+LIMITS = LifeLimits()
 
 
 @dataclass(frozen=True)
@@ -21,7 +36,7 @@ class LifeCurve:
     """Constants of a_ISO = 0.1 (1 - (a - b/kappa^c)^d (e_C C_u/P)^e)^f, of balls or rollers.
 
     `ranges` has upper ends of kappa with b and c (ISO 281:2007, Eqs 31 to 36); `static_share` is C0/C_u of a small
-    bearing, and `size_exponent` the decrease of C_u with the pitch diameter beyond `FULL_SIZE`.
+    bearing, and `size_exponent` the decrease of C_u with the pitch diameter beyond `LifeLimits.full_size`.
     """
 
     offset: float
@@ -35,7 +50,7 @@ class LifeCurve:
 
 BALLS = LifeCurve(
     2.5671,
-    ((0.4, 2.2649, 0.054381), (1.0, 1.9987, 0.19087), (MAX_KAPPA, 1.9987, 0.071739)),
+    ((0.4, 2.2649, 0.054381), (1.0, 1.9987, 0.19087), (LIMITS.max_kappa, 1.9987, 0.071739)),
     0.83,
     1.0 / 3.0,
     -9.3,
@@ -44,7 +59,7 @@ BALLS = LifeCurve(
 )
 ROLLERS = LifeCurve(
     1.5859,
-    ((0.4, 1.3993, 0.054381), (1.0, 1.2348, 0.19087), (MAX_KAPPA, 1.2348, 0.071739)),
+    ((0.4, 1.3993, 0.054381), (1.0, 1.2348, 0.19087), (LIMITS.max_kappa, 1.2348, 0.071739)),
     1.0,
     0.4,
     -9.185,
@@ -76,11 +91,13 @@ def reference_viscosity(speed: float, pitch: float) -> float:
 
 def fatigue_load_limit(static: float, pitch: float, curve: LifeCurve) -> float:
     """Compute the fatigue load limit C_u [N] from C0 [N] and the pitch diameter [m] (ISO 281:2007, B.3.3.3)."""
-    return static / curve.static_share * min(1.0, FULL_SIZE / pitch) ** curve.size_exponent
+    return static / curve.static_share * min(1.0, LIMITS.full_size / pitch) ** curve.size_exponent
 
 
 def life_factor(kappa: float, cleanliness: float, limit: float, load: float, curve: LifeCurve) -> float:
-    """Compute a_ISO [1] of a radial bearing; below the viscosity ratio 0.1, where it is not defined, its least value.
+    """Compute the life modification factor a_ISO [1] of a radial bearing (ISO 281:2007, Eqs 31 to 36).
+
+    Below the viscosity ratio 0.1, where a_ISO is not defined, its smallest value is returned.
 
     Parameters
     ----------
@@ -93,10 +110,14 @@ def life_factor(kappa: float, cleanliness: float, limit: float, load: float, cur
     curve
         `BALLS` or `ROLLERS`.
     """
-    if kappa < MIN_KAPPA:
-        return MIN_FACTOR
-    kappa = min(kappa, MAX_KAPPA)
-    factor, power = next((b, c) for end, b, c in curve.ranges if kappa < end or end == MAX_KAPPA)
+    if kappa < LIMITS.min_kappa:
+        return LIMITS.min_factor
+    kappa = min(kappa, LIMITS.max_kappa)
+    factor, power = next((b, c) for end, b, c in curve.ranges if kappa < end or end == LIMITS.max_kappa)
     film = (curve.offset - factor / kappa**power) ** curve.film_exponent
-    left = 1.0 - film * (cleanliness * limit / load) ** curve.load_exponent
-    return min(MAX_FACTOR, MIN_FACTOR * left**curve.exponent) if left > 0.0 else MAX_FACTOR
+    denominator = 1.0 - film * (cleanliness * limit / load) ** curve.load_exponent
+    return (
+        min(LIMITS.max_factor, LIMITS.min_factor * denominator**curve.exponent)
+        if denominator > 0.0
+        else LIMITS.max_factor
+    )

@@ -58,23 +58,23 @@ class NoLoadTorque:
 def no_load_torque(reducer: Reducer, speed: float, temperature: float) -> NoLoadTorque:
     """Compute the torque of bearings, grease and seals on the crank at its speed [rad/s] and a temperature [°C].
 
-    At speed 0 it is the torque that starts the drive. Contacts of teeth and pins are not included. Seals that the
-    design states as `drag` replace those by formula.
+    Bearings by Palmgren's M0, seals by ISO/TR 14179-2 or as the design states them (`drag`). At speed 0 it is the
+    torque that starts the drive. Contacts of teeth and pins are not included.
     """
     viscosity = GREASE.viscosity(temperature)
-    crank = abs(speed) or abs(reducer.design.drive.speed)
+    crank_speed = abs(speed) or abs(reducer.design.drive.speed)
     torques = []
-    for factors, count, diameter, share in _bearing_rows(reducer):
+    for factors, count, diameter, share in _bearing_torque_terms(reducer):
         mean, low, high = 0.5 * sum(factors), *factors
         unit = count * share * idle_torque(1.0, diameter, share * abs(speed), viscosity)
         torques.append((mean * unit, low * unit, high * unit))
     bearings, low, high = (sum(column) for column in zip(*torques, strict=True))
-    seals = _seal_torque(reducer, crank)
+    seals = _seal_torque(reducer, crank_speed)
     return NoLoadTorque(bearings, seals, low + seals, high + seals)
 
 
-def _bearing_rows(reducer: Reducer) -> Iterator[tuple[tuple[float, float], int, float, float]]:
-    """Yield factors, number, mean diameter [m] and speed over that of the crank of each kind of bearing."""
+def _bearing_torque_terms(reducer: Reducer) -> Iterator[tuple[tuple[float, float], int, float, float]]:
+    """Yield for each kind of bearing the range of f0, the number, mean diameter [m] and speed over the crank's."""
     design = reducer.design
     for bearing in bearings_of(reducer):
         kind, count, diameter = _bearing_size(reducer, bearing)
@@ -83,7 +83,7 @@ def _bearing_rows(reducer: Reducer) -> Iterator[tuple[tuple[float, float], int, 
 
 
 def _bearing_size(reducer: Reducer, bearing: Bearing) -> tuple[str, int, float]:
-    """Return kind, number and mean diameter [m] of a bearing of `bearings_of`."""
+    """Return the kind (ball or needle), number and mean diameter [m] of a bearing of `bearings_of`."""
     design = reducer.design
     if bearing.key == "cam_bearing":
         bought = cam_bearing(reducer)
@@ -99,14 +99,14 @@ def _bearing_size(reducer: Reducer, bearing: Bearing) -> tuple[str, int, float]:
     return "ball" if ball else "needle", 1, design.shaft.radius + seat_radius(reducer, bearing_width_of(reducer))
 
 
-def _seal_torque(reducer: Reducer, crank: float) -> float:
-    """Return the torque of the seals on a crank that turns at a speed [rad/s]; 0 if `drag` states it."""
+def _seal_torque(reducer: Reducer, crank_speed: float) -> float:
+    """Return the torque of the seals referred to a crank that turns at a speed [rad/s]; 0 if `drag` states it."""
     design = reducer.design
     if design.drag.crank or design.drag.output:
         return 0.0
     on_shaft, on_hub = seal_torques(reducer)
     turning = (
-        relative_speed(reducer, crank, ("shaft", "housing")),
-        relative_speed(reducer, crank, ("output", "housing")),
+        relative_speed(reducer, crank_speed, ("shaft", "housing")),
+        relative_speed(reducer, crank_speed, ("output", "housing")),
     )
-    return turning[0] / crank * on_shaft + turning[1] / crank * on_hub
+    return turning[0] / crank_speed * on_shaft + turning[1] / crank_speed * on_hub

@@ -22,17 +22,32 @@ from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.reducer import Reducer, once
 from cycloid_mj.statics.bearings import Planes
 
-BALL_SHARE, FILLED_ANGLE = 0.3, math.radians(195.0)
-"""Diameter of balls over D - d, and the angle between the rings that they fill."""
 
-MAX_AXIAL_SHARE = 0.25
-"""Largest axial load on a deep groove bearing of diameter series 8 over its static rating (SKF, 2018)."""
+@dataclass(frozen=True)
+class DeepGrooveData:
+    """Data of deep groove ball bearings.
 
-NO_CLEARANCE, USUAL_CLEARANCE = 4.37, 5.0
-"""Z Q/F of the most loaded ball: without clearance (NSK E728g, 5.1), and with the usual one (Stribeck)."""
+    Attributes
+    ----------
+    ball_share, filled_angle
+        Diameter of balls over D - d, and the angle between the rings that they fill [rad] (Harris, Conrad assembly).
+    max_axial_share
+        Largest axial load on a bearing of diameter series 8 over its static rating (SKF, 2018).
+    no_clearance, usual_clearance
+        Z Q/F of the most loaded ball: without clearance (NSK E728g, 5.1), and with the usual clearance (Stribeck).
+    approach
+        Approach of both rings at a ball in um over (Q^2/D)^(1/3) in N and mm (Palmgren; NSK E728g, 5).
+    """
 
-PALMGREN_APPROACH = 0.44
-"""Approach of both rings at a ball in um over (Q^2/D)^(1/3) in N and mm (Palmgren; NSK E728g, 5)."""
+    ball_share: float = 0.3
+    filled_angle: float = math.radians(195.0)
+    max_axial_share: float = 0.25
+    no_clearance: float = 4.37
+    usual_clearance: float = 5.0
+    approach: float = 0.44
+
+
+DEEP_GROOVE = DeepGrooveData()
 
 
 @dataclass(frozen=True)
@@ -88,25 +103,30 @@ class OutputBearings:
     @property
     def axial(self) -> float:
         """Limit of an axial load alone [N], which one bearing carries."""
-        return MAX_AXIAL_SHARE * self.static
+        return DEEP_GROOVE.max_axial_share * self.static
 
-    def tilting_stiffness(self, share: float = NO_CLEARANCE) -> float:
-        """Compute the tilting stiffness [N m/rad] at half of the moment limit; `share` is Z Q/F."""
-        force = 0.5 * self.moment / self.spacing
-        pressed = share * force / self.row.balls
-        approach = 1e-6 * PALMGREN_APPROACH * (pressed**2 / (1e3 * self.row.diameter)) ** (1.0 / 3.0)
-        return force * self.spacing**2 / (2.0 * approach) if force else 0.0
+    def tilting_stiffness(self, ball_load_factor: float = DEEP_GROOVE.no_clearance) -> float:
+        """Compute the tilting stiffness [N m/rad] at half of the moment limit, by Palmgren's approach of the balls.
+
+        `ball_load_factor` is Z Q/F, the force Q of the most loaded of Z balls relative to the bearing force F.
+        """
+        bearing_force = 0.5 * self.moment / self.spacing
+        ball_force = ball_load_factor * bearing_force / self.row.balls
+        approach = 1e-6 * DEEP_GROOVE.approach * (ball_force**2 / (1e3 * self.row.diameter)) ** (1.0 / 3.0)
+        return bearing_force * self.spacing**2 / (2.0 * approach) if bearing_force else 0.0
 
 
 def balls_of(bearing: StockBearing) -> BallRow:
     """Estimate the balls of a deep groove bearing from its dimensions."""
-    size, pitch = BALL_SHARE * (bearing.outside - bearing.bore), 0.5 * (bearing.outside + bearing.bore)
-    return BallRow(int(FILLED_ANGLE / (2.0 * math.asin(size / pitch))) + 1, size, pitch)
+    size, pitch = DEEP_GROOVE.ball_share * (bearing.outside - bearing.bore), 0.5 * (bearing.outside + bearing.bore)
+    return BallRow(int(DEEP_GROOVE.filled_angle / (2.0 * math.asin(size / pitch))) + 1, size, pitch)
 
 
 @once
 def output_bearings(reducer: Reducer) -> OutputBearings:
-    """Compute the load limits of the bearings of the output's hub in addition to the nominal torque.
+    """Compute spacing, load ratings and remaining capacity of the two bearings of the output's hub.
+
+    The capacity is that for the life of the design, at most the static rating; forces at the nominal torque are `own`.
 
     Raises
     ------
@@ -135,9 +155,9 @@ def output_bearings(reducer: Reducer) -> OutputBearings:
 
 
 def output_bearing_forces(reducer: Reducer, loading: Loading) -> tuple[Array, Array]:
-    """Compute the forces on the inner and the outer bearing of the hub [N], shape (m, 2) each.
+    """Compute the forces on the inner and the outer bearing of the hub [N], shape (m, 2) each, at the m crank angles.
 
-    They are the reactions to the discs, and to the shaft where its bearing is in the hub.
+    They balance the forces of the discs on the output, and of the shaft where its bearing is in the hub.
 
     Raises
     ------
@@ -153,14 +173,14 @@ def output_bearing_forces(reducer: Reducer, loading: Loading) -> tuple[Array, Ar
         on_hub = -np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=1)
         forces = np.concatenate([forces, on_hub[:, np.newaxis]], axis=1)
         planes.append(0.5 * sum(sizes.far))
-    return Planes(forces, np.array(planes)).held_at(inner, outer)
+    return Planes(forces, np.array(planes)).reactions_at(inner, outer)
 
 
 def _own_forces(reducer: Reducer) -> tuple[float, float]:
     """Compute the largest forces of discs and shaft on both bearings at the nominal torque [N]."""
     design = reducer.design
     point = constant_duty(design.rated_torque, design.drive.speed).points[0]
-    at_rated = solve_loading(reducer, point, stops=False)
+    at_rated = solve_loading(reducer, point, with_wind_up=False)
     inner, outer = (float(magnitudes(force).max()) for force in output_bearing_forces(reducer, at_rated))
     return inner, outer
 

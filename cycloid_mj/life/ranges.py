@@ -23,7 +23,9 @@ class StressRange:
 
 
 def read_ranges(path: Path, reducer: Reducer) -> dict[str, StressRange]:
-    """Read the stress ranges of a design's parts by part, from the folder or result file of ``cycloid-mj stress``.
+    """Read the stress ranges of a design's parts from the folder or result file of ``cycloid-mj stress``.
+
+    Returns part -> range.
 
     Raises
     ------

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 
 from cycloid_mj.base.errors import CycloidError, DesignError
 from cycloid_mj.base.units import RPM
@@ -10,17 +11,31 @@ from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.items import rate
 from cycloid_mj.life.loading import POSES
 from cycloid_mj.life.rolling import EXPONENT
-from cycloid_mj.life.surfaces import PITTING_LIFE, SET_POWER
+from cycloid_mj.life.surfaces import AGMA_2001, SET_POWER
 from cycloid_mj.reducer import Reducer
 
-MIN_TORQUE, MAX_TORQUE = 1e-3, 1e2
-"""Range of the search for the rated torque, over the nominal torque."""
 
-BRACKET_FACTOR = 2.0
-"""Factor between torques while only one end of the bracket is known."""
+@dataclass(frozen=True)
+class TorqueSearch:
+    """Secant search of the rated torque in a bracket.
 
-TORQUE_RTOL = 5e-4
-"""Relative accuracy of the rated torque."""
+    Attributes
+    ----------
+    lowest, highest
+        Range of the search over the nominal torque.
+    bracket_factor
+        Factor between torques while only one end of the bracket is known.
+    rtol
+        Relative accuracy of the rated torque.
+    """
+
+    lowest: float = 1e-3
+    highest: float = 1e2
+    bracket_factor: float = 2.0
+    rtol: float = 5e-4
+
+
+SEARCH = TorqueSearch()
 
 BEARINGS = "cam_bearing", "shaft_bearing", "output_bearing", "output_rollers"
 """Beginnings of the keys of bearings."""
@@ -33,11 +48,11 @@ def rated_torque(
     reducer: Reducer,
     speed: float,
     life: float,
-    counts: Callable[[str], bool] | None = None,
-    guess: float = 0.0,
-    poses: int = POSES,
-    exact: float = TORQUE_RTOL,
-    stops: bool = False,
+    limits_torque: Callable[[str], bool] | None = None,
+    start_torque: float = 0.0,
+    crank_angles: int = POSES,
+    rtol: float = SEARCH.rtol,
+    with_stops: bool = False,
 ) -> tuple[float, RatedItem]:
     """Compute the rated torque [N m] for a life at a speed of the crank, and the item that limits it.
 
@@ -50,34 +65,34 @@ def rated_torque(
         The reducer of a sound design.
     speed, life
         Speed of the crank [rad/s], and life [h].
-    counts
+    limits_torque
         Returns for the key of an item whether it limits the torque; by default all but emergency stops, static factors
         and wear do.
-    guess
+    start_torque
         Torque at which the search starts [N m]; by default the nominal torque.
-    poses, exact
-        Number of crank angles, as of `rate`, and relative accuracy.
-    stops
-        Whether emergency stops are rated, for a `counts` that includes them.
+    crank_angles, rtol
+        Number of crank angles of the rating, and relative accuracy of the torque.
+    with_stops
+        Whether emergency stops are rated, for a `limits_torque` that includes them.
 
     Raises
     ------
     DesignError
-        No torque between `MIN_TORQUE` and `MAX_TORQUE` times the nominal torque is rated for that life.
+        No torque between `TorqueSearch.lowest` and `highest` times the nominal torque is rated for that life.
     """
     design = reducer.design
-    torque, low, high = guess or design.rated_torque, 0.0, math.inf
-    decides = counts or _counts
+    torque, low, high = start_torque or design.rated_torque, 0.0, math.inf
+    decides = limits_torque or _limits_rated_torque
     weakest: RatedItem | None = None
-    while high > MIN_TORQUE * design.rated_torque:
-        limit, item = _torque_by_law(reducer, torque, speed, life, decides, poses, stops)
-        if abs(limit / torque - 1.0) <= exact and item:
+    while high > SEARCH.lowest * design.rated_torque:
+        limit, item = _extrapolate_torque_limit(reducer, torque, speed, life, decides, crank_angles, with_stops)
+        if abs(limit / torque - 1.0) <= rtol and item:
             return limit, item
         if limit >= torque and item:
             low, weakest = torque, item
         else:
             high = torque
-        if weakest and (high < low * (1.0 + exact) or low > MAX_TORQUE * design.rated_torque):
+        if weakest and (high < low * (1.0 + rtol) or low > SEARCH.highest * design.rated_torque):
             return low, weakest
         torque = limit if low < limit < high else _next_in_bracket(low, high)
     raise DesignError(
@@ -86,28 +101,34 @@ def rated_torque(
     )
 
 
-def _torque_by_law(
+def _extrapolate_torque_limit(
     reducer: Reducer,
     torque: float,
     speed: float,
     life: float,
-    decides: Callable[[str], bool],
-    poses: int,
-    stops: bool,
+    limits_torque: Callable[[str], bool],
+    crank_angles: int,
+    with_stops: bool,
 ) -> tuple[float, RatedItem | None]:
-    """Compute the torque limit [N m] by the law of the weakest item at a torque; 0 if there is no equilibrium."""
+    """Rate the reducer at a torque [N m] and extrapolate its torque limit by the law of the weakest item.
+
+    Returns the limit [N m] and that item; (0, None) if there is no static equilibrium. Other parameters as
+    `rated_torque`.
+    """
     try:
-        items = rate(reducer.design, constant_duty(torque, speed), life, poses=poses, stops=stops).items.values()
+        items = rate(
+            reducer.design, constant_duty(torque, speed), life, poses=crank_angles, stops=with_stops
+        ).items.values()
     except CycloidError:
         return 0.0, None
-    return weakest_torque((item for item in items if decides(item.key)), torque, life)
+    return weakest_torque((item for item in items if limits_torque(item.key)), torque, life)
 
 
 def _next_in_bracket(low: float, high: float) -> float:
     """Return the next torque within a bracket, whose lower end may be 0 and upper end infinite."""
     if not low:
-        return high / BRACKET_FACTOR
-    return math.sqrt(low * high) if math.isfinite(high) else BRACKET_FACTOR * low
+        return high / SEARCH.bracket_factor
+    return math.sqrt(low * high) if math.isfinite(high) else SEARCH.bracket_factor * low
 
 
 def weakest_torque(items: Iterable[RatedItem], torque: float, life: float) -> tuple[float, RatedItem]:
@@ -129,13 +150,13 @@ def _limit_by_law(item: RatedItem, torque: float, life: float) -> float:
     """Compute the torque [N m] at which an item that was rated at a torque is just enough for a life [h]."""
     margin = item.margin(life)
     if item.safety is None:
-        power = 2.0 * (SET_POWER if item.key.endswith("_set") else PITTING_LIFE[1])
+        power = 2.0 * (SET_POWER if item.key.endswith("_set") else AGMA_2001.power)
         return torque * float(margin ** (1.0 / EXPONENT if is_bearing_life(item.key) else power))
     by_pressure = item.key.endswith(("_yield", "_shakedown")) and not item.key.startswith(STOPS)
     return torque * (margin**2 if by_pressure else margin)
 
 
-def _counts(key: str) -> bool:
+def _limits_rated_torque(key: str) -> bool:
     """Return whether an item limits the rated torque by default."""
     return not is_momentary(key) and not key.endswith(WEAR)
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.errors import DesignError
-from cycloid_mj.base.units import RPM
+from cycloid_mj.base.units import HOUR, RPM
 from cycloid_mj.design import material_limits
 from cycloid_mj.design.materials import YIELD_PRESSURE
 from cycloid_mj.geometry.ideal_loads import contact_modulus, hertz_line_contact
@@ -18,12 +18,10 @@ from cycloid_mj.life.duty import Duty
 from cycloid_mj.life.item import ItemKind, RatedItem, Rating
 from cycloid_mj.life.surfaces import pitting_cycles, pitting_limit
 from cycloid_mj.reducer import RvReducer
-from cycloid_mj.statics.rv_sheet import balanced, ideal, springs_over_turn
+from cycloid_mj.statics.rv_sheet import balance_rv, ideal_rv, springs_over_turn
 
 TAPER_ROLLERS, TAPER_ROLLER_SHARE, TAPER_LENGTH_SHARE, TAPER_PITCH_SHARE = 13, 0.14, 0.24, 0.73
 """Assumed rollers of a tapered bearing, and their diameter, length and pitch diameter over its outer diameter."""
-
-SECONDS_PER_HOUR = 3600.0
 
 
 @dataclass(frozen=True)
@@ -39,9 +37,10 @@ class _Row:
 
 
 def rate_rv(reducer: RvReducer, duty: Duty, life: float) -> Rating:
-    """Rate an RV reducer over a duty cycle for a life [h]; the speeds of the duty are those of the sun.
+    """Rate an RV reducer over a duty cycle for a life [h]: crank bearings, teeth on pins, planet teeth.
 
-    Crank bearings carry the larger of the forces of ideal sharing and of the balance with clearances and errors.
+    Speeds of the duty are those of the sun. Crank bearings carry the larger of the forces of ideal load sharing and of
+    the static balance with clearances and errors.
 
     Raises
     ------
@@ -59,7 +58,11 @@ def rate_rv(reducer: RvReducer, duty: Duty, life: float) -> Rating:
     torques = np.array([abs(point.torque) for point in points])
     turns = np.array([_bearing_speed(reducer, point.speed) * point.share for point in points])
     items = [
-        *(item for row in _rows(reducer, torques) for item in _rate_bearing(reducer, row, torques, turns, duty.peak)),
+        *(
+            item
+            for row in _crank_bearing_rows(reducer, torques)
+            for item in _rate_bearing(reducer, row, torques, turns, duty.peak)
+        ),
         *_rate_teeth(reducer, torques, turns, duty.peak),
         *_rate_planets(reducer, torques, turns),
     ]
@@ -74,9 +77,9 @@ def _bearing_speed(reducer: RvReducer, speed: float) -> float:
     return float(reducer.kinematics.bearing_turns) * abs(speed / reducer.design.ratio)
 
 
-def _rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
-    """Yield the crank bearings with their forces at each torque [N m]: in the discs, then in the flanges."""
-    cranks, given = reducer.cranks, reducer.design.bearing
+def _crank_bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
+    """Yield the crank bearings, in the discs then in the flanges, with ratings and forces at each torque [N m]."""
+    cranks, stated_ratings = reducer.cranks, reducer.design.bearing
     width = reducer.design.gear.face_width
     needles = RollerRow(
         cranks.needles, 2.0 * cranks.needle_radius, width, 2.0 * (cranks.eccentric_radius + cranks.needle_radius)
@@ -90,84 +93,97 @@ def _rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
     yield _Row(
         "crank_needles",
         "needles of a crank in a disc",
-        given.dynamic_capacity or needles.dynamic,
-        given.static_capacity or needles.static,
+        stated_ratings.dynamic_capacity or needles.dynamic,
+        stated_ratings.static_capacity or needles.static,
         stated
-        if given.dynamic_capacity
+        if stated_ratings.dynamic_capacity
         else f"assumed: {needles}, the eccentric as inner ring, the disc as outer ring",
         in_discs,
     )
     yield _Row(
         "crank_tapers",
         "tapered bearing of a crank in a flange",
-        given.shaft_dynamic_capacity or tapers.dynamic,
-        given.shaft_static_capacity or tapers.static,
-        stated if given.shaft_dynamic_capacity else f"assumed: {tapers} of a light series",
+        stated_ratings.shaft_dynamic_capacity or tapers.dynamic,
+        stated_ratings.shaft_static_capacity or tapers.static,
+        stated if stated_ratings.shaft_dynamic_capacity else f"assumed: {tapers} of a light series",
         in_flanges,
     )
 
 
 def _crank_forces(reducer: RvReducer, torque: float) -> Array:
     """Return the forces of the cranks on the discs (m, D, n, 2) [N]: those with the larger mean."""
-    shared, solved = ideal(reducer, torque), balanced(reducer, torque)
+    shared, solved = ideal_rv(reducer, torque), balance_rv(reducer, torque)
     means = [rolling.mean_load(loads.bearings) for loads in (shared, solved)]
     return (shared if means[0] >= means[1] else solved).cranks
 
 
-def _flange_forces(reducer: RvReducer, force: Array) -> Array:
-    """Return the radial forces on the bearings of each crank in the two flanges [N], shape (m, 2 n).
+def _flange_forces(reducer: RvReducer, disc_forces: Array) -> Array:
+    """Return the radial forces on the crank bearings in the two flanges [N], shape (m, 2 n), flange by flange.
 
-    A crank is a beam on two supports, in the middles of the flanges, under the forces of the discs (m, D, n, 2) [N].
+    A crank is a beam on two supports, in the middles of the flanges, under the forces of the discs [N], (m, D, n, 2).
     """
     planes, gear = np.array(reducer.design.gear.disc_planes), reducer.design.gear
     support = 0.5 * gear.stack_width + gear.disc_gap + 0.5 * reducer.cranks.flange_thickness
-    near = (support - planes) / (2.0 * support)
-    carried = [np.einsum("mdnj,d->mnj", force, share) for share in (near, 1.0 - near)]
-    return np.concatenate([np.linalg.norm(item, axis=-1) for item in carried], axis=1)
+    near_share = (support - planes) / (2.0 * support)
+    support_forces = [np.einsum("mdnj,d->mnj", disc_forces, share) for share in (near_share, 1.0 - near_share)]
+    return np.concatenate([np.linalg.norm(item, axis=-1) for item in support_forces], axis=1)
 
 
-def _rate_bearing(reducer: RvReducer, row: _Row, torques: Array, turns: Array, peak: float) -> Iterator[RatedItem]:
-    """Yield life and static factor of a kind of crank bearing, of its most loaded one."""
+def _rate_bearing(
+    reducer: RvReducer, bearing_row: _Row, torques: Array, turns: Array, peak_torque: float
+) -> Iterator[RatedItem]:
+    """Yield life (ISO 281) and static factor (ISO 76) of the most loaded bearing of a row.
+
+    `turns` are the speeds of the bearing times the shares of time [rad/s] at the `torques` of the duty [N m].
+    """
     settings = reducer.design.bearing
-    means = np.array([max(map(rolling.mean_load, force.T)) for force in row.forces])
+    means = np.array([max(map(rolling.mean_load, force.T)) for force in bearing_row.forces])
     load = settings.service_factor * rolling.mean_load(means, turns)
-    life = rolling.life_hours(row.dynamic, load, float(turns.sum()), settings.reliability)
+    life = rolling.life_hours(bearing_row.dynamic, load, float(turns.sum()), settings.reliability)
     yield RatedItem(
-        row.key,
-        f"{row.name}, life",
+        bearing_row.key,
+        f"{bearing_row.name}, life",
         load,
-        row.dynamic,
+        bearing_row.dynamic,
         "N",
         None,
         life,
         f"L = a1 (C/P)^(10/3), a1 {rolling.reliability_factor(settings.reliability):.3g}, P over a turn of the "
         "carrier, ISO 281:2007",
-        f"C {row.source}, service factor {settings.service_factor:g}; {float(turns.sum()) / RPM:.4g} rpm mean speed; "
+        f"C {bearing_row.source}, service factor {settings.service_factor:g}; "
+        f"{float(turns.sum()) / RPM:.4g} rpm mean speed; "
         "radial forces only",
         ItemKind.BEARING,
     )
-    worst = peak * max(float(force.max()) / torque for force, torque in zip(row.forces, torques, strict=True))
+    worst = peak_torque * max(
+        float(force.max()) / torque for force, torque in zip(bearing_row.forces, torques, strict=True)
+    )
     yield RatedItem(
-        f"{row.key}_static",
-        f"{row.name}, static factor",
+        f"{bearing_row.key}_static",
+        f"{bearing_row.name}, static factor",
         worst,
-        row.static,
+        bearing_row.static,
         "N",
-        row.static / worst,
+        bearing_row.static / worst,
         None,
         "s0 = C0/P0, ISO 76",
-        f"C0 {row.source}; at the peak torque of {peak:.4g} N m, forces in proportion to the torque",
+        f"C0 {bearing_row.source}; at the peak torque of {peak_torque:.4g} N m, forces in proportion to the torque",
         ItemKind.BEARING,
     )
 
 
-def _rate_teeth(reducer: RvReducer, torques: Array, turns: Array, peak: float) -> Iterator[RatedItem]:
-    """Yield first yield and pitting of the teeth on pins: each lobe is loaded once per turn of a crank on it."""
+def _rate_teeth(reducer: RvReducer, torques: Array, turns: Array, peak_torque: float) -> Iterator[RatedItem]:
+    """Yield first yield and pitting of the teeth on pins; each lobe is loaded once per turn of a crank in its disc.
+
+    `turns` are the speeds of the cranks times the shares of time [rad/s] at the `torques` of the duty [N m].
+    """
     kind = reducer.design.tooth_pair
     contact = reducer.at_rated_load.contacts[kind]
     curvature = springs_over_turn(reducer).curvature
-    pressures = [float(contact.pressure(balanced(reducer, float(torque)).pins, curvature).max()) for torque in torques]
-    worst = pressures[int(np.argmax(torques))] * math.sqrt(peak / torques.max())
+    pressures = [
+        float(contact.pressure(balance_rv(reducer, float(torque)).pins, curvature).max()) for torque in torques
+    ]
+    worst = pressures[int(np.argmax(torques))] * math.sqrt(peak_torque / torques.max())
     limit = YIELD_PRESSURE * contact.strength
     yield RatedItem(
         f"{kind}_yield",
@@ -178,30 +194,39 @@ def _rate_teeth(reducer: RvReducer, torques: Array, turns: Array, peak: float) -
         (limit / worst) ** 2,
         None,
         f"p0 = {YIELD_PRESSURE:g} Y below the surface; safety by torque",
-        f"at the peak torque of {peak:.4g} N m, pressure with the root of the torque",
+        f"at the peak torque of {peak_torque:.4g} N m, pressure with the root of the torque",
         ItemKind.SURFACE,
     )
-    yield _pitting(f"{kind}_pitting", "teeth on pins, pitting", reducer, kind, pressures, turns)
+    yield _rate_pitting(f"{kind}_pitting", "teeth on pins, pitting", reducer, kind, pressures, turns)
 
 
 def _rate_planets(reducer: RvReducer, torques: Array, turns: Array) -> Iterator[RatedItem]:
-    """Yield the pitting of the sun at its pitch point, whose teeth every planet loads once per turn against it."""
+    """Yield the pitting life of the sun at its pitch point: each planet loads each tooth once per turn against the sun.
+
+    `turns` are the speeds of the cranks times the shares of time [rad/s] at the `torques` of the duty [N m].
+    """
     planet, material = reducer.planet, reducer.design.material
     radii = [0.5 * planet.module * teeth for teeth in (planet.sun_teeth, planet.planet_teeth)]
     curvature = sum(1.0 / (radius * math.sin(planet.pressure_angle)) for radius in radii)
     modulus = contact_modulus(material.youngs_modulus, material.poisson)
-    forces = [float(np.abs(balanced(reducer, float(torque)).meshes).max()) for torque in torques]
+    forces = [float(np.abs(balance_rv(reducer, float(torque)).meshes).max()) for torque in torques]
     pressures = [
         float(hertz_line_contact(force, planet.face_width, curvature, modulus).peak_pressure) for force in forces
     ]
     loads = turns * reducer.cranks.count * planet.planet_teeth / planet.sun_teeth
-    yield _pitting("sun_pitting", "sun on planets, pitting", reducer, reducer.design.tooth_pair, pressures, loads)
+    yield _rate_pitting("sun_pitting", "sun on planets, pitting", reducer, reducer.design.tooth_pair, pressures, loads)
 
 
-def _pitting(key: str, name: str, reducer: RvReducer, kind: str, pressures: list[float], turns: Array) -> RatedItem:
-    """Rate steel surfaces by the time until they pit, by Miner's sum of loads at speeds times shares [rad/s]."""
+def _rate_pitting(
+    key: str, name: str, reducer: RvReducer, kind: str, pressures: list[float], turns: Array
+) -> RatedItem:
+    """Rate steel surfaces by the life until they pit (AGMA 2001-D04), by Miner's sum over the points of a duty.
+
+    `pressures` are the largest Hertz pressures [Pa], `turns` the loads of a tooth as speeds times shares of time
+    [rad/s].
+    """
     allowed, source = min(map(pitting_limit, reducer.design.partners(kind)), key=lambda limit: limit[0])
-    hourly = turns / (2.0 * math.pi) * SECONDS_PER_HOUR
+    hourly = turns / (2.0 * math.pi) * HOUR
     damage = sum(
         float(loads) / pitting_cycles(pressure, allowed) for loads, pressure in zip(hourly, pressures, strict=True)
     )
@@ -220,7 +245,7 @@ def _pitting(key: str, name: str, reducer: RvReducer, kind: str, pressures: list
 
 
 def _assumptions(reducer: RvReducer, duty: Duty) -> Iterator[str]:
-    """Yield the assumptions of all items, a sentence each."""
+    """Yield the assumptions of the rating of an RV reducer, a sentence each."""
     yield (
         "forces: the larger of ideal sharing and the balance of springs with the clearances and errors of the design, "
         "without friction, over a turn of the carrier"

@@ -22,7 +22,7 @@ from cycloid_mj.parts import crank_stretches
 from cycloid_mj.parts.crank import shaft_measures
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.friction_path import Losses, course_along
+from cycloid_mj.statics.friction_path import Losses, follow_torque_path
 from cycloid_mj.statics.sheet import Sheet
 from cycloid_mj.statics.springs import turn_evenly
 
@@ -53,35 +53,38 @@ RADIAL_RUN_OUTS = ((18, 10), (30, 13), (50, 15), (80, 20), (120, 25), (180, 30),
 
 
 def hysteresis(reducer: Reducer) -> Quantity:
-    """Compute the turn of the output between both ends of a loop, after loads of plus and minus the nominal torque."""
+    """Compute the width of the torque-rotation loop at zero torque, after the plus and minus nominal torque [arcmin].
+
+    The crank is locked; the rotation is that of the output, mean over `loop_angles` crank angles.
+    """
     torque = reducer.design.rated_torque
     widths = []
     for crank in turn_evenly(reducer, SETTINGS.loop_angles):
-        rows, turns = course_along(reducer, torque * SETTINGS.loop, float(crank), Losses())
+        rows, turns = follow_torque_path(reducer, torque * SETTINGS.loop, float(crank), Losses())
         first, second = np.interp((4.0, 8.0), rows, turns)
         widths.append(abs(first - second) / ARCMINUTE)
     note = f"after loads of +-{torque:.4g} N m, crank locked, with the backlash; friction of the contacts only"
     return Quantity("hysteresis_loss", "Hysteresis loss", float(np.mean(widths)), "arcmin", note=note)
 
 
-def torques_without_load(reducer: Reducer, static: Sheet) -> tuple[Quantity, ...]:
-    """Return running, starting and back-driving torque with grease, bearings and seals."""
+def torques_without_load(reducer: Reducer, static_sheet: Sheet) -> tuple[Quantity, ...]:
+    """Return running, starting and back-driving torque of the drive with grease, bearings and seals [N m]."""
     design, speed = reducer.design, abs(reducer.design.drive.speed)
-    running, starting, back = (
+    running, starting, back_driving = (
         quantity(reducer, key).value
         for key in ("no_load_torque_nm", "starting_torque_nm", "back_driving_torque_free_nm")
     )
     cold, warm = (no_load_torque(reducer, speed, temperature) for temperature in (SETTINGS.cold, SETTINGS.warm))
     start = no_load_torque(reducer, 0.0, SETTINGS.cold)
-    efficiency = 0.01 * static.quantities["back_driving_efficiency"].value
-    driven = back + start.total * design.reduction / efficiency if efficiency > 0.0 else math.nan
+    efficiency = 0.01 * static_sheet.quantities["back_driving_efficiency"].value
+    driven_torque = back_driving + start.total * design.reduction / efficiency if efficiency > 0.0 else math.nan
     included = "with seals, grease, bearings"
     source = "Palmgren's M0 and ISO/TR 14179-2"
     rows = (
         ("running_torque_cold", "No-load torque, 20 °C", running + cold.total, _range(running, cold)),
         ("running_torque_warm", "No-load torque, 60 °C", running + warm.total, _range(running, warm)),
         ("starting_torque_drive", "Starting torque, 20 °C", starting + start.total, "on the crank"),
-        ("back_driving_torque_drive", "Back-driving torque, 20 °C", driven, "on the output, crank free"),
+        ("back_driving_torque_drive", "Back-driving torque, 20 °C", driven_torque, "on the output, crank free"),
     )
     return tuple(
         Quantity(key, name, value, "N m", note=f"{included}; {note}; {source}") for key, name, value, note in rows
@@ -93,7 +96,7 @@ def _range(contacts: float, torque: NoLoadTorque) -> str:
 
 
 def no_load_curves(reducer: Reducer) -> tuple[Curve, ...]:
-    """Compute the torque on the crank without load over its speed, cold and warm."""
+    """Compute the torque on the crank without load over its speed, at the cold and the warm temperature."""
     design = reducer.design
     speeds = np.array(SETTINGS.speed_shares) * abs(design.drive.speed)
     contacts = np.array(
@@ -108,7 +111,7 @@ def no_load_curves(reducer: Reducer) -> tuple[Curve, ...]:
     return tuple(curves)
 
 
-def environment(reducer: Reducer) -> tuple[Quantity, ...]:
+def environment_rows(reducer: Reducer) -> tuple[Quantity, ...]:
     """Return grease, range of the ambient temperature, and permissible share of the time at the nominal torque."""
     design, rating = reducer.design, rate_at_rated_load(reducer)
     housing = rating.items["temperature"]
@@ -134,42 +137,47 @@ def environment(reducer: Reducer) -> tuple[Quantity, ...]:
     )
 
 
-def mounting(reducer: Reducer) -> Iterator[Quantity]:
+def mounting_rows(reducer: Reducer) -> Iterator[Quantity]:
     """Yield run-out of the output, radial load of the input shaft, torque of the motor, and tightening torques."""
-    design, sizes = reducer.design, casing(reducer)
-    bore = 1e3 * sizes.hub.bore
-    radial = next((run_out for largest, run_out in RADIAL_RUN_OUTS if bore <= largest), RADIAL_RUN_OUTS[-1][1])
-    inner, outer = (0.5 * sum(ends) for ends in sizes.bearings)
-    axial = 2.0 * radial * sizes.flange_radius / (outer - inner)
-    bearing = f"{sizes.hub.designation}, normal class (ISO 492, K_ia)"
-    yield Quantity("radial_run_out", "Run-out of the output, radial", radial, "um", note=f"at most; {bearing}")
+    design, covers = reducer.design, casing(reducer)
+    bore = 1e3 * covers.hub.bore
+    radial_run_out = next((run_out for largest, run_out in RADIAL_RUN_OUTS if bore <= largest), RADIAL_RUN_OUTS[-1][1])
+    inner, outer = (0.5 * sum(ends) for ends in covers.bearings)
+    axial_run_out = 2.0 * radial_run_out * covers.flange_radius / (outer - inner)
+    bearing = f"{covers.hub.designation}, normal class (ISO 492, K_ia)"
+    yield Quantity("radial_run_out", "Run-out of the output, radial", radial_run_out, "um", note=f"at most; {bearing}")
     yield Quantity(
         "axial_run_out",
         "Run-out of the output flange, axial",
-        axial,
+        axial_run_out,
         "um",
-        note=f"at most, at {2e3 * sizes.flange_radius:.4g} mm diameter: both bearings tilt the hub",
+        note=f"at most, at {2e3 * covers.flange_radius:.4g} mm diameter: both bearings tilt the hub",
     )
-    yield _input_load(reducer)
+    yield _input_load_row(reducer)
     yield Quantity(
         "motor_torque",
         "Motor, continuous torque",
         design.drive.torque,
         "N m",
-        note=f"{sizes.motor.name}, at {abs(design.drive.speed) / RPM:.0f} rpm, "
+        note=f"{covers.motor.name}, at {abs(design.drive.speed) / RPM:.0f} rpm, "
         f"{abs(design.drive.torque * design.drive.speed):.3g} W",
     )
-    for each in screwed_joints(reducer):
-        key = each.joint.name.replace(" ", "_")
-        note = f"{each.designation}, {1e-3 * each.preload:.3g} kN each, friction 0.12 (VDI 2230)"
-        name = f"Tightening, {each.joint.name}"
-        yield Quantity(f"tightening_{key}", name, each.tightening_torque, "N m", note=note)
+    for screwed in screwed_joints(reducer):
+        key = screwed.joint.name.replace(" ", "_")
+        note = f"{screwed.designation}, {1e-3 * screwed.preload:.3g} kN each, friction 0.12 (VDI 2230)"
+        name = f"Tightening, {screwed.joint.name}"
+        yield Quantity(f"tightening_{key}", name, screwed.tightening_torque, "N m", note=note)
 
 
-def _input_load(reducer: Reducer) -> Quantity:
-    """Compute the limit of a radial load at the end of the input shaft, in addition to the nominal torque."""
+def _input_load_row(reducer: Reducer) -> Quantity:
+    """Compute the limit of a radial load at the end of the input shaft, in addition to the nominal torque [N].
+
+    The bearings of the shaft limit it, by their life (ISO 281) and static rating.
+    """
     design, shaft = reducer.design, shaft_measures(reducer)
-    loading = solve_loading(reducer, constant_duty(design.rated_torque, design.drive.speed).points[0], stops=False)
+    loading = solve_loading(
+        reducer, constant_duty(design.rated_torque, design.drive.speed).points[0], with_wind_up=False
+    )
     far, near = (0.5 * sum(ends) for ends in shaft.bearings)
     end = crank_stretches(reducer)["journal"].z0
     on_near = (end - far) / (near - far)
@@ -181,8 +189,8 @@ def _input_load(reducer: Reducer) -> Quantity:
             for_life = rolling.load_for_life(
                 bearing.ratings.dynamic, design.service.life, speed, design.bearing.reliability
             )
-            own = float(bearing_forces(reducer, bearing.key, loading).max())
-            spare = min(for_life / design.bearing.service_factor, bearing.ratings.static) - own
+            nominal_force = float(bearing_forces(reducer, bearing.key, loading).max())
+            spare = min(for_life / design.bearing.service_factor, bearing.ratings.static) - nominal_force
             limits.append(max(spare, 0.0) / share)
     return Quantity(
         "input_radial_load",

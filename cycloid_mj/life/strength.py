@@ -35,26 +35,30 @@ PART_OF = {studied: part for part, studied in HOLED.items()}
 def rate_strength(
     reducer: Reducer, worst: Loading, ranges: dict[str, StressRange] | None = None
 ) -> Iterator[RatedItem]:
-    """Rate every part for unlimited repetition of the largest load; `ranges` are those of a study, by part."""
-    yield output_pin(reducer, worst.output)
-    yield _shoulder(reducer, worst)
+    """Rate the fatigue of every part for unlimited repetition of the largest load.
+
+    Items: root of an output pin, weakest shoulder of the shaft, walls of disc and ring. `ranges` are stress ranges of
+    finite-element studies by part; they replace the estimate of the part's walls.
+    """
+    yield rate_output_pin(reducer, worst.output)
+    yield _rate_shaft_shoulders(reducer, worst)
     torque = abs(worst.point.torque)
     studied = {part: known for part, known in (ranges or {}).items() if family(part) in STUDIED}
     for part, stress_range in studied.items():
-        yield _study_item(reducer, part, stress_range, torque)
+        yield _rate_by_study(reducer, part, stress_range, torque)
     for wall in walls(reducer):
         if HOLED[wall.part] not in map(family, studied):
-            yield _wall(reducer, wall, worst)
+            yield _rate_wall(reducer, wall, worst)
 
 
-def output_pin(reducer: Reducer, force: Array) -> RatedItem:
-    """Rate the root of an output pin under the pulsating forces of the discs on it [N], shape (..., discs, pins).
+def rate_output_pin(reducer: Reducer, pin_forces: Array) -> RatedItem:
+    """Rate the fatigue of the root of an output pin under pulsating forces of the discs [N], shape (..., discs, pins).
 
     The pin is a cantilever of the output disc, or a beam clamped at both ends; inside a roller its core bends.
     """
     design = reducer.design
     material, radius, fillet = design.material_of("output"), design.output.root_radius, design.output.root_fillet
-    moment = float(pin_moment(reducer, force).max())
+    moment = float(pin_moment(reducer, pin_forces).max())
     nominal = 4.0 * moment / (math.pi * radius**3)
     shape = shoulder_factor(radius, fillet, math.inf, BENDING)
     notch = design.service.notch_factor or notch_factor(shape, fillet, material.tensile_strength)
@@ -62,7 +66,7 @@ def output_pin(reducer: Reducer, force: Array) -> RatedItem:
     fatigue = Fatigue(
         amplitude,
         amplitude,
-        _endurance(reducer, material.tensile_strength, 2.0 * radius),
+        _endurance_limit(reducer, material.tensile_strength, 2.0 * radius),
         material.tensile_strength,
     )
     support = "a cantilever" if design.output.support == "cantilever" else "a beam clamped at both ends"
@@ -88,13 +92,16 @@ def pin_moment(reducer: Reducer, force: Array) -> Array:
     return np.asarray(np.einsum("rd,...dp->...rp", root_arms(reducer), force).max(axis=-2))
 
 
-def _shoulder(reducer: Reducer, worst: Loading) -> RatedItem:
-    """Rate the weakest shoulder of the shaft; in its frame the load is nearly constant, its ripple the amplitude."""
+def _rate_shaft_shoulders(reducer: Reducer, worst: Loading) -> RatedItem:
+    """Return the fatigue item of the weakest shoulder of the shaft.
+
+    In the frame of the shaft the load is nearly constant: its ripple over a turn is the amplitude, the rest the mean.
+    """
     design = reducer.design
     shaft, material, fillet = shaft_measures(reducer), design.material_of("shaft"), design.shaft.shoulder_fillet
     directions = np.stack([np.cos(FIBRE_ANGLES), np.sin(FIBRE_ANGLES)], axis=1)
     section = 4.0 / (math.pi * shaft.radius**3)
-    endurance = _endurance(reducer, material.tensile_strength, 2.0 * shaft.radius)
+    endurance = _endurance_limit(reducer, material.tensile_strength, 2.0 * shaft.radius)
     rated: list[tuple[float, RatedItem]] = []
     for shoulder in shaft.shoulders:
         factors = [
@@ -126,11 +133,11 @@ def _shoulder(reducer: Reducer, worst: Loading) -> RatedItem:
     return min(rated, key=lambda pair: pair[0])[1]
 
 
-def _study_item(reducer: Reducer, part: str, stress_range: StressRange, torque: float) -> RatedItem:
-    """Rate a part by the stress range at its worst node over a turn, from a finite-element study."""
+def _rate_by_study(reducer: Reducer, part: str, stress_range: StressRange, torque: float) -> RatedItem:
+    """Rate a part by the stress range at its worst node from a finite-element study, scaled to a torque [N m]."""
     material = reducer.design.material_of(PART_OF[family(part)])
     scale = torque / stress_range.load
-    endurance = _endurance(reducer, material.tensile_strength, 0.0)
+    endurance = _endurance_limit(reducer, material.tensile_strength, 0.0)
     fatigue = Fatigue(scale * stress_range.amplitude, scale * stress_range.mean, endurance, material.tensile_strength)
     scaled = "" if math.isclose(scale, 1.0, rel_tol=1e-3) else f", times {scale:.3g} for this torque"
     return RatedItem(
@@ -146,8 +153,8 @@ def _study_item(reducer: Reducer, part: str, stress_range: StressRange, torque: 
     )
 
 
-def _wall(reducer: Reducer, wall: Wall, worst: Loading) -> RatedItem:
-    """Rate a wall as a beam clamped at both ends of the adjacent hole, with the pin's force in the middle."""
+def _rate_wall(reducer: Reducer, wall: Wall, worst: Loading) -> RatedItem:
+    """Rate the fatigue of the wall next to a hole: a clamped beam over the hole with the pin's force in the middle."""
     design = reducer.design
     material = design.material_of(wall.part)
     by_tooth = wall.kind == design.tooth_pair
@@ -160,7 +167,7 @@ def _wall(reducer: Reducer, wall: Wall, worst: Loading) -> RatedItem:
     fatigue = Fatigue(
         amplitude,
         amplitude,
-        _endurance(reducer, material.tensile_strength, wall.thickness),
+        _endurance_limit(reducer, material.tensile_strength, wall.thickness),
         material.tensile_strength,
     )
     return RatedItem(
@@ -177,14 +184,14 @@ def _wall(reducer: Reducer, wall: Wall, worst: Loading) -> RatedItem:
     )
 
 
-def _endurance(reducer: Reducer, tensile: float, thickness: float) -> float:
-    """Return the endurance limit of the design file, or of a part by its tensile strength [Pa] and thickness [m]."""
+def _endurance_limit(reducer: Reducer, tensile: float, thickness: float) -> float:
+    """Return the endurance limit [Pa]: that of the design file, else by tensile strength [Pa] and thickness [m]."""
     service, bearing = reducer.design.service, reducer.design.bearing
     return service.endurance_limit or endurance_limit(tensile, thickness, service.surface, bearing.reliability)
 
 
 def _limit_source(reducer: Reducer, part: str) -> str:
-    """Return the source of the endurance limit of a part."""
+    """Return in words where the endurance limit of a part comes from."""
     design = reducer.design
     service, material = design.service, design.material_of(part)
     if service.endurance_limit:

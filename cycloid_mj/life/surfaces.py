@@ -2,7 +2,9 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
+from cycloid_mj.base.units import HOUR
 from cycloid_mj.design import Material
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.life.duration import format_number
@@ -13,26 +15,40 @@ from cycloid_mj.reducer import Reducer
 SOFTEST_STEEL = 1e11
 """Young's modulus from which a material counts as steel [Pa]: pitting and endurance limits are for steel only."""
 
-PITTING = 2.22e6, 200e6
-"""Allowable pressure at 10^7 loads, S_c = 2.22 HB + 200 MPa: through-hardened steel, grade 1 (AGMA 2001-D04, 10.3)."""
 
-MAX_PITTING_PRESSURE = 1240e6
-"""Allowable pressure of carburised steel, grade 1 [Pa], at 55 to 64 HRC: harder steel is not credited more."""
+@dataclass(frozen=True)
+class Agma2001:
+    """Pitting of steel gears by AGMA 2001-D04.
 
-PITTING_LIFE = 2.466, 0.056
-"""Stress-cycle factor Z_N = 2.466 n^-0.056 (AGMA 2001-D04, Fig. 17), for every number of loads.
+    Attributes
+    ----------
+    slope, base, max_pressure
+        Allowable pressure at 10^7 loads, S_c = slope HB + base [Pa], of through-hardened steel of grade 1 (10.3), and
+        that of carburised steel of grade 1, 55 to 64 HRC: harder steel is not credited more.
+    factor, power
+        Stress-cycle factor Z_N = factor n^-power (Fig. 17), for every number of loads n. Above 10^7 loads this is the
+        lower branch of the figure, for smooth running with little pitting.
+    upper_factor, upper_power, upper_from
+        The same of the upper branch, for general use, from that number of loads on; stated as a spread.
+    min_cycles
+        Number of loads from which the curve is defined.
+    brinell
+        Tensile strength of steel per Brinell hardness [MPa] (ISO 18265).
+    """
 
-Above 10^7 loads this is the lower branch of the figure, for smooth running with little pitting.
-"""
+    slope: float = 2.22e6
+    base: float = 200e6
+    max_pressure: float = 1240e6
+    factor: float = 2.466
+    power: float = 0.056
+    upper_factor: float = 1.4488
+    upper_power: float = 0.023
+    upper_from: float = 1e7
+    min_cycles: float = 1e4
+    brinell: float = 3.45
 
-UPPER_BRANCH = 1.4488, 0.023
-"""Z_N = 1.4488 n^-0.023, the upper branch of that figure above 10^7 loads, for general use; stated as a spread."""
 
-UPPER_FROM = 1e7
-"""Number of loads from which the branches differ."""
-
-BRINELL = 3.45
-"""Tensile strength of steel per Brinell hardness [MPa] (ISO 18265)."""
+AGMA_2001 = Agma2001()
 
 SET_SHARE, SET_POWER = 2500.0 / 2850.0, math.log10(2500.0 / 1300.0) / 3.0
 """Strength of a plastic after 1 h of load over its short-term strength, and the power by which it decreases.
@@ -40,9 +56,6 @@ SET_SHARE, SET_POWER = 2500.0 / 2850.0, math.log10(2500.0 / 1300.0) / 3.0
 It follows the creep modulus: Hostaform C 9021 (POM) has 2850 MPa in a short test, 2500 after 1 h and 1300 after 1000 h
 (ISO 527, ISO 899-1); other plastics are assumed to creep alike. After 6000 h 39 % remain.
 """
-
-MIN_CYCLES = 1e4
-"""Number of loads from which the curve of Z_N is defined."""
 
 NAMES = {
     "pin_gear": "teeth on pins",
@@ -54,10 +67,10 @@ NAMES = {
 
 
 def rate_surfaces(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
-    """Rate the pressures of teeth, holes and seats: yield and shakedown by the largest, pitting by Miner's sum.
+    """Rate the Hertz pressures of teeth, holes and seats: yield and shakedown by the largest, pitting by Miner's sum.
 
     Where the weaker surface is a plastic, the item is the time until the pressure leaves a permanent set: first yield
-    inside does no harm there. Contacts that fit too closely for Hertz are left out.
+    below the surface does no harm there. Contacts that conform too closely for Hertz are left out.
     """
     for kind, name in NAMES.items():
         if any(kind not in loading.pressures for loading in loadings):
@@ -65,7 +78,7 @@ def rate_surfaces(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[Rat
         pressure = max(loading.pressures[kind] for loading in loadings)
         strength = reducer.contacts[kind].strength
         if reducer.contacts[kind].weaker_is_plastic:
-            yield _set(loadings, kind, strength)
+            yield _rate_permanent_set(loadings, kind, strength)
             continue
         for key, what, factor, source in (
             ("yield", "first yield", YIELD_PRESSURE, "p0 = 1.79 Y, below a line (Johnson 1985, 4.4)"),
@@ -84,11 +97,14 @@ def rate_surfaces(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[Rat
                 f"Hertz p0; Y = {1e-6 * strength:.4g} MPa of the weaker material",
             )
         if all(part.youngs_modulus >= SOFTEST_STEEL for part in reducer.design.partners(kind)):
-            yield _pitting(reducer, loadings, kind, pressure)
+            yield _rate_pitting(reducer, loadings, kind, pressure)
 
 
-def _set(loadings: Sequence[Loading], kind: str, strength: float) -> RatedItem:
-    """Rate a plastic by the time until its pressures leave a permanent set, by Miner's sum over the duty cycle."""
+def _rate_permanent_set(loadings: Sequence[Loading], kind: str, strength: float) -> RatedItem:
+    """Rate a plastic surface by the time until its pressures leave a permanent set, by Miner's sum over the duty cycle.
+
+    `kind` is the kind of pair, `strength` the yield strength of the plastic [Pa] for a short load.
+    """
     limit = SHAKEDOWN_PRESSURE * strength
     damage = sum(loading.point.share / set_hours(loading.pressures[kind], limit) for loading in loadings)
     return RatedItem(
@@ -109,8 +125,11 @@ def set_hours(pressure: float, limit: float) -> float:
     return float((SET_SHARE * limit / pressure) ** (1.0 / SET_POWER))
 
 
-def _pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pressure: float) -> RatedItem:
-    """Rate steel surfaces by the time until they pit, by Miner's sum over the duty cycle."""
+def _rate_pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pressure: float) -> RatedItem:
+    """Rate steel surfaces by the life until they pit (AGMA 2001-D04), by Miner's sum over the duty cycle.
+
+    `kind` is the kind of pair, `pressure` its largest Hertz pressure over the duty [Pa], which is reported.
+    """
     allowed, source = min(map(pitting_limit, reducer.design.partners(kind)), key=lambda limit: limit[0])
     damage, least_damage, hourly, on_pins = 0.0, 0.0, 0.0, 0.0
     for loading in loadings:
@@ -126,7 +145,7 @@ def _pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pressure:
     )
     if damage > least_damage:
         note += f"; {format_number(1.0 / least_damage)} h by the upper branch of Z_N above 10^7 loads (general use)"
-    if life * hourly < MIN_CYCLES:
+    if life * hourly < AGMA_2001.min_cycles:
         note += "; outside of AGMA's curve, which begins at 10^4 loads: the life is extrapolated"
     return RatedItem(
         f"{kind}_pitting",
@@ -143,31 +162,31 @@ def _pitting(reducer: Reducer, loadings: Sequence[Loading], kind: str, pressure:
 
 def _turns_per_hour(speed: float) -> float:
     """Convert a speed [rad/s] to turns per hour."""
-    return speed / (2.0 * math.pi) * 3600.0
+    return speed / (2.0 * math.pi) * HOUR
 
 
 def pitting_limit(material: Material) -> tuple[float, str]:
     """Return the pressure [Pa] that a steel withstands for 10^7 cycles without pitting, and its source."""
     if material.endurance_pressure:
         return material.endurance_pressure, f"S_c of {material.name or 'the design file'}"
-    hardness = 1e-6 * material.tensile_strength / BRINELL
+    hardness = 1e-6 * material.tensile_strength / AGMA_2001.brinell
     return pitting_pressure(material.tensile_strength), f"{hardness:.0f} HB by the tensile strength (assumed)"
 
 
 def pitting_pressure(tensile: float) -> float:
     """Compute the pressure [Pa] that a steel of a tensile strength [Pa] withstands for 10^7 cycles without pitting."""
-    slope, base = PITTING
-    return min(slope * 1e-6 * tensile / BRINELL + base, MAX_PITTING_PRESSURE)
+    agma = AGMA_2001
+    return min(agma.slope * 1e-6 * tensile / agma.brinell + agma.base, agma.max_pressure)
 
 
 def pitting_cycles(pressure: float, allowed: float) -> float:
     """Compute the number of load cycles until pitting at a pressure [Pa], by the pressure allowed for 10^7 [Pa]."""
-    factor, power = PITTING_LIFE
-    return float((factor * allowed / pressure) ** (1.0 / power))
+    return float((AGMA_2001.factor * allowed / pressure) ** (1.0 / AGMA_2001.power))
 
 
 def upper_pitting_cycles(pressure: float, allowed: float) -> float:
-    """Compute the same by the upper branch of the figure above 10^7 cycles."""
-    factor, power = UPPER_BRANCH
-    cycles = pitting_cycles(pressure, allowed)
-    return max(cycles, float((factor * allowed / pressure) ** (1.0 / power))) if cycles > UPPER_FROM else cycles
+    """Compute the load cycles until pitting by the upper branch of AGMA's curve above 10^7; see `pitting_cycles`."""
+    agma, cycles = AGMA_2001, pitting_cycles(pressure, allowed)
+    if cycles <= agma.upper_from:
+        return cycles
+    return max(cycles, float((agma.upper_factor * allowed / pressure) ** (1.0 / agma.upper_power)))

@@ -17,10 +17,10 @@ from cycloid_mj.design import Design, Named, resolve
 from cycloid_mj.design.model import HEATED
 from cycloid_mj.geometry.expansion import jam_difference, tooth_play, warm_clearances
 from cycloid_mj.life.duty import Duty, DutyPoint, constant_duty
-from cycloid_mj.life.heat import heat_limits
+from cycloid_mj.life.heat import heat_limits, mean_losses
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import POSES, Loading, solve_loading
-from cycloid_mj.life.thermal_network import Conductance, Network, heat_by_node, losses_by_source, network_of
+from cycloid_mj.life.thermal_network import Conductance, Network, build_network, heat_by_node
 from cycloid_mj.reducer import Reducer
 
 
@@ -116,7 +116,7 @@ class ThermalState(Presented):
 
     @property
     def quantities(self) -> dict[str, Quantity]:
-        """Temperatures, differences, losses and limits by key."""
+        """Return temperatures, differences, losses and thermal limits by key."""
         rows = [
             *(
                 Quantity(f"temperature_{part}_c", f"temperature, {part}", value, "°C")
@@ -144,7 +144,7 @@ class ThermalState(Presented):
 
     @property
     def curves(self) -> tuple[Curve, ...]:
-        """Temperature of each part over time."""
+        """Return the temperature of each part over time in the warm-up."""
         title = "Warm-up from the temperature of the air"
         return tuple(
             Curve(title, part, self.times / 60.0, values, "time [min]", "temperature [°C]")
@@ -152,7 +152,7 @@ class ThermalState(Presented):
         )
 
     def tables(self) -> tuple[Table, ...]:
-        """Return temperatures and heat, losses, clearances and conductances as tables."""
+        """Return four tables: parts, losses, warm clearances and conductances."""
         parts = tuple(
             (part, value, self.heat[part], self.network.capacities[part]) for part, value in self.temperatures.items()
         )
@@ -214,7 +214,7 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
     duty
         Torques and speeds with their shares of the time; by default the nominal torque at the design's speed.
     settings
-        Of the fixed point and the search for limits.
+        Settings of the fixed point and of the search for limits.
 
     Returns
     -------
@@ -236,13 +236,13 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
             "drive.speed_rpm is 0, but the drive heats up only while the crank turns: set a speed other than 0, such "
             "as 1640 rpm"
         )
-    steady = _fixed_point(reducer, points, settings)
+    steady = _solve_steady_state(reducer, points, settings)
     temperatures, heat = steady.temperatures, heat_by_node(reducer, steady.losses)
     warm = _at(reducer.design, temperatures)
-    by_torque, limited_by = _largest_share(
+    by_torque, limited_by = _largest_duty_factor(
         reducer, lambda share: [replace(point, torque=share * point.torque) for point in points], steady, settings
     )
-    by_speed, _ = _largest_share(
+    by_speed, _ = _largest_duty_factor(
         reducer, lambda share: [replace(point, speed=share * point.speed) for point in points], steady, settings
     )
     times = np.linspace(0.0, 4.0 * steady.network.time_constant, settings.samples)
@@ -278,8 +278,8 @@ class _Steady:
     converged: bool
 
 
-def _fixed_point(reducer: Reducer, points: Sequence[DutyPoint], settings: ThermalSettings) -> _Steady:
-    """Solve losses and temperatures that agree with each other, by successive substitution.
+def _solve_steady_state(reducer: Reducer, points: Sequence[DutyPoint], settings: ThermalSettings) -> _Steady:
+    """Solve losses and temperatures that agree with each other, by successive substitution from the air's temperature.
 
     Losses and conductances are those of the warm clearances. If the parts jam at the temperatures of a round, the
     losses of the round before it remain, and the state is not converged.
@@ -288,34 +288,25 @@ def _fixed_point(reducer: Reducer, points: Sequence[DutyPoint], settings: Therma
     temperatures = dict.fromkeys(HEATED, ambient)
     warm, converged = reducer, False
     for _ in range(settings.rounds):
-        losses, network = _mean_losses(warm, points, temperatures["housing"])
+        losses, network = _solve_losses(warm, points, temperatures["housing"])
         rises = network.rises(heat_by_node(reducer, losses))
-        before, temperatures = temperatures, {part: ambient + rise for part, rise in rises.items()}
-        if max(abs(temperatures[part] - before[part]) for part in HEATED) < settings.tolerance:
+        previous, temperatures = temperatures, {part: ambient + rise for part, rise in rises.items()}
+        if max(abs(temperatures[part] - previous[part]) for part in HEATED) < settings.tolerance:
             converged = True
             break
-        hot = _at(reducer.design, temperatures)
-        jams = tooth_play(hot) <= 0.0 or min(warm_clearances(hot).values()) <= 0.0
+        hot_design = _at(reducer.design, temperatures)
+        jams = tooth_play(hot_design) <= 0.0 or min(warm_clearances(hot_design).values()) <= 0.0
         if jams or max(temperatures.values()) > settings.hottest:
             break
-        warm = Reducer(hot)
+        warm = Reducer(hot_design)
     return _Steady(temperatures, losses, network, converged)
 
 
-def _mean_losses(reducer: Reducer, points: Sequence[DutyPoint], wall: float) -> tuple[dict[str, float], Network]:
+def _solve_losses(reducer: Reducer, points: Sequence[DutyPoint], wall: float) -> tuple[dict[str, float], Network]:
     """Return the mean losses of a duty by source [W], and the network under its largest torque."""
-    loadings = [solve_loading(reducer, point, POSES, stops=False) for point in points]
+    loadings = [solve_loading(reducer, point, POSES, with_wind_up=False) for point in points]
     worst = max(loadings, key=lambda loading: abs(loading.point.torque))
-    return _mean(reducer, loadings), network_of(reducer, worst, wall)
-
-
-def _mean(reducer: Reducer, loadings: Sequence[Loading]) -> dict[str, float]:
-    """Return the mean losses over a duty by source [W]."""
-    total: dict[str, float] = {}
-    for loading in loadings:
-        for source, power in losses_by_source(reducer, loading).items():
-            total[source] = total.get(source, 0.0) + power * loading.point.share
-    return total
+    return mean_losses(reducer, loadings), build_network(reducer, worst, wall)
 
 
 def _at(design: Design, temperatures: Mapping[str, float]) -> Design:
@@ -323,8 +314,8 @@ def _at(design: Design, temperatures: Mapping[str, float]) -> Design:
     return design.model_copy(update={"thermal": design.thermal.model_copy(update=dict(temperatures))})
 
 
-def _margins(reducer: Reducer, temperatures: Mapping[str, float]) -> Iterator[tuple[str, float]]:
-    """Yield each thermal limit and how far the temperatures stay below it, relative to the rise; negative beyond it."""
+def _thermal_margins(reducer: Reducer, temperatures: Mapping[str, float]) -> Iterator[tuple[str, float]]:
+    """Yield each thermal limit in words and its relative margin at part temperatures [°C]; negative beyond it."""
     design = reducer.design
     hottest = max(temperatures.values())
     for limit in heat_limits(reducer):
@@ -338,45 +329,52 @@ def _margins(reducer: Reducer, temperatures: Mapping[str, float]) -> Iterator[tu
         )
 
 
-def _largest_share(
-    reducer: Reducer, scaled: Callable[[float], Sequence[DutyPoint]], steady: _Steady, settings: ThermalSettings
+def _largest_duty_factor(
+    reducer: Reducer, scale_duty: Callable[[float], Sequence[DutyPoint]], steady: _Steady, settings: ThermalSettings
 ) -> tuple[float, str]:
-    """Return the largest multiple of a duty whose steady state stays within all limits, and the limit that it reaches.
+    """Return the largest factor on a duty whose steady state stays within all limits, and the limit reached first.
 
-    Losses in proportion to the multiple give the first estimate; the steady state at the estimate corrects it. Beyond
-    `ThermalSettings.solved` times the duty, where statics would be extrapolated, the proportion stands alone.
+    Losses in proportion to the factor give the first estimate; the steady state at the estimate corrects it. Beyond
+    `ThermalSettings.solved` times the duty, where statics would be extrapolated, the estimate is not corrected.
+    `scale_duty` returns the points of the duty times a factor.
     """
-    share, limit = _proportional_share(reducer, steady, settings)
+    duty_factor, limit_text = _largest_loss_factor(reducer, steady, settings)
     for _ in range(settings.corrections):
-        if not 0.0 < share < settings.solved:
+        if not 0.0 < duty_factor < settings.solved:
             break
         try:
-            factor, limit = _proportional_share(reducer, _fixed_point(reducer, scaled(share), settings), settings)
+            correction, limit_text = _largest_loss_factor(
+                reducer, _solve_steady_state(reducer, scale_duty(duty_factor), settings), settings
+            )
         except RunError:
             break
-        share *= factor
-        if abs(factor - 1.0) < settings.resolution:
+        duty_factor *= correction
+        if abs(correction - 1.0) < settings.resolution:
             break
-    return share, limit
+    return duty_factor, limit_text
 
 
-def _proportional_share(reducer: Reducer, steady: _Steady, settings: ThermalSettings) -> tuple[float, str]:
-    """Return the multiple of the losses of a steady state at which the first limit is reached, and that limit."""
+def _largest_loss_factor(reducer: Reducer, steady: _Steady, settings: ThermalSettings) -> tuple[float, str]:
+    """Return the factor on the losses of a steady state at which the first limit is reached, and that limit in words.
+
+    Temperature rises are in proportion to the losses; the root is found by Brent's method.
+    """
     from scipy.optimize import brentq
 
     ambient = reducer.design.service.ambient_temperature
     rises = steady.network.rises(heat_by_node(reducer, steady.losses))
 
-    def tightest(share: float) -> tuple[float, str]:
-        margins = _margins(reducer, {part: ambient + share * rise for part, rise in rises.items()})
+    def tightest_margin(loss_factor: float) -> tuple[float, str]:
+        """Return the smallest margin and its limit in words, for temperature rises times a factor."""
+        margins = _thermal_margins(reducer, {part: ambient + loss_factor * rise for part, rise in rises.items()})
         return min((margin, limit) for limit, margin in margins)
 
-    if tightest(0.0)[0] <= 0.0:
-        return 0.0, tightest(0.0)[1]
-    if tightest(settings.largest)[0] > 0.0:
+    if tightest_margin(0.0)[0] <= 0.0:
+        return 0.0, tightest_margin(0.0)[1]
+    if tightest_margin(settings.largest)[0] > 0.0:
         return math.inf, "none"
-    share = float(brentq(lambda share: tightest(share)[0], 0.0, settings.largest, xtol=1e-6))
-    return share, tightest(share)[1]
+    share = float(brentq(lambda share: tightest_margin(share)[0], 0.0, settings.largest, xtol=1e-6))
+    return share, tightest_margin(share)[1]
 
 
 def _assumptions(steady: _Steady) -> Iterator[str]:
@@ -389,13 +387,13 @@ def _assumptions(steady: _Steady) -> Iterator[str]:
 
 
 def rate_jam_difference(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
-    """Rate by how much the disc gets warmer than the ring against the difference that closes the teeth.
+    """Rate how much warmer the disc gets than the ring against the temperature difference that closes the teeth [K].
 
     Losses and conductances are those at 20 °C, without the fixed point of `thermal`.
     """
     worst = max(loadings, key=lambda loading: abs(loading.point.torque))
-    network = network_of(reducer, worst, reducer.design.service.ambient_temperature, steady=True)
-    rises = network.rises(heat_by_node(reducer, _mean(reducer, loadings)))
+    network = build_network(reducer, worst, reducer.design.service.ambient_temperature, without_capacities=True)
+    rises = network.rises(heat_by_node(reducer, mean_losses(reducer, loadings)))
     difference, limit = rises["disc"] - rises["ring"], jam_difference(reducer.design)
     yield RatedItem(
         "jam_difference",
@@ -411,9 +409,9 @@ def rate_jam_difference(reducer: Reducer, loadings: Sequence[Loading]) -> Iterat
 
 
 def rate_thermal_torque(design: Named, duty: Duty) -> RatedItem:
-    """Rate the largest torque of a duty against the one that the steady temperatures of all parts allow.
+    """Rate the largest torque of a duty against the torque that the steady temperatures of all parts allow.
 
-    Errors as `thermal`.
+    Raises as `thermal`.
     """
     state = thermal(design, duty)
     torque = max(abs(point.torque) for point in duty.points)

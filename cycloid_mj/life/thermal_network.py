@@ -13,19 +13,16 @@ from functools import cached_property
 import numpy as np
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.base.errors import DesignError
 from cycloid_mj.design import Design
 from cycloid_mj.design.model import HEATED, PARTNERS, Material
 from cycloid_mj.figures.geometry import masses
 from cycloid_mj.geometry.expansion import BODY_OF
 from cycloid_mj.life.bearings import (
-    SHAFT_ROLLER_SHARE,
-    SHAFT_ROLLERS,
+    ASSUMED_ROLLERS,
     bearing_forces,
-    bearing_losses,
     bearings_of,
 )
-from cycloid_mj.life.heat import cooling_area, housing_film
+from cycloid_mj.life.heat import cooling_area, heat_transfer_coefficient
 from cycloid_mj.life.loading import Loading
 from cycloid_mj.parts.crank import shaft_measures
 from cycloid_mj.parts.export.casing import casing
@@ -98,9 +95,10 @@ class Conductance:
 
 
 def line_contact_conductance(force: Array, length: float, radius: float, partners: Sequence[Material]) -> Array:
-    """Compute the conductance of line contacts [W/K], in the shape of `force` [N]; 0 where there is none.
+    """Compute the heat conductance of Hertzian line contacts [W/K], in the shape of `force` [N]; 0 where there is none.
 
-    Each side is a cylinder of `radius` [m] and the contact's width 2 b: pi k L/ln(4 R/b), both in series.
+    Each side is a cylinder of `radius` [m] heated over the contact's width 2 b: pi k L/ln(4 R/b), both in series.
+    `length` is that of the line [m], `partners` are both materials.
     """
     compliance = sum((1.0 - item.poisson**2) / item.youngs_modulus for item in partners)
     half_width = np.sqrt(4.0 * np.maximum(force, 0.0) * radius * compliance / (math.pi * length))
@@ -125,7 +123,7 @@ class Network:
 
     @cached_property
     def matrix(self) -> Array:
-        """Conductance matrix G [W/K], shape (n, n), in the order of `capacities`; P = G (T - T_ambient)."""
+        """Return the conductance matrix G [W/K], shape (n, n), in the order of `capacities`: P = G (T - T_ambient)."""
         order = {name: index for index, name in enumerate(self.capacities)}
         matrix = np.zeros((len(order), len(order)))
         for item in self.conductances:
@@ -153,16 +151,20 @@ class Network:
         return float(1.0 / np.linalg.eigvalsh(self.matrix / root)[0])
 
     def warm_up(self, powers: Mapping[str, float], times: Array) -> dict[str, Array]:
-        """Solve the rises over time [K] from the temperature of the air, at evenly spaced `times` from 0 [s], (m,)."""
+        """Solve the temperature rises over time [K], shape (m,) by node, by the matrix exponential.
+
+        The start is the temperature of the air; `powers` heat the nodes [W]; `times` are evenly spaced from 0 [s],
+        shape (m,).
+        """
         from scipy.linalg import expm
 
         capacity = np.array(list(self.capacities.values()))
         decay = expm(-(self.matrix / capacity[:, np.newaxis]) * (times[1] - times[0]))
         steady = np.linalg.solve(self.matrix, self._vector(powers))
-        missing, rises = steady, [np.zeros_like(steady)]
+        remaining, rises = steady, [np.zeros_like(steady)]
         for _ in times[1:]:
-            missing = decay @ missing
-            rises.append(steady - missing)
+            remaining = decay @ remaining
+            rises.append(steady - remaining)
         return dict(zip(self.capacities, np.array(rises).T, strict=True))
 
     def _vector(self, powers: Mapping[str, float]) -> Array:
@@ -170,13 +172,8 @@ class Network:
         return np.array([powers.get(name, 0.0) for name in self.capacities])
 
 
-def losses_by_source(reducer: Reducer, loading: Loading) -> dict[str, float]:
-    """Return the losses of the contacts, the seals and each bearing at one point of a duty [W]."""
-    return {**loading.losses, **bearing_losses(reducer, loading)}
-
-
 def heat_by_node(reducer: Reducer, losses: Mapping[str, float]) -> dict[str, float]:
-    """Distribute losses by source to the nodes [W]: half to each of the two parts that meet."""
+    """Distribute losses by source to the nodes of the network [W]: half to each of the two parts that meet."""
     joins = {bearing.key: [NODE_OF_BODY[body] for body in bearing.joins] for bearing in bearings_of(reducer)}
     heat = dict.fromkeys(HEATED, 0.0)
     for source, power in losses.items():
@@ -186,10 +183,13 @@ def heat_by_node(reducer: Reducer, losses: Mapping[str, float]) -> dict[str, flo
     return heat
 
 
-def network_of(reducer: Reducer, loading: Loading, wall: float, *, steady: bool = False) -> Network:
-    """Build the network of a drive under the loads of a point of its duty; `wall` is the housing's temperature [°C].
+def build_network(
+    reducer: Reducer, loading: Loading, wall_temperature: float, *, without_capacities: bool = False
+) -> Network:
+    """Build the thermal network of a drive under the loads of a point of its duty.
 
-    A `steady` network is for `Network.rises` only: its capacities are 1 J/K, as those of the solids take 0.1 s of CPU.
+    `wall_temperature` is that of the housing [°C]. A network `without_capacities` is for `Network.rises` only: all are
+    1 J/K, as those of the solids take 0.1 s of CPU.
     """
     torque = math.copysign(abs(loading.point.torque), loading.reducer.design.drive.speed)
     contact_loads = loads(loading.reducer, loading.springs, torque)
@@ -197,23 +197,26 @@ def network_of(reducer: Reducer, loading: Loading, wall: float, *, steady: bool 
         *_contact_links(reducer, contact_loads),
         *_bearing_links(reducer, loading),
         *_face_links(reducer.design),
-        *_housing_links(reducer, wall),
+        *_housing_links(reducer, wall_temperature),
     )
-    return Network(tuple(links), dict.fromkeys(HEATED, 1.0) if steady else _capacities(reducer))
+    return Network(tuple(links), dict.fromkeys(HEATED, 1.0) if without_capacities else _heat_capacities(reducer))
 
 
 def _contact_links(reducer: Reducer, contact_loads: Loads) -> Iterator[Conductance]:
-    """Yield the conductances of teeth, output pins and cam: means over the crank angles."""
+    """Yield the conductances between disc and ring, disc and output, crank and disc through their contacts.
+
+    They are means over the crank angles of the contact loads.
+    """
     design = reducer.design
-    mean = {
+    line_contacts = {
         design.tooth_pair: (contact_loads.teeth, design.ring.pin_radius),
         "output": (contact_loads.output, design.output.pin_radius),
     }
-    for pair, (forces, radius) in mean.items():
+    for pair, (forces, radius) in line_contacts.items():
         length, partners = design.line_length(pair), design.partners(pair)
         value = line_contact_conductance(forces, length, radius, partners).sum(axis=1).mean()
-        one, other = (BODY_OF[part] for part in PARTNERS[pair])
-        yield Conductance(one, other, float(value), f"line contacts of {pair}, pi k L/ln(4 R/b), mean of a turn")
+        first, second = (BODY_OF[part] for part in PARTNERS[pair])
+        yield Conductance(first, second, float(value), f"line contacts of {pair}, pi k L/ln(4 R/b), mean of a turn")
     force = float(np.linalg.norm(contact_loads.cam, axis=-1).mean())
     if design.gear.bearing == "plain":
         around = 2.0 * math.pi * design.gear.bore_radius * design.gear.face_width * design.gear.discs
@@ -231,14 +234,17 @@ def _contact_links(reducer: Reducer, contact_loads: Loads) -> Iterator[Conductan
 def _roller_conductance(
     rollers: int, radius: float, length: float, force: float, partners: Sequence[Material]
 ) -> float:
-    """Compute the conductance of a roller bearing [W/K]: inner and outer contact of each loaded roller in series."""
+    """Compute the heat conductance of a roller bearing under a force [N] [W/K].
+
+    Each loaded roller conducts through its inner and outer contact in series.
+    """
     loaded = max(1.0, ASSUMED.loaded_share * rollers)
     each = line_contact_conductance(np.array([force / loaded]), length, radius, partners)
     return 0.5 * loaded * float(each[0])
 
 
 def _bearing_links(reducer: Reducer, loading: Loading) -> Iterator[Conductance]:
-    """Yield the conductances of the bearings of shaft and output, as roller bearings of their bore and width."""
+    """Yield the conductances of the bearings of shaft and output, taken as roller bearings of their bore and width."""
     low, high = shaft_measures(reducer).bearings[0]
     steel = reducer.design.material_of("shaft")
     for bearing in bearings_of(reducer):
@@ -246,14 +252,19 @@ def _bearing_links(reducer: Reducer, loading: Loading) -> Iterator[Conductance]:
             continue
         width = casing(reducer).hub.width if bearing.key.startswith("output") else high - low
         force = float(bearing_forces(reducer, bearing.key, loading).mean())
-        size = 0.5 * SHAFT_ROLLER_SHARE * 0.5 * bearing.bore
-        value = _roller_conductance(SHAFT_ROLLERS, size, width, force, (steel, steel))
-        one, other = (NODE_OF_BODY[body] for body in bearing.joins)
-        yield Conductance(one, other, value, f"{bearing.name}: {SHAFT_ROLLERS} rollers assumed, a third of them loaded")
+        size = 0.5 * ASSUMED_ROLLERS.shaft_roller_share * 0.5 * bearing.bore
+        value = _roller_conductance(ASSUMED_ROLLERS.shaft_rollers, size, width, force, (steel, steel))
+        first, second = (NODE_OF_BODY[body] for body in bearing.joins)
+        yield Conductance(
+            first,
+            second,
+            value,
+            f"{bearing.name}: {ASSUMED_ROLLERS.shaft_rollers} rollers assumed, a third of them loaded",
+        )
 
 
 def _face_links(design: Design) -> Iterator[Conductance]:
-    """Yield the conductances of the grease between the outer faces of the discs and housing and output."""
+    """Yield the conductances through the grease between the end faces of the discs and housing or output."""
     root = design.ring.pin_circle_radius - design.ring.pin_radius
     holes = design.output.pins * design.output.hole_radius**2
     area = math.pi * (root**2 - design.gear.bore_radius**2 - holes)
@@ -262,29 +273,37 @@ def _face_links(design: Design) -> Iterator[Conductance]:
         yield Conductance("disc", node, value, "grease on a face of the discs, k A/gap")
 
 
-def _housing_links(reducer: Reducer, wall: float) -> Iterator[Conductance]:
-    """Yield the conductances from ring to covers, and from there to the air; without covers the ring is the housing."""
+def _housing_links(reducer: Reducer, wall_temperature: float) -> Iterator[Conductance]:
+    """Yield the conductances from the ring to the covers and from there to the air.
+
+    Without covers the ring is the housing. `wall_temperature` is that of the housing [°C].
+    """
     design = reducer.design
     outer = design.housing.outer_radius
     faces = 2.0 * math.pi * (outer**2 - design.ring.pin_circle_radius**2)
     yield Conductance("ring", "housing", design.thermal.joint_conductance * faces, "clamped faces of the ring, h A")
-    film = housing_film(reducer, wall)
+    coefficient = heat_transfer_coefficient(reducer, wall_temperature)
     source = "service.film_coefficient_w_m2_k" if design.service.film_coefficient else "ISO/TR 14179-2"
     area = cooling_area(reducer)
     if has_casing(reducer):
-        yield Conductance("housing", "ambient", film * area, f"h A, h = {film:.3g} W/(m2 K) by {source}")
+        yield Conductance("housing", "ambient", coefficient * area, f"h A, h = {coefficient:.3g} W/(m2 K) by {source}")
         return
     end = math.pi * outer**2
     yield Conductance(
-        "housing", "ambient", film * (area - end), f"h A without covers, h = {film:.3g} W/(m2 K) by {source}"
+        "housing",
+        "ambient",
+        coefficient * (area - end),
+        f"h A without covers, h = {coefficient:.3g} W/(m2 K) by {source}",
     )
-    yield Conductance("output", "ambient", film * end, f"end of the output disc, h = {film:.3g} W/(m2 K) by {source}")
+    yield Conductance(
+        "output", "ambient", coefficient * end, f"end of the output disc, h = {coefficient:.3g} W/(m2 K) by {source}"
+    )
 
 
-def _capacities(reducer: Reducer) -> dict[str, float]:
-    """Compute the heat capacity of each node [J/K]: mass times specific heat; the covers make up the drive's mass.
+def _heat_capacities(reducer: Reducer) -> dict[str, float]:
+    """Compute the heat capacity of each node [J/K], mass times specific heat; the covers make up the rest of the mass.
 
-    Without covers the housing is a thin shell: a hundredth of the capacity of the others.
+    Without covers the housing is a thin shell with a hundredth of the capacity of the others.
     """
     bodies, mechanism = dict.fromkeys(HEATED, 0.0), masses(reducer)
     for name, mass in mechanism.items():
@@ -294,19 +313,3 @@ def _capacities(reducer: Reducer) -> dict[str, float]:
     specific = heat_properties(reducer.design.material_of("housing")).specific_heat
     bodies["housing"] = max(covers * specific, ASSUMED.shell_share * sum(bodies.values()))
     return bodies
-
-
-def with_temperatures(reducer: Reducer, temperatures: Mapping[str, float]) -> Reducer:
-    """Return the reducer of the design with the temperatures of its parts [°C].
-
-    Raises
-    ------
-    DesignError
-        The parts jam at these temperatures.
-    """
-    if reducer.design.thermal.applied:
-        raise DesignError(
-            f"{reducer.design.name}: the clearances are already those of warm parts (thermal.applied = true). Use the "
-            "original design file, or set thermal.applied = false"
-        )
-    return Reducer(reducer.design.but(thermal=dict(temperatures)))

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 
+from cycloid_mj.base.units import HOUR
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading
 from cycloid_mj.life.wear_data import MM3, Interval, wear_coefficient
@@ -23,14 +24,17 @@ NAMES = {
 
 
 def rate_wear(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
-    """Rate wear at the place that wears fastest, and state p v and the sliding distance."""
+    """Yield depth of wear in 1000 h by Archard's law, sliding distance and largest p v of each kind of sliding contact.
+
+    The depth is that at the place which wears fastest, and its limit the clearance.
+    """
     for kind in loadings[0].sliding:
         pair = "output" if kind == "output_roller" else kind
-        coefficient = pair_coefficient(reducer, pair)
+        coefficient = pair_wear_coefficient(reducer, pair)
         density = sum(loading.sliding[kind].density * loading.point.share for loading in loadings)
         speed = sum(loading.sliding[kind].speed * loading.point.share for loading in loadings)
         largest = max(loading.sliding[kind].pressure_speed for loading in loadings)
-        depth = coefficient.typical * density / reducer.design.gear.face_width * 3600.0 * HOURS
+        depth = coefficient.typical * density / reducer.design.gear.face_width * HOUR * HOURS
         limit = getattr(reducer.design.clearance, pair)
         distance = speed * 3.6 * HOURS
         yield RatedItem(
@@ -67,7 +71,7 @@ def _figure(key: str, name: str, value: float, unit: str, source: str, note: str
     return RatedItem(key, name, value, math.nan, unit, None, None, source, note)
 
 
-def pair_coefficient(reducer: Reducer, kind: str) -> Interval:
+def pair_wear_coefficient(reducer: Reducer, kind: str) -> Interval:
     """Return the larger of the coefficients of wear of a pair's two surfaces [m3/(N m)]."""
     design = reducer.design
     return max(

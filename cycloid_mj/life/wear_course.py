@@ -10,13 +10,14 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.interrupt import check_interrupt
+from cycloid_mj.base.units import HOUR
 from cycloid_mj.life.duty import DutyPoint
 from cycloid_mj.life.wear_data import Interval, run_in_depth, wear_coefficient, wear_rate, worn_depth
 from cycloid_mj.life.wearing_surfaces import (
     Gap,
     WearingSurface,
     dose_rate,
-    slidings,
+    sliding_contacts,
     wearing_surfaces,
     worn_gaps,
 )
@@ -28,8 +29,6 @@ from cycloid_mj.statics.windup import LOST_MOTION_SHARE
 Case = Literal["typical", "low", "high"]
 CASES: tuple[Case, ...] = ("typical", "low", "high")
 """Coefficients and depths of run-in of all surfaces: typical, or all at their 5 or 95 % percentile."""
-
-HOUR = 3600.0
 
 
 @dataclass(frozen=True)
@@ -84,7 +83,7 @@ class WearingDrive:
 
     @cached_property
     def laws(self) -> dict[str, WearLaw]:
-        """The law of wear of each surface, by its key."""
+        """Return the law of wear of each surface, by the surface's key."""
         design = self.reducer.design
         laws = {}
         for surface in self.surfaces:
@@ -96,9 +95,10 @@ class WearingDrive:
 
     @cached_property
     def crank(self) -> Array:
-        """Crank angles, evenly over a turn [rad]; their number has no divisor in common with those of teeth and pins.
+        """Return crank angles spaced evenly over a turn [rad], shape (m,).
 
-        So the pins together pass through all phases at equal steps, one over the number of crank angles of a pitch.
+        Their number has no divisor in common with those of teeth and pins: so the pins together pass through all phases
+        at equal steps of a pitch over m.
         """
         design, count = self.reducer.design, self.settings.poses
         while math.gcd(count, design.ring.teeth * design.output.pins) > 1:
@@ -107,7 +107,7 @@ class WearingDrive:
 
     @cached_property
     def deflections(self) -> dict[Gap, float]:
-        """Deflection of a contact of each gap under its working force [m]."""
+        """Return the deflection of a contact of each gap under its working force [m], by gap."""
         contacts = self.reducer.at_rated_load.contacts
         return {
             "teeth": contacts.teeth.force / contacts.mesh_stiffness,
@@ -115,8 +115,10 @@ class WearingDrive:
             "cam": contacts["cam"].force / contacts["cam"].stiffness,
         }
 
-    def dose_rates(self, reducer: Reducer) -> dict[str, Array]:
-        """Compute the dose rate of each surface [Pa m/s], shape (cells,), with the parts as worn as in `reducer`.
+    def dose_rates(self, worn_reducer: Reducer) -> dict[str, Array]:
+        """Compute the rate of pressure times sliding distance of each surface, by key [Pa m/s], shape (cells,).
+
+        `worn_reducer` has the gaps of the worn parts; rates are means over the points of the duty.
 
         Raises
         ------
@@ -125,10 +127,10 @@ class WearingDrive:
         """
         rates = {surface.key: np.zeros(surface.cells) for surface in self.surfaces}
         for point in self.points:
-            turning = reducer.but(drive={"speed": math.copysign(point.speed, reducer.design.drive.speed)})
+            turning = worn_reducer.but(drive={"speed": math.copysign(point.speed, worn_reducer.design.drive.speed)})
             springs = springs_of(turning, self.crank)
             torque = math.copysign(abs(point.torque), turning.design.drive.speed)
-            sliding = slidings(turning, springs, loads(turning, springs, torque, follow=True))
+            sliding = sliding_contacts(turning, springs, loads(turning, springs, torque, follow=True))
             for surface in self.surfaces:
                 rates[surface.key] += point.share * dose_rate(surface, sliding[surface.gap])
         return rates
@@ -157,8 +159,15 @@ def lost_motion(reducer: Reducer) -> float:
     return float(np.mean(ahead - behind))
 
 
-def wear_steps(drive: WearingDrive, case: Case, times: Sequence[float]) -> Iterator[WearState]:
-    """Yield the state of a new drive, and that after each step; steps also end at each of some `times` [h].
+def wear_steps(drive: WearingDrive, case: Case, record_times: Sequence[float]) -> Iterator[WearState]:
+    """Yield the state of a new drive, and that after each explicit Euler step of its wear.
+
+    Parameters
+    ----------
+    drive, case
+        Drive with its duty, and the percentile of its wear coefficients.
+    record_times
+        Increasing times [h] at which steps must end; the last one ends the course.
 
     Raises
     ------
@@ -169,11 +178,11 @@ def wear_steps(drive: WearingDrive, case: Case, times: Sequence[float]) -> Itera
     doses = {surface.key: np.zeros(surface.cells) for surface in drive.surfaces}
     depths, hours = dict(doses), 0.0
     yield WearState(hours, doses, depths, reducer, lost_motion(reducer))
-    for end in times:
+    for end in record_times:
         while hours < end:
             check_interrupt()
             rates = drive.dose_rates(reducer)
-            step = _step(drive, case, doses, rates)
+            step = _stable_step(drive, case, doses, rates)
             last = hours + step >= end
             step, hours = (end - hours, end) if last else (step, hours + step)
             doses = {key: dose + step * HOUR * rates[key] for key, dose in doses.items()}
@@ -182,8 +191,11 @@ def wear_steps(drive: WearingDrive, case: Case, times: Sequence[float]) -> Itera
             yield WearState(hours, doses, depths, reducer, lost_motion(reducer))
 
 
-def _step(drive: WearingDrive, case: Case, doses: Mapping[str, Array], rates: Mapping[str, Array]) -> float:
-    """Return the largest step [h] by `WearSettings.step_share`; inf if nothing wears."""
+def _stable_step(drive: WearingDrive, case: Case, doses: Mapping[str, Array], rates: Mapping[str, Array]) -> float:
+    """Return the largest stable step of wear [h] by `WearSettings.step_share`; inf if nothing wears.
+
+    `doses` [Pa m] and their `rates` [Pa m/s] are by the keys of the surfaces.
+    """
     steps = [math.inf]
     for surface in drive.surfaces:
         law = drive.laws[surface.key].values(case)

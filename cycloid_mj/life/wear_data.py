@@ -90,7 +90,10 @@ RUN_IN_SHARE = 0.71
 
 
 def wear_coefficient(service: Service, material: Material) -> Interval:
-    """Return the coefficient of wear of a surface [m3/(N m)]: that of the design file, or of its kind of material."""
+    """Return the coefficient of wear of a surface [m3/(N m)] with its 5 to 95 % interval.
+
+    It is that of the design file (within a factor of ten), or of the kind of material.
+    """
     stated = service.wear_coefficient
     if stated != Service.model_fields["wear_coefficient"].default:
         source = "service.wear_coefficient_mm3_nm of the design file, within a factor of ten (assumed)"

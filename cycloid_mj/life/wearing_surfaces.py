@@ -77,8 +77,8 @@ class WearingSurface:
         """Middle of each cell along the section [m], shape (cells,)."""
         return ((np.arange(self.cells) + 0.5) / self.cells - 0.5) * self.section
 
-    def at_angles(self, depth: Array) -> Array:
-        """Return the depth [m] at the angles of `table_angles`, shape (`TABLE`,), from that of the cells."""
+    def interpolate_depth(self, depth: Array) -> Array:
+        """Interpolate the depth of the cells [m], shape (cells,), at the angles of `table_angles`, shape (`TABLE`,)."""
         if self.place is None:
             return np.full(TABLE, depth[0])
         return np.interp(self.place[:-1], self.coordinates, depth, period=self.section)
@@ -100,7 +100,10 @@ def wearing_surfaces(reducer: Reducer) -> tuple[WearingSurface, ...]:
 
 
 def _tooth_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
-    """Yield flanks and pins, lobes or seats: of a moving pin, its seat slides if the friction there is lower."""
+    """Yield the wearing surfaces of the mesh: flanks and pins or lobes, or the seats of pins that turn.
+
+    A pin with a seat turns in it, and the seat wears, if the friction there is lower than at the flank.
+    """
     design, ring, gear = reducer.design, reducer.design.ring, reducer.tooth_profile
     length, count = design.line_length(design.tooth_pair), ring.mates * design.gear.discs
     phase = np.append(table_angles(TABLE), math.pi)
@@ -132,7 +135,7 @@ def _tooth_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
 
 
 def _output_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
-    """Yield holes and output pins, or plain rollers and their cores."""
+    """Yield the wearing surfaces of the output: holes and pins, or bores and cores of plain rollers."""
     design, output = reducer.design, reducer.design.output
     length, count = design.line_length("output"), output.pins * design.gear.discs
     angle = np.append(table_angles(TABLE), math.pi)
@@ -163,15 +166,18 @@ def _cam_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
     yield WearingSurface("cam", "cams", "shaft", "cam", gear.discs, around, gear.face_width, place)
 
 
-def slidings(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[Gap, SlidingContacts]:
-    """Return the contacts of each gap under the loads of a turn, with their sliding speeds."""
+def sliding_contacts(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[Gap, SlidingContacts]:
+    """Return angle, force, sliding speed and half width of the contacts of each gap under the loads of a turn."""
     design, teeth = reducer.design, springs.teeth
     slip = np.abs(springs.slip)
     contacts = springs.contacts
-    towards = contacts.slope[:, teeth:, 2:-1:3].sum(axis=-1), -contacts.shift_slope[:, teeth:, 2:-1:3].sum(axis=-1)
+    hole_direction = (
+        contacts.slope[:, teeth:, 2:-1:3].sum(axis=-1),
+        -contacts.shift_slope[:, teeth:, 2:-1:3].sum(axis=-1),
+    )
     cam = contact_loads.cam
     # direction of the force from the middle of the crank to that of the disc
-    ahead = springs.crank[:, np.newaxis] + np.array(reducer.phases) + 0.5 * math.pi
+    cam_direction = springs.crank[:, np.newaxis] + np.array(reducer.phases) + 0.5 * math.pi
     cam_force = np.linalg.norm(cam, axis=-1)
     cam_speed = design.gear.bore_radius * relative_speed(reducer, design.drive.speed)
     tooth = design.tooth_pair
@@ -183,13 +189,13 @@ def slidings(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[G
             _half_width(reducer, tooth, contact_loads.teeth, springs.curvature, design.ring.pin_radius),
         ),
         "output": SlidingContacts(
-            np.arctan2(*towards),
+            np.arctan2(*hole_direction),
             contact_loads.output,
             slip[:, teeth:],
             _half_width(reducer, "output", contact_loads.output, None, design.output.pin_radius),
         ),
         "cam": SlidingContacts(
-            _wrap(np.arctan2(cam[..., 1], cam[..., 0]) - ahead),
+            _wrap(np.arctan2(cam[..., 1], cam[..., 0]) - cam_direction),
             cam_force,
             np.full_like(cam_force, cam_speed),
             _half_width(reducer, "cam", cam_force, None, design.gear.bore_radius),
@@ -203,7 +209,10 @@ def _wrap(angle: Array) -> Array:
 
 
 def _half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | None, radius: float) -> Array:
-    """Compute the half width of line contacts [m] by Hertz, b = 2 F/(pi L p0), at most `hertz_reach` of a radius."""
+    """Compute the half width of Hertzian line contacts [m], b = 2 F/(pi L p0), shape of `force` [N].
+
+    `curvature` is the relative curvature [1/m] (None: that of the pair). At most `hertz_reach` times a radius [m].
+    """
     contact = reducer.contacts[kind]
     pressure = contact.pressure(force, contact.relative_curvature if curvature is None else curvature)
     width = np.zeros_like(force)
@@ -215,7 +224,7 @@ def _half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | No
 def dose_rate(surface: WearingSurface, sliding: SlidingContacts) -> Array:
     """Compute the mean rate of pressure times sliding distance of each cell of a surface [Pa m/s], shape (cells,).
 
-    The drive turns half of the time each way, under a load that always brakes.
+    The drive turns half of the time in each direction, under a load that always brakes.
     """
     power = sliding.force * sliding.speed * surface.lever
     area = surface.count * surface.length * surface.section / surface.cells
@@ -223,22 +232,22 @@ def dose_rate(surface: WearingSurface, sliding: SlidingContacts) -> Array:
         return np.array([power.sum() / len(power) / area])
     loaded = power > 0.0
     angles = np.append(table_angles(TABLE), math.pi)
-    places = np.interp(sliding.angle[loaded], angles, surface.place)
-    in_cells = spread(places, sliding.half_width[loaded], power[loaded], surface.section, surface.cells)
-    one_way = in_cells / len(power) / area
-    return 0.5 * (one_way + one_way[::-1])
+    coordinates = np.interp(sliding.angle[loaded], angles, surface.place)
+    in_cells = sum_over_cells(coordinates, sliding.half_width[loaded], power[loaded], surface.section, surface.cells)
+    forward = in_cells / len(power) / area
+    return 0.5 * (forward + forward[::-1])
 
 
-def spread(places: Array, half_widths: Array, weights: Array, period: float, cells: int) -> Array:
-    """Return the sum of weights in each of the cells of a periodic section, shape (cells,).
+def sum_over_cells(centres: Array, half_widths: Array, weights: Array, period: float, cells: int) -> Array:
+    """Distribute weights over the cells of a periodic section, and return their sum in each cell, shape (cells,).
 
-    Each weight is spread evenly from place - half width to place + half width. The integral of such a density is the
-    sum of ramps that begin at one end and stop at the other: two cumulative sums of sorted ends are exact.
+    Each weight is spread evenly from centre - half width to centre + half width [m]. The integral of such a density is
+    the sum of ramps that begin at one end and stop at the other: two cumulative sums over the sorted ends are exact.
     """
     least = 1e-6 * period / cells  # a contact without width counts as a very narrow one
     half = np.maximum(half_widths, least)
     shifts = np.array([-period, 0.0, period])[:, np.newaxis]
-    ends = np.concatenate([(places - half + shifts).ravel(), (places + half + shifts).ravel()])
+    ends = np.concatenate([(centres - half + shifts).ravel(), (centres + half + shifts).ravel()])
     slopes = np.tile(weights / (2.0 * half), 3)
     slopes = np.concatenate([slopes, -slopes])
     order = np.argsort(ends)
@@ -250,10 +259,17 @@ def spread(places: Array, half_widths: Array, weights: Array, period: float, cel
 
 
 def worn_gaps(surfaces: Sequence[WearingSurface], depths: Mapping[str, Array], rates: Mapping[str, Array]) -> WornGaps:
-    """Compute how far wear opens the gaps: of teeth and output pins by angle, shape (TABLE,), and of the cam [m].
+    """Compute how far wear opens the gaps: of teeth and output pins by angle [m], shape (TABLE,), and of the cam [m].
 
-    `depths` are those of the surfaces [m] by key, shape (cells,) each. The depth of a plain cam is averaged with the
-    rate of its dose, pressure times sliding, as weight: its loaded side alone determines the clearance.
+    Parameters
+    ----------
+    surfaces
+        The surfaces that wear.
+    depths
+        Depths of the surfaces by key [m], shape (cells,) each.
+    rates
+        Dose rates by key, shape (cells,) each: weights with which the depth of a plain cam is averaged, as its loaded
+        side alone determines the clearance.
     """
     tables = {"teeth": np.zeros(TABLE), "output": np.zeros(TABLE)}
     cam = 0.0
@@ -262,5 +278,5 @@ def worn_gaps(surfaces: Sequence[WearingSurface], depths: Mapping[str, Array], r
         if surface.gap == "cam":
             cam += float(np.average(depth, weights=rates[surface.key]))
         else:
-            tables[surface.gap] += surface.opening * surface.at_angles(depth)
+            tables[surface.gap] += surface.opening * surface.interpolate_depth(depth)
     return WornGaps(tables["teeth"], tables["output"], cam)

@@ -60,7 +60,10 @@ KPSI = 1e3 * POUND / INCH**2
 
 
 def bearing_rows(quick: bool) -> list[ValidationRow]:
-    """Compare ratings of needle cages, and the cam bearing of a two-disc drive, with published values."""
+    """Compare ratings of catalogue needle cages, and the cam bearing of a two-disc drive, with published values.
+
+    Returns a row of `cycloid-mj validate` for each; `quick` has no effect.
+    """
     rows = [relative(f"C of {cage}", cage.rating(), cage.dynamic, "N", CATALOGUE, 5.0) for cage in CAGES]
     crank = np.linspace(0.0, 29 * 2.0 * np.pi, 29 * 360, endpoint=False)
     gear, source = CycloidGear(30, 1.250025e-3, 52.5e-3, 3.5e-3), "kubakos/cycloid-drive-generator, recomputed"

@@ -13,9 +13,6 @@ import numpy.typing as npt
 
 from cycloid_mj.base.array import Array
 
-FORMULA_SPREAD = 0.2
-"""Relative difference of the formulas for one contact, and of measured films from them."""
-
 
 @dataclass(frozen=True)
 class Groups:
@@ -38,7 +35,7 @@ class Groups:
     length: float
 
 
-def groups(
+def line_contact_groups(
     force: npt.ArrayLike,
     entrainment: npt.ArrayLike,
     radius: npt.ArrayLike,
@@ -47,7 +44,7 @@ def groups(
     pressure_coefficient: float,
     modulus: float,
 ) -> Groups:
-    """Compute the dimensionless groups of line contacts.
+    """Compute the dimensionless speed, material and load groups U, G and W of line contacts.
 
     Parameters
     ----------
@@ -80,11 +77,6 @@ def pan_hamrock(contact: Groups) -> Array:
     return _power_law(contact, 1.714, 0.694, 0.568, -0.128)
 
 
-def pan_hamrock_central(contact: Groups) -> Array:
-    """Compute the central film thickness [m] of line contacts (Pan and Hamrock 1989)."""
-    return _power_law(contact, 2.922, 0.692, 0.470, -0.166)
-
-
 def hamrock_dowson(contact: Groups) -> Array:
     """Compute the minimum film thickness [m] of long elliptic contacts (Hamrock and Dowson 1977, k to infinity)."""
     point_load = contact.load * contact.length / contact.radius
@@ -105,10 +97,24 @@ FORMULAS: Mapping[str, Callable[[Groups], Array]] = {
 
 
 def _power_law(
-    contact: Groups, factor: float, speed: float, material: float, load: float, loads: Array | None = None
+    line_contact: Groups,
+    factor: float,
+    speed_power: float,
+    material_power: float,
+    load_power: float,
+    load_group: Array | None = None,
 ) -> Array:
-    """Compute factor U^speed G^material W^load R; 0 where nothing moves or presses."""
-    loads = contact.load if loads is None else loads
-    loaded = np.maximum(loads, np.finfo(float).tiny)
-    thickness = factor * contact.speed**speed * contact.material**material * loaded**load * contact.radius
-    return np.asarray(np.where(loads > 0.0, thickness, 0.0))
+    """Compute a film thickness factor U^a G^b W^c R [m] with the given powers; 0 where nothing moves or presses.
+
+    `load_group` replaces W of the line contact if it is given.
+    """
+    load_group = line_contact.load if load_group is None else load_group
+    loaded = np.maximum(load_group, np.finfo(float).tiny)
+    thickness = (
+        factor
+        * line_contact.speed**speed_power
+        * line_contact.material**material_power
+        * loaded**load_power
+        * line_contact.radius
+    )
+    return np.asarray(np.where(load_group > 0.0, thickness, 0.0))

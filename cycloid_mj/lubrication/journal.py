@@ -60,7 +60,7 @@ class JournalState:
     friction: Array
 
 
-def journal(
+def solve_journal(
     force: npt.ArrayLike,
     entrainment: npt.ArrayLike,
     sliding: npt.ArrayLike,
@@ -69,7 +69,7 @@ def journal(
     length: float,
     viscosity: float,
 ) -> JournalState:
-    """Compute film and friction of journal bearings with half sockets.
+    """Compute film thickness and friction of journal bearings with half sockets from tabulated solutions.
 
     Beyond the table the bearing is concentric (Petroff), or its film thickness is proportional to S.
 
@@ -87,16 +87,16 @@ def journal(
     force, clearance = np.asarray(force, float), np.asarray(clearance, float)
     smallest = np.finfo(float).tiny
     per_speed = viscosity / (2.0 * math.pi * radius) * 2.0 * radius * length / force * (radius / clearance) ** 2
-    number = np.maximum(per_speed * 2.0 * np.abs(entrainment), smallest)
-    sheared = per_speed * np.abs(sliding)
-    log, table = np.log(number), np.log(SOMMERFELD)
-    thin, full = number < SOMMERFELD[0], number > SOMMERFELD[-1]
+    sommerfeld = np.maximum(per_speed * 2.0 * np.abs(entrainment), smallest)
+    shear_number = per_speed * np.abs(sliding)
+    log, table = np.log(sommerfeld), np.log(SOMMERFELD)
+    thin, full = sommerfeld < SOMMERFELD[0], sommerfeld > SOMMERFELD[-1]
     gap = np.interp(log, table, 1.0 - ECCENTRICITY)
-    gap = np.where(thin, (1.0 - ECCENTRICITY[0]) * number / SOMMERFELD[0], gap)
-    gap = np.where(full, 1.0 - ECCENTRICITY[-1] * SOMMERFELD[-1] / number, gap)
+    gap = np.where(thin, (1.0 - ECCENTRICITY[0]) * sommerfeld / SOMMERFELD[0], gap)
+    gap = np.where(full, 1.0 - ECCENTRICITY[-1] * SOMMERFELD[-1] / sommerfeld, gap)
     shear = np.exp(np.interp(log, table, np.log(SHEAR)))
-    shear = np.where(thin, SHEAR[0] * np.sqrt(number / SOMMERFELD[0]), shear)
-    shear = np.where(full, math.pi**2 * number, shear)
+    shear = np.where(thin, SHEAR[0] * np.sqrt(sommerfeld / SOMMERFELD[0]), shear)
+    shear = np.where(full, math.pi**2 * sommerfeld, shear)
     pressure = np.interp(log, table, PRESSURE)
-    friction = (clearance / radius) * (shear * sheared / number + pressure)
-    return JournalState(number, 1.0 - gap, clearance * gap, np.asarray(friction))
+    friction = (clearance / radius) * (shear * shear_number / sommerfeld + pressure)
+    return JournalState(sommerfeld, 1.0 - gap, clearance * gap, np.asarray(friction))

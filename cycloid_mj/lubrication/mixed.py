@@ -12,15 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from cycloid_mj.base.array import Array
-from cycloid_mj.lubrication.film import FORMULAS, groups, isoviscous_elastic
-from cycloid_mj.lubrication.journal import journal
-
-SHARE_EXPONENT = 0.28
-"""Exponent of lambda in the load share of the film (Castro and Seabra 2007)."""
-
-MAX_PRESSURE_EXPONENT = 25.0
-"""Largest alpha p of the viscosity in the film: Barus' law overestimates it beyond, where the limiting stress holds."""
-
+from cycloid_mj.lubrication.film import FORMULAS, isoviscous_elastic, line_contact_groups
+from cycloid_mj.lubrication.journal import solve_journal
 
 MIN_FORCE = 1e-6
 """Smallest force of a contact whose coefficient is computed [N]; its friction does not matter."""
@@ -42,12 +35,14 @@ class FilmLaw:
         Name of the film thickness formula, one of `film.FORMULAS`.
     film_factor
         Film thickness over that of the formula [1]: its spread, and starvation of grease.
-    film_share
-        Load share of the film at lambda = 1 [1].
+    film_share, share_exponent
+        Load share of the film at lambda = 1 [1], and the exponent of lambda (Castro and Seabra 2007).
     eyring_stress
         Eyring stress [Pa]: 2 to 10 MPa of mineral oils.
     limiting_shear
         Limiting shear stress over the mean pressure [1]: 0.04 to 0.08 of mineral oils.
+    max_pressure_exponent
+        Largest alpha p of the viscosity in the film: beyond, Barus' law overestimates it and the stress is limited.
     """
 
     viscosity: float
@@ -57,8 +52,10 @@ class FilmLaw:
     formula: str = "pan-hamrock"
     film_factor: float = 1.0
     film_share: float = 0.82
+    share_exponent: float = 0.28
     eyring_stress: float = 5e6
     limiting_shear: float = 0.06
+    max_pressure_exponent: float = 25.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +83,7 @@ class MixedFriction:
 
 def asperity_share(law: FilmLaw, ratio: npt.ArrayLike) -> Array:
     """Compute the share of the load on asperities [1] from the ratio lambda of film thickness to roughness."""
-    return np.asarray(1.0 - np.minimum(1.0, law.film_share * np.asarray(ratio, float) ** SHARE_EXPONENT))
+    return np.asarray(1.0 - np.minimum(1.0, law.film_share * np.asarray(ratio, float) ** law.share_exponent))
 
 
 def line_friction(
@@ -98,7 +95,7 @@ def line_friction(
     length: float,
     modulus: float,
 ) -> MixedFriction:
-    """Compute the friction of line contacts, hard (piezoviscous-elastic) or soft (isoviscous-elastic).
+    """Compute the mixed friction of line contacts, hard (piezoviscous-elastic) or soft (isoviscous-elastic).
 
     Parameters
     ----------
@@ -114,7 +111,9 @@ def line_friction(
         Contact modulus E* [Pa] of `ideal_loads.contact_modulus`.
     """
     pressed, reduced = np.maximum(np.asarray(force, float), MIN_FORCE), np.asarray(radius, float)
-    contact = groups(pressed, entrainment, reduced, length, law.viscosity, law.pressure_coefficient, 2.0 * modulus)
+    contact = line_contact_groups(
+        pressed, entrainment, reduced, length, law.viscosity, law.pressure_coefficient, 2.0 * modulus
+    )
     film = law.film_factor * np.maximum(FORMULAS[law.formula](contact), isoviscous_elastic(contact))
     mean = 0.25 * math.pi * np.sqrt(pressed * modulus / (math.pi * reduced * length))
     return _mixed(law, film, _film_coefficient(law, film, sliding, mean))
@@ -129,20 +128,29 @@ def journal_friction(
     clearance: float,
     length: float,
 ) -> MixedFriction:
-    """Compute the friction of journal bearings of a radius, radial clearance and length [m]; others as `line_friction`.
+    """Compute the mixed friction of journal bearings; without clearance there is no film.
 
-    Without clearance there is no film.
+    Parameters
+    ----------
+    law
+        Lubricant and surfaces.
+    force
+        Load [N].
+    entrainment, sliding
+        Entrainment and sliding speed [m/s]; signs have no effect.
+    radius, clearance, length
+        Radius, radial clearance and length of the bearings [m].
     """
     force = np.maximum(np.asarray(force, float), MIN_FORCE)
     if not (clearance > 0.0 and law.viscosity > 0.0):
         return _mixed(law, np.zeros_like(force), np.zeros_like(force))
-    bearing = journal(force, entrainment, sliding, radius, clearance, length, law.viscosity)
+    bearing = solve_journal(force, entrainment, sliding, radius, clearance, length, law.viscosity)
     return _mixed(law, law.film_factor * bearing.film, bearing.friction)
 
 
 def _film_coefficient(law: FilmLaw, film: Array, sliding: npt.ArrayLike, pressure: Array) -> Array:
     """Compute the coefficient of the film's shear [1] under a mean pressure [Pa]."""
-    viscosity = law.viscosity * np.exp(np.minimum(law.pressure_coefficient * pressure, MAX_PRESSURE_EXPONENT))
+    viscosity = law.viscosity * np.exp(np.minimum(law.pressure_coefficient * pressure, law.max_pressure_exponent))
     rate = np.abs(sliding) / np.maximum(film, np.finfo(float).tiny)
     stress = law.eyring_stress * np.arcsinh(np.minimum(viscosity * rate / law.eyring_stress, np.finfo(float).max))
     return np.asarray(np.minimum(stress / pressure, law.limiting_shear))

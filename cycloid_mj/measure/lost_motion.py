@@ -12,7 +12,7 @@ from cycloid_mj.measure.lost_motion_table import LostMotionLoops, by_angle, curv
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.structure import structure_text
-from cycloid_mj.statics.windup import Windup, windups
+from cycloid_mj.statics.windup import Windup, solve_windups
 
 ANGLES, QUICK_ANGLES = 6, 2
 SLOWER, FINER = 2.0, 4.0
@@ -94,7 +94,7 @@ def lost_motion(
 def _statics(reducer: Reducer, cranks: list[float], rated: float) -> list[Windup]:
     """List the static solutions; none where no balance exists."""
     try:
-        return windups(reducer, cranks, rated)
+        return solve_windups(reducer, cranks, rated)
     except RunError:
         return []
 

@@ -13,7 +13,7 @@ from cycloid_mj.measure import bench, rigid_backlash
 from cycloid_mj.measure.hysteresis import HysteresisLoop
 from cycloid_mj.measure.sampled import Known, add_errors, error_of_extreme, error_of_mean, extreme_quantities
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.windup import LOST_MOTION_SHARE, SERIES, Windup, in_series
+from cycloid_mj.statics.windup import LOST_MOTION_SHARE, SERIES, Windup, split_in_series
 
 STATICS, RIGID = "statics: springs in balance", "rigid contacts: linear programme"
 IDEAL = "without friction and weight"
@@ -154,7 +154,9 @@ def _stiffness(measured: LostMotionLoops) -> Iterator[Quantity]:
 
 def loop_series(reducer: Reducer, loop: HysteresisLoop) -> dict[str, float]:
     """Compute the compliance of each part in series [rad/(N m)] by a loop, keyed by `SERIES`."""
-    return in_series(reducer, loop.compliance(), loop.compliance(loop.gear_turn), loop.compliance(loop.centre_lead))
+    return split_in_series(
+        reducer, loop.compliance(), loop.compliance(loop.gear_turn), loop.compliance(loop.centre_lead)
+    )
 
 
 def _friction(measured: LostMotionLoops) -> list[Quantity]:

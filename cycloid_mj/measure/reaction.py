@@ -20,7 +20,7 @@ from cycloid_mj.parts import (
     pin_solid,
 )
 from cycloid_mj.reducer import Reducer, once
-from cycloid_mj.statics.bearings import Reactions, spatial
+from cycloid_mj.statics.bearings import Reactions, compute_spatial_reactions
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ def of_discs(run: Run, reducer: Reducer) -> Reactions:
     design = reducer.design
     crank, teeth, output = (run.forces(kind) for kind in ("cam", design.tooth_pair, "output"))
     by_disc = (-force.reshape(len(run), design.gear.discs, -1, 2).sum(axis=2) for force in (crank, output, teeth))
-    return spatial(reducer, *by_disc)
+    return compute_spatial_reactions(reducer, *by_disc)
 
 
 def reaction(run: Run, reducer: Reducer) -> Reaction:

@@ -30,10 +30,10 @@ from cycloid_mj.robot.reducer import Level, ReducedJoint, Slip, Spring
 from cycloid_mj.robot.transmission import count_turns, solve_ripple
 from cycloid_mj.statics.balance import loads, powers
 from cycloid_mj.statics.locked import slip_elements
-from cycloid_mj.statics.sheet import back_driving, self_locking
+from cycloid_mj.statics.sheet import describe_self_locking, solve_back_driving
 from cycloid_mj.statics.springs import POSES, springs_of, turn_evenly
 from cycloid_mj.statics.structure import wind_up
-from cycloid_mj.statics.windup import STRAIGHT, windups
+from cycloid_mj.statics.windup import STRAIGHT, solve_windups
 
 
 @dataclass(frozen=True)
@@ -269,7 +269,7 @@ def _damping(reducer: Reducer) -> float:
     Bending of pins and twist are in series with the contacts of the output.
     """
     laws, rated = contact_laws(reducer), reducer.design.rated_torque
-    gives = [windup.compliance_by_spring(reducer) for windup in windups(reducer, turn_evenly(reducer), rated)]
+    gives = [windup.compliance_by_spring(reducer) for windup in solve_windups(reducer, turn_evenly(reducer), rated)]
     springs = {spring: float(np.mean([item[spring] for item in gives])) for spring in gives[0]}
     springs["twist"] = wind_up(reducer)
     mesh = [laws[kind] for kind in (reducer.design.tooth_pair, reducer.design.seat_pair) if kind in laws]
@@ -301,7 +301,7 @@ def _quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: Play)
     efficiency = 100.0 * friction.efficiency(rated, speed, joint.ratio, driving=True)
     error, moved = 100.0 * _angle_error(reducer, 1.0), _efficiency_spread(reducer)
     yield Quantity("efficiency", f"efficiency {at}", efficiency, "%", error, note=moved)
-    back, backward = back_driving(reducer, rated)
+    back, backward = solve_back_driving(reducer, rated)
     locked = math.isnan(backward)
     yield Quantity(
         "back_driving_efficiency",
@@ -309,7 +309,7 @@ def _quantities(reducer: Reducer, joint: ReducedJoint, fine: Play, coarse: Play)
         0.0 if locked else 100.0 * back.efficiency,
         "%",
         0.0 if locked else 100.0 * _angle_error(reducer, -backward / rated),
-        note=self_locking(reducer, rated) if locked else "",
+        note=describe_self_locking(reducer, rated) if locked else "",
     )
     near, far = ((torque, friction.torque(torque, speed, driving=True)) for torque in friction.torques[1:3])
     yield Quantity(

@@ -395,7 +395,9 @@ def _figures(requirement: Requirement, rated: Rated) -> dict[str, float]:
         momentary = math.inf
         torque = rated.capacity
     else:
-        torque, _ = rated_torque(reducer, design.drive.speed, design.service.life, guess=rated.capacity, exact=1e-2)
+        torque, _ = rated_torque(
+            reducer, design.drive.speed, design.service.life, start_torque=rated.capacity, rtol=1e-2
+        )
         momentary, _ = momentary_torque(reducer)
     return {
         "ratio": design.reduction,

@@ -15,7 +15,7 @@ from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE, YIELD_PRESSURE
 from cycloid_mj.geometry.ideal_loads import contact_modulus
 from cycloid_mj.life import rolling
 from cycloid_mj.life.heat import heat_limits
-from cycloid_mj.life.surfaces import PITTING_LIFE, SET_POWER, SET_SHARE, pitting_limit
+from cycloid_mj.life.surfaces import AGMA_2001, SET_POWER, SET_SHARE, pitting_limit
 from cycloid_mj.parts.export.casing_rules import RULES
 from cycloid_mj.parts.output import RIM
 from cycloid_mj.reducer import Reducer
@@ -147,7 +147,7 @@ def _surfaces(requirement: Requirement, sizes: Sizes, design: Design, loads: _Lo
         if any(part.is_plastic for part in partners):
             allowed, key = SET_SHARE * SHAKEDOWN_PRESSURE * strength / requirement.life**SET_POWER, f"{kind}_set"
         else:
-            factor, power = PITTING_LIFE
+            factor, power = AGMA_2001.factor, AGMA_2001.power
             cycles = requirement.speed / (2.0 * math.pi) * 3600.0 * requirement.life
             allowed = factor * min(pitting_limit(part)[0] for part in partners) / cycles**power
             key = f"{kind}_pitting"

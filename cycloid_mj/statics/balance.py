@@ -110,115 +110,133 @@ def loads(reducer: Reducer, springs: Springs, torque: float | Array, follow: boo
     RunError
         There is no equilibrium.
     """
-    balanced = _solve(reducer, springs, torque, follow)
+    contact_loads = _solve_with_friction(reducer, springs, torque, follow)
     if springs.film is None:
-        return balanced
-    lost = math.inf
+        return contact_loads
+    loss = math.inf
     for _ in range(FILM.max_rounds):
-        cam = np.linalg.norm(balanced.cam, axis=-1)
-        springs = springs.with_friction(springs.film.friction(balanced.teeth, balanced.output, cam))
-        balanced = _solve(reducer, springs, torque, follow)
-        before, lost = (
-            lost,
-            sum(float(np.mean(power)) for power in friction_losses(reducer, springs, balanced).values()),
+        cam = np.linalg.norm(contact_loads.cam, axis=-1)
+        springs = springs.with_friction(springs.film.friction(contact_loads.teeth, contact_loads.output, cam))
+        contact_loads = _solve_with_friction(reducer, springs, torque, follow)
+        previous_loss, loss = (
+            loss,
+            sum(float(np.mean(power)) for power in friction_losses(reducer, springs, contact_loads).values()),
         )
-        if abs(lost - before) <= FILM.rtol * lost:
+        if abs(loss - previous_loss) <= FILM.rtol * loss:
             break
-    return balanced
+    return contact_loads
 
 
-def _solve(reducer: Reducer, springs: Springs, torque: float | Array, follow: bool) -> Loads:
-    """Solve for equilibrium with the friction of the springs."""
+def _solve_with_friction(reducer: Reducer, springs: Springs, torque: float | Array, warm_start: bool) -> Loads:
+    """Solve for equilibrium with the friction coefficients of the springs; arguments as those of `loads`."""
     if reducer.design.output.turns_ring:
-        return _solve_ring_output(reducer, springs, torque, follow)
-    balanced = _solve_carrier_output(reducer, springs, torque, follow)
-    return replace(balanced, output_turn=balanced.output_turn + wind_up(reducer) * torque)
+        return _solve_ring_output(reducer, springs, torque, warm_start)
+    contact_loads = _solve_carrier_output(reducer, springs, torque, warm_start)
+    return replace(contact_loads, output_turn=contact_loads.output_turn + wind_up(reducer) * torque)
 
 
-def _solve_ring_output(reducer: Reducer, springs: Springs, torque: float | Array, follow: bool) -> Loads:
-    """Solve for equilibrium under a torque on the ring [N m].
+def _solve_ring_output(reducer: Reducer, springs: Springs, torque: float | Array, warm_start: bool) -> Loads:
+    """Solve for equilibrium under a torque on the ring [N m], a number or of shape (m,).
 
     The carrier supports ``(torque - friction_torque) / (1 + 1 / lobes)``. The friction torque is the power of the
     losses over the speed; it depends on the contact forces, and a secant iteration determines it.
     """
     settings = RING_TORQUE
-    speed, parts = float(reducer.member.against_ring(reducer.design.drive.speed)), 1.0 + 1.0 / reducer.design.lobes
-    rubs, mean, taken = bool(springs.contacts.rubbing.size and speed), float(np.mean(torque)), 0.0
-    for halved in range(settings.max_halvings + 1):
+    speed, torque_ratio = (
+        float(reducer.member.against_ring(reducer.design.drive.speed)),
+        1.0 + 1.0 / reducer.design.lobes,
+    )
+    has_friction, mean_torque, friction_torque = (
+        bool(springs.contacts.rubbing.size and speed),
+        float(np.mean(torque)),
+        0.0,
+    )
+    for halvings in range(settings.max_halvings + 1):
         try:
-            balanced = _solve_carrier_output(reducer, springs, (torque - taken) / parts, follow)
+            contact_loads = _solve_carrier_output(
+                reducer, springs, (torque - friction_torque) / torque_ratio, warm_start
+            )
             break
         except RunError:
-            if not rubs or halved == settings.max_halvings:
+            if not has_friction or halvings == settings.max_halvings:
                 raise
-            taken = 0.5 * (mean + taken)
-    before = None
-    for _ in range(settings.max_iterations if rubs else 0):
-        lost = sum(float(np.mean(power)) for power in friction_losses(reducer, springs, balanced).values()) / speed
-        missing = lost - taken
-        if before is not None and missing != before[1]:
-            step = -missing * (taken - before[0]) / (missing - before[1])
-        elif abs(missing) < settings.direct_share * abs(mean):
-            step = missing
+            friction_torque = 0.5 * (mean_torque + friction_torque)
+    previous = None
+    for _ in range(settings.max_iterations if has_friction else 0):
+        loss_torque = (
+            sum(float(np.mean(power)) for power in friction_losses(reducer, springs, contact_loads).values()) / speed
+        )
+        residual = loss_torque - friction_torque
+        if previous is not None and residual != previous[1]:
+            step = -residual * (friction_torque - previous[0]) / (residual - previous[1])
+        elif abs(residual) < settings.direct_share * abs(mean_torque):
+            step = residual
         else:  # losses in proportion to the supported torque
-            step = (mean - taken) * missing / (mean - taken + lost)
-        before, taken = (taken, missing), taken + step
-        balanced = _solve_carrier_output(reducer, springs, (torque - taken) / parts, follow)
-        if abs(step) < settings.rtol * abs(mean):
+            step = (mean_torque - friction_torque) * residual / (mean_torque - friction_torque + loss_torque)
+        previous, friction_torque = (friction_torque, residual), friction_torque + step
+        contact_loads = _solve_carrier_output(reducer, springs, (torque - friction_torque) / torque_ratio, warm_start)
+        if abs(step) < settings.rtol * abs(mean_torque):
             break
-    carried = (torque - taken) / parts
-    output_turn = reducer.share * balanced.output_turn + wind_up(reducer) * carried / reducer.share
-    return replace(balanced, gear_turn=balanced.output_turn - balanced.gear_turn, output_turn=output_turn)
+    carrier_torque = (torque - friction_torque) / torque_ratio
+    output_turn = reducer.share * contact_loads.output_turn + wind_up(reducer) * carrier_torque / reducer.share
+    return replace(
+        contact_loads, gear_turn=contact_loads.output_turn - contact_loads.gear_turn, output_turn=output_turn
+    )
 
 
-def _solve_carrier_output(reducer: Reducer, springs: Springs, torque: float | Array, follow: bool) -> Loads:
+def _solve_carrier_output(reducer: Reducer, springs: Springs, torque: float | Array, warm_start: bool) -> Loads:
     """Solve for equilibrium under a torque on the carrier [N m], in the frame of the ring and without torsion."""
-    contacts, lever = springs.contacts, reducer.design.output.pin_circle_radius
+    contacts, radius = springs.contacts, reducer.design.output.pin_circle_radius
     load = springs.load(torque)
     z, force = np.zeros(load.shape), np.zeros(contacts.distance.shape)
-    of_discs = z[:, :-1].reshape(len(z), -1, 3)
-    of_discs[..., :2] = contacts.cam_place
+    disc_displacements = z[:, :-1].reshape(len(z), -1, 3)
+    disc_displacements[..., :2] = contacts.cam_place
     with announce_compilation():
-        search = balance(contacts, load, z, force, follow)
-    require_balance(search, contacts, load)
-    away = of_discs[..., :2] - contacts.cam_place
-    distance = np.maximum(np.linalg.norm(away, axis=-1), np.finfo(float).tiny)
-    pressed = contacts.cam_stiffness * np.maximum(distance - contacts.cam_clearance, 0.0)
+        residual = balance(contacts, load, z, force, warm_start)
+    require_balance(residual, contacts, load)
+    cam_offsets = disc_displacements[..., :2] - contacts.cam_place
+    distance = np.maximum(np.linalg.norm(cam_offsets, axis=-1), np.finfo(float).tiny)
+    cam_forces = contacts.cam_stiffness * np.maximum(distance - contacts.cam_clearance, 0.0)
     output = force[:, springs.teeth :]
-    moments = (-output * contacts.slope[:, springs.teeth :, -1]).reshape(len(z), of_discs.shape[1], -1).sum(axis=-1)
+    moments = (
+        (-output * contacts.slope[:, springs.teeth :, -1]).reshape(len(z), disc_displacements.shape[1], -1).sum(axis=-1)
+    )
     return Loads(
         teeth=force[:, : springs.teeth],
         output=output,
-        cam=-(pressed / distance)[..., np.newaxis] * away,
+        cam=-(cam_forces / distance)[..., np.newaxis] * cam_offsets,
         departures=z,
-        gear_turn=of_discs[..., 2].mean(axis=1) / lever,
-        output_turn=z[:, -1] / lever,
+        gear_turn=disc_displacements[..., 2].mean(axis=1) / radius,
+        output_turn=z[:, -1] / radius,
         share=moments / moments.sum(axis=1, keepdims=True),
-        work=search.work / len(z),
+        work=residual.work / len(z),
         friction=springs.friction,
     )
 
 
 def require_balance(residual: Residual, contacts: KernelSprings, load: Array) -> None:
-    """Raise RunError if the residual under loads (k, u) [N] exceeds its tolerance; name friction if it is the cause."""
+    """Raise RunError if the residual under loads (k, u) [N] exceeds its tolerance; name friction if it is the cause.
+
+    Friction is the cause if parts without clearance have no equilibrium with it (`jam.friction_limit`).
+    """
     if residual.force <= RESIDUAL_RTOL:
         return
-    failed = (
+    failure = (
         f"no static equilibrium found: the residual is {residual.force:.3g} of the load (allowed: {RESIDUAL_RTOL:.0e})"
     )
     remedy = "check the clearances (clearance.*), or reduce the load (--load-nm)"
     if not contacts.rubbing.size:
-        raise RunError(f"{failed}; {remedy}")
+        raise RunError(f"{failure}; {remedy}")
     limit = friction_limit(contacts, residual.angle, load[residual.angle])
     if limit < JAM.max_friction:
-        near = "; close to this limit, forces are many times the load" * (limit >= 1.0)
+        near_limit = "; close to this limit, forces are many times the load" * (limit >= 1.0)
         raise RunError(
             "no static equilibrium: friction jams the drive under this load at any crank torque (without clearance, "
-            f"equilibrium exists only up to {limit:.0%} of the friction{near}). Reduce the friction coefficients "
+            f"equilibrium exists only up to {limit:.0%} of the friction{near_limit}). Reduce the friction coefficients "
             "(friction.*)"
         )
     raise RunError(
-        f"{failed}. Friction is not the cause, because without clearance the parts are in equilibrium up to "
+        f"{failure}. Friction is not the cause, because without clearance the parts are in equilibrium up to "
         f"{JAM.max_friction:.0%} of the friction. {remedy[0].upper()}{remedy[1:]}"
     )
 
@@ -268,32 +286,32 @@ def powers(reducer: Reducer, torque: float, crank: npt.ArrayLike | None = None) 
         There is no equilibrium, for example because friction jams the reducer.
     """
     design = reducer.design
-    springs, way, speed = springs_of(reducer, crank), np.sign(design.drive.speed), abs(design.drive.speed)
-    on_crank, on_output = drag_torques(reducer)
-    contact_loads = loads(reducer, springs, float(way) * (torque + on_output), follow=True)
+    springs, direction, speed = springs_of(reducer, crank), np.sign(design.drive.speed), abs(design.drive.speed)
+    crank_drag, output_drag = drag_torques(reducer)
+    contact_loads = loads(reducer, springs, float(direction) * (torque + output_drag), follow=True)
     losses = friction_losses(reducer, springs, contact_loads)
-    seals = np.array(on_crank * speed + on_output * speed / design.reduction)
-    mean = {part: float(np.mean(lost)) for part, lost in {**losses, "seals": seals}.items()}
+    seals = np.array(crank_drag * speed + output_drag * speed / design.reduction)
+    mean_losses = {part: float(np.mean(lost)) for part, lost in {**losses, "seals": seals}.items()}
     supplied = torque * speed / design.reduction
-    return Powers(supplied + sum(mean.values()), -supplied, mean)
+    return Powers(supplied + sum(mean_losses.values()), -supplied, mean_losses)
 
 
 def friction_losses(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[str, Array]:
-    """Compute the friction losses at each crank angle [W], shape (m,)."""
+    """Compute the friction power of teeth, cam and output pins at each crank angle [W], shape (m,), by part."""
     design = reducer.design
     slip, count = np.abs(springs.slip), springs.teeth
-    turning = abs(float(design.drive.speed - reducer.member.gear_angle(design.drive.speed)))
-    pressed = np.linalg.norm(contact_loads.cam, axis=-1).sum(axis=1)
+    cam_speed = abs(float(design.drive.speed - reducer.member.gear_angle(design.drive.speed)))
+    cam_force = np.linalg.norm(contact_loads.cam, axis=-1).sum(axis=1)
     film = contact_loads.friction
     if film is not None:
-        rubbed = film.contacts * slip
+        friction_speeds = film.contacts * slip
         return {
-            "teeth": np.sum(rubbed[:, :count] * contact_loads.teeth, axis=1),
-            "cam": film.cam * design.gear.bore_radius * turning * pressed,
-            "output": np.sum(rubbed[:, count:] * contact_loads.output, axis=1),
+            "teeth": np.sum(friction_speeds[:, :count] * contact_loads.teeth, axis=1),
+            "cam": film.cam * design.gear.bore_radius * cam_speed * cam_force,
+            "output": np.sum(friction_speeds[:, count:] * contact_loads.output, axis=1),
         }
     return {
         "teeth": design.mesh_friction * np.sum(contact_loads.teeth * slip[:, :count], axis=1),
-        "cam": design.friction_of("cam") * design.gear.bore_radius * turning * pressed,
+        "cam": design.friction_of("cam") * design.gear.bore_radius * cam_speed * cam_force,
         "output": design.friction_of("output") * np.sum(contact_loads.output * slip[:, count:], axis=1),
     }

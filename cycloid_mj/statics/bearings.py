@@ -42,11 +42,14 @@ class Planes:
         x, y = np.einsum("d,mdi->im", self.place, self.force)
         return np.stack([-y, x], axis=1)
 
-    def held_at(self, far: float, near: float) -> tuple[Array, Array]:
-        """Compute the reactions of two bearings at axial positions [m] on the part as a beam [N], shape (m, 2) each."""
-        share = (self.place - far) / (near - far)
-        at_near = -np.einsum("d,mdi->mi", share, self.force)
-        return -self.net - at_near, at_near
+    def reactions_at(self, far_position: float, near_position: float) -> tuple[Array, Array]:
+        """Compute the reactions of a far and a near bearing on the part as a beam [N], shape (m, 2) each.
+
+        Bearings are at axial positions [m].
+        """
+        near_share = (self.place - far_position) / (near_position - far_position)
+        near_reaction = -np.einsum("d,mdi->mi", near_share, self.force)
+        return -self.net - near_reaction, near_reaction
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,29 +76,29 @@ class Reactions:
     output_near: Array | None
 
 
-def reactions(reducer: Reducer, springs: Springs, contact_loads: Loads) -> Reactions:
-    """Compute the bearing reactions to static forces, without weight and unbalance of shaft and output."""
+def compute_reactions(reducer: Reducer, springs: Springs, contact_loads: Loads) -> Reactions:
+    """Compute the bearing reactions to the static contact forces, without weight and unbalance of shaft and output."""
 
-    def by_disc(forces: Array, directions: Array) -> Array:
-        """Add the reactions to the normal forces on each disc, shape (m, D, 2)."""
-        each = (forces[..., np.newaxis] * directions).reshape(len(forces), contact_loads.discs, -1, 2)
-        return np.asarray(-each.sum(axis=2))
+    def sum_by_disc(forces: Array, directions: Array) -> Array:
+        """Sum the reactions to the normal forces on each disc [N], (m, D, 2), from forces and their directions."""
+        reactions = (forces[..., np.newaxis] * directions).reshape(len(forces), contact_loads.discs, -1, 2)
+        return np.asarray(-reactions.sum(axis=2))
 
     on_discs = springs.directions
-    output = by_disc(contact_loads.output, on_discs[:, springs.teeth :])
-    ring = by_disc(contact_loads.teeth, on_discs[:, : springs.teeth])
-    return spatial(reducer, -contact_loads.cam, output, ring)
+    output = sum_by_disc(contact_loads.output, on_discs[:, springs.teeth :])
+    ring = sum_by_disc(contact_loads.teeth, on_discs[:, : springs.teeth])
+    return compute_spatial_reactions(reducer, -contact_loads.cam, output, ring)
 
 
-def spatial(reducer: Reducer, shaft: Array, output: Array, ring: Array) -> Reactions:
+def compute_spatial_reactions(reducer: Reducer, shaft: Array, output: Array, ring: Array) -> Reactions:
     """Compute the bearing reactions to forces of each disc on shaft, output and ring [N], shape (m, D, 2) each."""
     design = reducer.design
     gear = design.gear
     on_shaft, on_output, on_ring = (Planes(force, np.array(gear.disc_planes)) for force in (shaft, output, ring))
     far, near = (0.5 * sum(seat) for seat in bearing_seats(reducer))
-    answers = on_shaft.held_at(far, near)
-    ends: tuple[Array | None, Array | None] = (None, None)
+    shaft_reactions = on_shaft.reactions_at(far, near)
+    output_reactions: tuple[Array | None, Array | None] = (None, None)
     if design.output.support == "both_ends":
-        plate = 0.5 * gear.stack_width + AXIAL_GAP + 0.5 * design.output.disc_thickness
-        ends = on_output.held_at(-plate, plate)
-    return Reactions(on_shaft, on_output, on_ring, *answers, *ends)
+        disc_position = 0.5 * gear.stack_width + AXIAL_GAP + 0.5 * design.output.disc_thickness
+        output_reactions = on_output.reactions_at(-disc_position, disc_position)
+    return Reactions(on_shaft, on_output, on_ring, *shaft_reactions, *output_reactions)

@@ -18,11 +18,28 @@ from cycloid_mj.lubrication.mixed import FilmLaw, MixedFriction, journal_frictio
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import Gaps
 
-MIN_CURVATURE = 1.0
-"""Smallest relative curvature of a line contact [1/m]: where a flank fits its pin closer, they are conformal."""
 
-ROLLER_PLAY = 1e-3
-"""Radial clearance of a plain roller on its core over the radius, of a running fit (assumed)."""
+@dataclass(frozen=True)
+class FilmAssumptions:
+    """Assumed dimensions and factors of the film law.
+
+    Attributes
+    ----------
+    min_curvature
+        Smallest relative curvature of a line contact [1/m]: where a flank fits its pin closer, they are conformal.
+    roller_play
+        Radial clearance of a plain roller on its core over the radius, of a running fit.
+    roller_load_factor, roller_idle_factor
+        Palmgren's f1 of needle rollers, and f0 of rollers of unknown make (cylindrical 1 to 3, needle 5 to 12; Harris).
+    """
+
+    min_curvature: float = 1.0
+    roller_play: float = 1e-3
+    roller_load_factor: float = 0.0005
+    roller_idle_factor: float = 3.0
+
+
+ASSUMED = FilmAssumptions()
 
 PART_OF_PAIR = {"cam": ("crank", "disc"), "output": ("disc", "output")}
 """Parts whose mean temperature is that of the lubricant in a pair; others are between disc and ring."""
@@ -55,9 +72,6 @@ class FilmInputs:
 
 
 DESIGN_INPUTS = FilmInputs()
-
-ROLLER_LOAD_FACTOR, ROLLER_IDLE_FACTOR = 0.0005, 3.0
-"""Palmgren's f1 of needle rollers, and f0 of rollers of unknown make (cylindrical 1 to 3, needle 5 to 12; Harris)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +129,7 @@ class FilmSurfaces:
     def flank_friction(self, force: Array) -> MixedFriction:
         """Compute the friction of the disc on pins that do not turn; forces [N] broadcast with the phases."""
         design = self.reducer.design
-        law, length = law_of(self.reducer, design.tooth_pair, self.inputs), design.line_length(design.tooth_pair)
+        law, length = film_law(self.reducer, design.tooth_pair, self.inputs), design.line_length(design.tooth_pair)
         modulus = self.reducer.contacts.teeth.modulus
         return line_friction(law, force, self.flank.entrainment, self.flank.sliding, self.radius, length, modulus)
 
@@ -124,13 +138,13 @@ class FilmSurfaces:
         design, seat = self.reducer.design, self.seat
         if seat is None:
             return None
-        law, length = law_of(self.reducer, design.tooth_pair, self.inputs), design.line_length(design.tooth_pair)
+        law, length = film_law(self.reducer, design.tooth_pair, self.inputs), design.line_length(design.tooth_pair)
         play = self.inputs.play * design.pin_play
         in_seat = journal_friction(law, force, seat.entrainment, seat.sliding, _seat_radius(self.reducer), play, length)
         return in_seat.scaled(self.seat_scale)
 
-    def easier_friction(self, force: Array) -> tuple[MixedFriction, Mask]:
-        """Compute the smaller friction of flank and seat, and whether it is that of the seat, so that pins roll."""
+    def smaller_friction(self, force: Array) -> tuple[MixedFriction, Mask]:
+        """Compute the smaller friction of flank and seat, and whether it is the seat's, so that pins roll."""
         flank, seat = self.flank_friction(force), self.seat_friction(force)
         if seat is None:
             return flank, np.zeros(flank.coefficient.shape, dtype=bool)
@@ -140,12 +154,15 @@ class FilmSurfaces:
         ), rolls
 
     def output_friction(self, force: Array) -> MixedFriction | None:
-        """Compute the friction of holes on output pins, of plain rollers at their rim; None on needles."""
+        """Compute the friction of holes on output pins, of plain rollers at their rim; None on needles.
+
+        `force` is the normal force of each contact [N].
+        """
         design = self.reducer.design
         output, gear = design.output, self.reducer.tooth_profile
         if output.has_needles:
             return None
-        law, length = law_of(self.reducer, "output", self.inputs), design.line_length("output")
+        law, length = film_law(self.reducer, "output", self.inputs), design.line_length("output")
         speeds = hole_speeds(gear, output.pin_radius, output.hole_radius, mesh_speed(self.reducer))
         if not output.rollers:
             contact = self.reducer.contacts["output"]
@@ -153,20 +170,22 @@ class FilmSurfaces:
             return line_friction(law, force, speeds.entrainment, speeds.sliding, radius, length, contact.modulus)
         scale = output.root_radius / output.pin_radius
         core = SurfaceSpeeds(scale * speeds.moving, scale * speeds.fixed)
-        play = ROLLER_PLAY * output.root_radius
-        on_core = journal_friction(law, force, core.entrainment, core.sliding, output.root_radius, play, length)
-        return on_core.scaled(scale)
+        play = ASSUMED.roller_play * output.root_radius
+        core_friction = journal_friction(law, force, core.entrainment, core.sliding, output.root_radius, play, length)
+        return core_friction.scaled(scale)
 
     def cam_friction(self, force: Array) -> Array:
-        """Compute the coefficients of cams at their radius, in the shape of the forces [N]."""
+        """Compute the friction coefficients of cams at their radius [1], in the shape of the forces [N]."""
         design, force = self.reducer.design, np.asarray(force, float)
         radius = design.gear.bore_radius
         if design.gear.bearing == "rolling":
-            coefficient = self.inputs.load_friction * ROLLER_LOAD_FACTOR * cam_mean_diameter(self.reducer) / radius
+            coefficient = (
+                self.inputs.load_friction * ASSUMED.roller_load_factor * cam_mean_diameter(self.reducer) / radius
+            )
             return np.full(force.shape, coefficient)
         # the load turns with the cam, so only the disc's bore passes the contact
         speed = mesh_speed(self.reducer) * design.ring.teeth / design.lobes * radius
-        law, play = law_of(self.reducer, "cam", self.inputs), design.clearance.cam
+        law, play = film_law(self.reducer, "cam", self.inputs), design.clearance.cam
         return journal_friction(law, force, 0.5 * speed, speed, radius, play, design.line_length("cam")).coefficient
 
 
@@ -193,7 +212,7 @@ class FilmContacts:
         return replace(self, surfaces=replace(self.surfaces, inputs=inputs))
 
     def friction(self, teeth: Array, output: Array, cam: Array) -> FilmFriction:
-        """Compute the friction of all contacts.
+        """Compute the film friction of all contacts under given normal forces.
 
         Parameters
         ----------
@@ -202,17 +221,17 @@ class FilmContacts:
         cam
             Magnitude of the force of each cam [N], shape (m, D).
         """
-        on_teeth, rolls = self.surfaces.easier_friction(teeth)
-        on_output = self.surfaces.output_friction(output)
+        tooth_friction, rolls = self.surfaces.smaller_friction(teeth)
+        output_friction = self.surfaces.output_friction(output)
         rolling = self.surfaces.reducer.design.friction_of("output")
-        coefficient = rolling if on_output is None else on_output.coefficient
-        contacts = np.concatenate([on_teeth.coefficient, np.broadcast_to(coefficient, output.shape)], axis=1)
-        total = max(float(np.sum(cam)), np.finfo(float).tiny)
-        mean = float(np.sum(self.surfaces.cam_friction(cam) * cam) / total)
-        return FilmFriction(contacts, mean, on_teeth, on_output, rolls)
+        coefficient = rolling if output_friction is None else output_friction.coefficient
+        contacts = np.concatenate([tooth_friction.coefficient, np.broadcast_to(coefficient, output.shape)], axis=1)
+        total_cam = max(float(np.sum(cam)), np.finfo(float).tiny)
+        mean_cam = float(np.sum(self.surfaces.cam_friction(cam) * cam) / total_cam)
+        return FilmFriction(contacts, mean_cam, tooth_friction, output_friction, rolls)
 
-    def at_working_forces(self) -> FilmFriction:
-        """Compute the friction of all contacts under the working force of each kind of pair."""
+    def friction_at_working_forces(self) -> FilmFriction:
+        """Compute the film friction of all contacts under the working force of each kind of pair."""
         reducer, shape = self.surfaces.reducer, self.surfaces.radius.shape
         teeth, output, cam = (reducer.contacts[kind].force for kind in (reducer.design.tooth_pair, "output", "cam"))
         return self.friction(
@@ -222,29 +241,34 @@ class FilmContacts:
         )
 
 
-def film_surfaces(reducer: Reducer, B: Array, curvature: Array) -> FilmSurfaces:
-    """Build the surfaces at phases [rad] of any shape, with the relative curvature of the teeth there [1/m]."""
+def build_film_surfaces(reducer: Reducer, phases: Array, curvature: Array) -> FilmSurfaces:
+    """Build the surfaces of the mesh at phases of the pins [rad], with the teeth's relative curvature [1/m]."""
     gear, speed = reducer.tooth_profile, mesh_speed(reducer)
-    seated = bool(reducer.design.seat_pair)
+    has_seats = bool(reducer.design.seat_pair)
     return FilmSurfaces(
         reducer=reducer,
-        flank=tooth_speeds(gear, B, speed),
-        seat=seat_speeds(gear, B, speed, _seat_radius(reducer)) if seated else None,
-        radius=1.0 / np.maximum(curvature, MIN_CURVATURE),
+        flank=tooth_speeds(gear, phases, speed),
+        seat=seat_speeds(gear, phases, speed, _seat_radius(reducer)) if has_seats else None,
+        radius=1.0 / np.maximum(curvature, ASSUMED.min_curvature),
     )
 
 
-def film_contacts(reducer: Reducer, crank: Array, mesh_gaps: Gaps, teeth: int, motion: Array) -> FilmContacts:
-    """Build the contacts of the film law; crank angles in the frame of the ring [rad], shape (m,).
+def build_film_contacts(reducer: Reducer, crank: Array, mesh_gaps: Gaps, teeth: int, motion: Array) -> FilmContacts:
+    """Build the contacts of the film law at crank angles in the frame of the ring [rad], shape (m,).
 
-    `teeth` is the number of contact lines with the ring in `mesh_gaps`, `motion` the rate of the unknowns.
+    Parameters
+    ----------
+    mesh_gaps, teeth
+        Gaps of all contacts, and the number of contact lines with the ring among them, which come first.
+    motion
+        Rate of the unknowns, shape (m, u), which determines the sliding directions.
     """
     gear = reducer.tooth_profile
     owner, disc = mesh_gaps.owner[:teeth] % gear.ring_teeth, mesh_gaps.disc[:teeth]
-    B = profile.pin_angles(gear)[owner] + np.array(reducer.phases)[disc] + crank[:, np.newaxis]
+    phases = profile.pin_angles(gear)[owner] + np.array(reducer.phases)[disc] + crank[:, np.newaxis]
     sliding = np.einsum("...nu,...u->...n", mesh_gaps.slip_slope, motion)
     return FilmContacts(
-        surfaces=film_surfaces(reducer, B, mesh_gaps.relative_curvature[:, :teeth]),
+        surfaces=build_film_surfaces(reducer, phases, mesh_gaps.relative_curvature[:, :teeth]),
         studs=mesh_gaps.kind.size - teeth,
         unit_rubbing=-np.sign(sliding)[..., np.newaxis] * mesh_gaps.slip_slope,
     )
@@ -262,8 +286,8 @@ def lubricant_temperature(reducer: Reducer, pair: str) -> float:
     return 0.5 * float(getattr(thermal, first) + getattr(thermal, second))
 
 
-def law_of(reducer: Reducer, pair: str, inputs: FilmInputs = DESIGN_INPUTS) -> FilmLaw:
-    """Return the film law of a kind of mating pair at the temperature of its parts."""
+def film_law(reducer: Reducer, pair: str, inputs: FilmInputs = DESIGN_INPUTS) -> FilmLaw:
+    """Return the film law of a kind of mating pair at the temperature of its parts, with factors on its inputs."""
     friction, temperature = reducer.design.friction, lubricant_temperature(reducer, pair)
     oil = lubricant(friction.lubricant)
     law = FilmLaw(
@@ -289,7 +313,7 @@ def film_text(reducer: Reducer) -> str:
 
 
 def film_assumption(reducer: Reducer) -> str:
-    """Describe the friction of a rotating crank, in a sentence."""
+    """Describe the mixed friction of a rotating crank, in a sentence."""
     friction = reducer.design.friction
     return (
         f"mixed friction of a rotating crank with {friction.lubricant}: film thickness by {friction.film_formula}, "
@@ -304,7 +328,7 @@ def cam_mean_diameter(reducer: Reducer) -> float:
 
 
 def drag_torques(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[float, float]:
-    """Return the drag on crank and output that does not depend on the load [N m].
+    """Return the drag torques on crank and output that do not depend on the load [N m].
 
     With the law ``film`` these are the seals by ISO/TR 14179-2, unless the design states `drag`, and Palmgren's M0 of
     the rolling cams, as a torque on the crank; else those of the design.
@@ -323,14 +347,14 @@ def drag_torques(reducer: Reducer, inputs: FilmInputs = DESIGN_INPUTS) -> tuple[
         viscosity = inputs.viscosity * lubricant(design.friction.lubricant).kinematic_viscosity(
             lubricant_temperature(reducer, "cam")
         )
-        factor = inputs.idle_friction * ROLLER_IDLE_FACTOR * design.gear.discs
+        factor = inputs.idle_friction * ASSUMED.roller_idle_factor * design.gear.discs
         per_crank = turning / abs(design.drive.speed) if design.drive.speed else 1.0
         crank += per_crank * idle_torque(factor, cam_mean_diameter(reducer), turning, viscosity)
     return crank, output
 
 
 def seal_torques(reducer: Reducer) -> tuple[float, float]:
-    """Return the friction torques of the seals on the shaft and on the hub of the output [N m].
+    """Return the friction torques of the radial seals on the shaft and on the hub of the output [N m].
 
     Without covers the output has none.
     """

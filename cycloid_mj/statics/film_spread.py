@@ -73,25 +73,31 @@ class Spread:
 
 @cache
 def sample_inputs(count: int = SAMPLES) -> tuple[tuple[FilmInputs, ...], Array]:
-    """Return samples of the inputs, and their places in the ranges from 0 to 1, shape (count, inputs)."""
+    """Return samples of the film law's inputs, and their positions in the ranges from 0 to 1, shape (count, inputs).
+
+    They are a scrambled Sobol sequence with a fixed seed.
+    """
     from scipy.stats import qmc
 
-    places = qmc.Sobol(len(RANGES), seed=SEED).random(count)
-    columns = [
+    positions = qmc.Sobol(len(RANGES), seed=SEED).random(count)
+    factors = [
         np.exp(np.log(item.low) + place * np.log(item.high / item.low))
         if item.logarithmic
         else item.low + place * (item.high - item.low)
-        for item, place in zip(RANGES.values(), places.T, strict=True)
+        for item, place in zip(RANGES.values(), positions.T, strict=True)
     ]
-    rows = np.stack(columns, axis=1).tolist()
-    return tuple(FilmInputs(**dict(zip(RANGES, row, strict=True))) for row in rows), places
+    rows = np.stack(factors, axis=1).tolist()
+    return tuple(FilmInputs(**dict(zip(RANGES, row, strict=True))) for row in rows), positions
 
 
-def spread_of(value: float, outcomes: Sequence[float] | Array, places: Array) -> Spread:
-    """Return the spread of outcomes, shape (n,), at places of the inputs, shape (n, inputs)."""
+def compute_spread(value: float, outcomes: Sequence[float] | Array, positions: Array) -> Spread:
+    """Return the 5 to 95 % interval of outcomes, shape (n,), and the share of each input in their variance.
+
+    Shares follow from a linear regression over the positions of the inputs in their ranges, shape (n, inputs).
+    """
     outcomes = np.asarray(outcomes, float)
     low, high = np.percentile(outcomes, PERCENTILES)
-    scaled = (places - places.mean(axis=0)) / places.std(axis=0)
+    scaled = (positions - positions.mean(axis=0)) / positions.std(axis=0)
     slopes, *_ = np.linalg.lstsq(scaled, outcomes - outcomes.mean(), rcond=None)
     shares = slopes**2 / max(float(outcomes.var()), np.finfo(float).tiny)
     order = np.argsort(-shares)
@@ -101,7 +107,7 @@ def spread_of(value: float, outcomes: Sequence[float] | Array, places: Array) ->
 
 @once
 def lost_powers(reducer: Reducer, torque: float, samples: int = SAMPLES) -> tuple[float, Array]:
-    """Compute the power lost under an output torque [N m] with the law ``film``: its mean, and that of each sample [W].
+    """Compute the power lost under an output torque [N m] with the law ``film``: of the design, and of samples [W].
 
     Samples keep the contact forces of the design's own inputs; that forces grow with friction is included by a second
     equilibrium, at `PROBE`. Errors as `balance.powers`.
@@ -109,32 +115,36 @@ def lost_powers(reducer: Reducer, torque: float, samples: int = SAMPLES) -> tupl
     design, speed = reducer.design, abs(reducer.design.drive.speed)
     springs, sign = springs_of(reducer), np.sign(design.drive.speed)
     assert springs.film is not None
-    carried = float(sign) * (torque + drag_torques(reducer)[1])
-    balanced = loads(reducer, springs, carried, follow=True)
-    lost = _contact_losses(reducer, springs, balanced)
-    probe = replace(springs, film=springs.film.with_inputs(PROBE))
-    fixed = _contact_losses(reducer, probe, balanced)
-    raised = _contact_losses(reducer, probe, loads(reducer, probe, carried, follow=True))
-    growth = (raised / fixed - 1.0) / (fixed / lost - 1.0) if fixed != lost else 0.0
+    contact_torque = float(sign) * (torque + drag_torques(reducer)[1])
+    own_loads = loads(reducer, springs, contact_torque, follow=True)
+    own_loss = _contact_losses(reducer, springs, own_loads)
+    probe_springs = replace(springs, film=springs.film.with_inputs(PROBE))
+    fixed_loss = _contact_losses(reducer, probe_springs, own_loads)
+    raised_loss = _contact_losses(reducer, probe_springs, loads(reducer, probe_springs, contact_torque, follow=True))
+    growth = (raised_loss / fixed_loss - 1.0) / (fixed_loss / own_loss - 1.0) if fixed_loss != own_loss else 0.0
     outcomes = []
     for inputs in sample_inputs(samples)[0]:
-        alone = _contact_losses(reducer, replace(springs, film=springs.film.with_inputs(inputs)), balanced)
+        sample_loss = _contact_losses(reducer, replace(springs, film=springs.film.with_inputs(inputs)), own_loads)
         crank, output = drag_torques(reducer, inputs)
-        outcomes.append(alone * (1.0 + growth * (alone / lost - 1.0)) + speed * (crank + output / design.reduction))
+        outcomes.append(
+            sample_loss * (1.0 + growth * (sample_loss / own_loss - 1.0)) + speed * (crank + output / design.reduction)
+        )
     crank, output = drag_torques(reducer)
-    return lost + speed * (crank + output / design.reduction), np.array(outcomes)
+    return own_loss + speed * (crank + output / design.reduction), np.array(outcomes)
 
 
 PROBE = FilmInputs(boundary=1.25, viscosity=0.8, load_friction=1.25)
 """Inputs with more friction, for the growth of the forces with it."""
 
 
-def _contact_losses(reducer: Reducer, springs: Springs, balanced: Loads) -> float:
-    """Compute the friction power of all contacts [W] with the film of some springs, at known forces."""
+def _contact_losses(reducer: Reducer, springs: Springs, contact_loads: Loads) -> float:
+    """Compute the friction power of all contacts [W] with the film law of some springs, under known forces."""
     assert springs.film is not None
-    friction = springs.film.friction(balanced.teeth, balanced.output, np.linalg.norm(balanced.cam, axis=-1))
-    lost = friction_losses(reducer, springs, replace(balanced, friction=friction))
-    return sum(float(np.mean(power)) for power in lost.values())
+    friction = springs.film.friction(
+        contact_loads.teeth, contact_loads.output, np.linalg.norm(contact_loads.cam, axis=-1)
+    )
+    losses = friction_losses(reducer, springs, replace(contact_loads, friction=friction))
+    return sum(float(np.mean(power)) for power in losses.values())
 
 
 def efficiency_spread(reducer: Reducer, torque: float, samples: int = SAMPLES) -> Spread:
@@ -142,7 +152,7 @@ def efficiency_spread(reducer: Reducer, torque: float, samples: int = SAMPLES) -
     delivered = torque * abs(reducer.design.drive.speed) / reducer.design.reduction
     lost, outcomes = lost_powers(reducer, torque, samples)
     share = 100.0 * delivered / (delivered + outcomes)
-    return spread_of(100.0 * delivered / (delivered + lost), share, sample_inputs(samples)[1])
+    return compute_spread(100.0 * delivered / (delivered + lost), share, sample_inputs(samples)[1])
 
 
 def back_driving_efficiency_spread(reducer: Reducer, torque: float, samples: int = SAMPLES) -> Spread:
@@ -150,4 +160,4 @@ def back_driving_efficiency_spread(reducer: Reducer, torque: float, samples: int
     supplied = torque * abs(reducer.design.drive.speed) / reducer.design.reduction
     lost, outcomes = lost_powers(reducer, -torque, samples)
     share = 100.0 * np.maximum(1.0 - outcomes / supplied, 0.0)
-    return spread_of(100.0 * max(1.0 - lost / supplied, 0.0), share, sample_inputs(samples)[1])
+    return compute_spread(100.0 * max(1.0 - lost / supplied, 0.0), share, sample_inputs(samples)[1])

@@ -8,10 +8,11 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import Gaps
 
 
-def rubbing(reducer: Reducer, mesh_gaps: Gaps, motion: Array) -> Array:
-    """Compute the generalised friction of each contact per normal force [1], shape (..., n, u).
+def compute_rubbing(reducer: Reducer, mesh_gaps: Gaps, motion: Array) -> Array:
+    """Compute the generalised Coulomb friction of each contact per normal force [1], shape (..., n, u).
 
     `motion` is the rate of the unknowns, shape (..., u): `mechanism.gaps.ideal_motion` times the crank's speed.
+    Friction opposes the sliding of the ideal parts.
     """
     sliding = np.einsum("...nu,...u->...n", mesh_gaps.slip_slope, motion)
     coefficient = np.where(
@@ -20,34 +21,37 @@ def rubbing(reducer: Reducer, mesh_gaps: Gaps, motion: Array) -> Array:
     return np.asarray(-(coefficient * np.sign(sliding))[..., np.newaxis] * mesh_gaps.slip_slope)
 
 
-def lacking_friction(reducer: Reducer) -> tuple[float, float]:
-    """Estimate the friction losses missing below creep speed, relative to those of teeth and pins, and to output.
+def missing_friction(reducer: Reducer) -> tuple[float, float]:
+    """Estimate the friction losses missing below creep speed, over those of teeth and pins, and over the output power.
 
     A contact with force F that slides at v below v0 F/F_w, with the creep speed v0 and the working force F_w, loses v
     F_w/(v0 F) of Coulomb's mu F v. The teeth share the load of a disc that only rotates, by t, against pins with full
     clearance: F = K max(a t - clearance, 0) at the arm a. With weight, or if the disc moves aside, it may be twice
-    that. A moving pin or sleeve divides the sliding between its two contacts, which extends the range to higher speeds.
+    that. A moving pin or sleeve divides the sliding between its two contacts, which extends the range to higher
+    speeds.
     """
     design, gear = reducer.design, reducer.tooth_profile
     torque = reducer.contacts.working_load / design.gear.discs
     speed = abs(float(reducer.member.against_ring(design.drive.speed)))
     crank = np.arange(12) / 12 * 2.0 * np.pi / gear.ring_teeth
-    B = profile.pin_angles(gear) + crank[:, np.newaxis]
+    phases = profile.pin_angles(gear) + crank[:, np.newaxis]
     play = sum(getattr(design.clearance, kind) for kind in (design.tooth_pair, design.seat_pair) if kind)
-    teeth = _sharing_with_play(profile.moment_arm(gear, B), torque, play, reducer.contacts.mesh_stiffness)
+    teeth = _share_with_play(profile.moment_arm(gear, phases), torque, play, reducer.contacts.mesh_stiffness)
     pins = ideal_loads.ideal_output_forces(gear, design.output.pins, design.output.pin_circle_radius, torque, crank)
-    sliding = np.abs(profile.pitch_distance(gear, B) - gear.pin_radius) * speed / gear.lobes
-    circling = gear.eccentricity * speed * gear.ring_teeth / gear.lobes
-    lost, lacking = 0.0, 0.0
-    for kind, friction, force, rate, creeping in (
+    sliding = np.abs(profile.pitch_distance(gear, phases) - gear.pin_radius) * speed / gear.lobes
+    hole_speed = gear.eccentricity * speed * gear.ring_teeth / gear.lobes
+    total_loss, missing_loss = 0.0, 0.0
+    for kind, friction, force, slip, contact_count in (
         (design.tooth_pair, design.mesh_friction, teeth, sliding, _creeping_contacts(reducer)),
-        ("output", design.friction_of("output"), pins, np.full_like(pins, circling), 1.0),
+        ("output", design.friction_of("output"), pins, np.full_like(pins, hole_speed), 1.0),
     ):
-        loss = friction * force * rate
-        whole = creeping * reducer.contacts.creep_speed * force / reducer.contacts[kind].force
-        lost += float(np.mean(np.sum(loss, axis=1)))
-        lacking += float(np.mean(np.sum(loss * np.maximum(1.0 - rate / np.maximum(whole, 1e-12), 0.0), axis=1)))
-    return (lacking / lost, lacking * gear.lobes / (torque * speed)) if lost else (0.0, 0.0)
+        loss = friction * force * slip
+        full_speed = contact_count * reducer.contacts.creep_speed * force / reducer.contacts[kind].force
+        total_loss += float(np.mean(np.sum(loss, axis=1)))
+        missing_loss += float(
+            np.mean(np.sum(loss * np.maximum(1.0 - slip / np.maximum(full_speed, 1e-12), 0.0), axis=1))
+        )
+    return (missing_loss / total_loss, missing_loss * gear.lobes / (torque * speed)) if total_loss else (0.0, 0.0)
 
 
 def _creeping_contacts(reducer: Reducer) -> float:
@@ -61,41 +65,45 @@ def _creeping_contacts(reducer: Reducer) -> float:
     outer, inner = design.friction_of(design.tooth_pair), design.friction_of(seat) if seat else 0.0
     if not ring.has_pin_bodies or not min(outer, inner) > 0.0:
         return 1.0
-    seated = ring.sleeve_bore_radius / ring.pin_radius if ring.has_sleeves else 1.0
-    least = min(outer, seated * inner)
-    return least / outer + least / (seated**2 * inner)
+    radius_ratio = ring.sleeve_bore_radius / ring.pin_radius if ring.has_sleeves else 1.0
+    smaller_limit = min(outer, radius_ratio * inner)
+    return smaller_limit / outer + smaller_limit / (radius_ratio**2 * inner)
 
 
-def _sharing_with_play(arms: Array, torque: float, play: float, stiffness: float) -> Array:
-    """Compute the forces of teeth [N] at arms [m], both (n, N), under a torque [N m] with a clearance [m]."""
+def _share_with_play(arms: Array, torque: float, play: float, stiffness: float) -> Array:
+    """Compute the forces of teeth [N] at arms [m], both (n, N), under a torque [N m] with a clearance `play` [m].
+
+    The disc only rotates; its rotation is found by bisection at each of n angles. `stiffness` is that of a tooth
+    [N/m].
+    """
     arms = np.maximum(arms, 0.0)
-    least = np.zeros(len(arms))
-    most = 2.0 * (play / arms.max(axis=1) + torque / (stiffness * np.max(arms**2, axis=1)))
+    lower = np.zeros(len(arms))
+    upper = 2.0 * (play / arms.max(axis=1) + torque / (stiffness * np.max(arms**2, axis=1)))
     for _ in range(50):  # bisection to rounding
-        turn = 0.5 * (least + most)
-        enough = np.sum(arms * stiffness * np.maximum(arms * turn[:, np.newaxis] - play, 0.0), axis=1) > torque
-        least, most = np.where(enough, least, turn), np.where(enough, turn, most)
-    return np.asarray(stiffness * np.maximum(arms * most[:, np.newaxis] - play, 0.0))
+        rotation = 0.5 * (lower + upper)
+        is_above = np.sum(arms * stiffness * np.maximum(arms * rotation[:, np.newaxis] - play, 0.0), axis=1) > torque
+        lower, upper = np.where(is_above, lower, rotation), np.where(is_above, rotation, upper)
+    return np.asarray(stiffness * np.maximum(arms * upper[:, np.newaxis] - play, 0.0))
 
 
 def ideal_losses(reducer: Reducer, crank: Array, friction: float) -> tuple[float, float, float]:
-    """Compute the ideal friction losses of mesh, output pins and cam, relative to the output power.
+    """Compute the ideal friction losses of mesh, output pins and cam, relative to the output power [1].
 
-    Means over crank angles [rad] (n,) under the design's own load and ideal sharing; `friction` is that of the mesh.
-    A contact at l - rho from the pitch point slides at (l - rho) w/(N-1). Friction acts about the gear's centre with
-    the arm s = l - rho + c (N-1) cos(B - alpha), against the gear's turning: the normal forces rise by
-    1/(1 - mu sum F s / sum F arm). In the holes the gear slides at c w N/(N-1): its centre orbits while both turn back.
-    The cam of radius R slides, or rolls with a bearing's coefficient, at R w N/(N-1) under its whole force.
+    Means over crank angles [rad] (n,) under the design's own load and ideal sharing; `friction` is that of the mesh. A
+    contact at l - rho from the pitch point slides at (l - rho) w/(N-1). Friction acts about the gear's centre with the
+    arm s = l - rho + c (N-1) cos(B - alpha), against the gear's turning: the normal forces rise by 1/(1 - mu sum F s /
+    sum F arm). In the holes the gear slides at c w N/(N-1): its centre orbits while both turn back. The cam of radius R
+    slides, or rolls with a bearing's coefficient, at R w N/(N-1) under its whole force.
     """
     design = reducer.design
     gear, load, output = reducer.tooth_profile, design.load.torque, design.output
-    B = profile.pin_angles(gear) + crank[:, np.newaxis]
-    reach = profile.pitch_distance(gear, B) - gear.pin_radius
+    phases = profile.pin_angles(gear) + crank[:, np.newaxis]
+    distances = profile.pitch_distance(gear, phases) - gear.pin_radius
     ring = ideal_loads.ideal_load_sharing(gear, load, crank)
     forces = ring.forces
-    arm = reach + gear.eccentricity * gear.lobes * np.cos(B - profile.conjugate_alpha(gear, B))
-    raised = 1.0 / (1.0 - friction * np.sum(forces * arm, axis=1) / load)
-    mesh = friction * np.mean(raised * np.sum(forces * reach, axis=1)) / load
+    arm = distances + gear.eccentricity * gear.lobes * np.cos(phases - profile.conjugate_alpha(gear, phases))
+    friction_factor = 1.0 / (1.0 - friction * np.sum(forces * arm, axis=1) / load)
+    mesh = friction * np.mean(friction_factor * np.sum(forces * distances, axis=1)) / load
     pins = ideal_loads.ideal_output_forces(gear, output.pins, output.pin_circle_radius, load, crank)
     cam = np.linalg.norm(ideal_loads.cam_force(ring, pins, crank), axis=1)
     losses = [

@@ -79,14 +79,19 @@ class Losses:
     load: float = 0.0
 
 
-def course_along(
-    reducer: Reducer, torque: Array, crank: float, losses: Losses, held: Held = "crank", reach: float = math.inf
+def follow_torque_path(
+    reducer: Reducer,
+    torque: Array,
+    crank: float,
+    losses: Losses,
+    locked: Held = "crank",
+    max_rotation: float = math.inf,
 ) -> tuple[Array, Array]:
-    """Compute positions on a torque path and the rotations of the output there [rad], shape (rows,) each; from rest.
+    """Compute the rotation of the output along a torque path with stick-slip friction, from rest.
 
-    A position is an index of `torque`, with fractions between its points. Each point has a row; if the output rotates
-    by more than `reach` between two points, there are rows between them, so that a jump across the backlash appears at
-    its torque.
+    Returns positions on the path and the rotations there [rad], shape (rows,) each. A position is an index of `torque`,
+    with fractions between its points. Each point has a row; if the output rotates by more than `max_rotation` between
+    two points, there are rows between them, so that a jump across the backlash appears at its torque.
 
     Parameters
     ----------
@@ -98,9 +103,9 @@ def course_along(
         Angle at which the crank is locked, or starts [rad].
     losses
         Losses in addition to the friction of the contacts.
-    held
+    locked
         The locked shaft.
-    reach
+    max_rotation
         Largest rotation of the output between rows [rad].
 
     Raises
@@ -108,65 +113,70 @@ def course_along(
     RunError
         A step has no equilibrium, for example because friction jams the reducer.
     """
-    still = reducer.but(drive={"speed": 0.0})
-    if held == "output":
-        still = still.but(environment={"gravity_x": 0.0, "gravity_y": 0.0})
-    springs = springs_of(still, [crank], friction=False)
+    at_rest = reducer.but(drive={"speed": 0.0})
+    if locked == "output":
+        at_rest = at_rest.but(environment={"gravity_x": 0.0, "gravity_y": 0.0})
+    springs = springs_of(at_rest, [crank], friction=False)
     radius = springs.contacts.radius
     path = np.repeat(springs.load(0.0), len(torque), axis=0)
     path[:, -1] = torque / radius
-    rubbing = rubbing_of(still, springs.contacts, crank, losses, held)
-    most = len(path) * (1 if math.isinf(reach) else _SETTINGS.max_rows)
-    z, when = np.zeros((most, path.shape[1])), np.zeros(most)
+    rubbing = build_friction_elements(at_rest, springs.contacts, crank, losses, locked)
+    max_rows = len(path) * (1 if math.isinf(max_rotation) else _SETTINGS.max_rows)
+    displacements, positions = np.zeros((max_rows, path.shape[1])), np.zeros(max_rows)
     with announce_compilation():
-        left, rows = follow_path(springs.contacts, rubbing, path, reach * radius, when, z)
-    if left.force:
+        residual, rows = follow_path(springs.contacts, rubbing, path, max_rotation * radius, positions, displacements)
+    if residual.force:
         raise RunError(
-            f"no static equilibrium along the torque loop: the residual is {left.force:.3g} of the load, but at most "
-            f"{PATH_RESIDUAL_RTOL:.0e} is allowed. Compute the loop at more points, or reduce its torque"
+            f"no static equilibrium along the torque loop: the residual is {residual.force:.3g} of the load, but at "
+            f"most {PATH_RESIDUAL_RTOL:.0e} is allowed. Compute the loop at more points, or reduce its torque"
         )
-    twisted = wind_up(reducer) * np.interp(when[:rows], np.arange(len(torque)), torque)
-    return when[:rows], z[:rows, -1] / radius + twisted
+    torsion = wind_up(reducer) * np.interp(positions[:rows], np.arange(len(torque)), torque)
+    return positions[:rows], displacements[:rows, -1] / radius + torsion
 
 
-def rubbing_of(reducer: Reducer, springs: KernelSprings, crank: float, losses: Losses, held: Held) -> Rubbing:
-    """Return the friction elements of contacts, cams and seals; arguments as in `course_along`.
+def build_friction_elements(
+    reducer: Reducer, springs: KernelSprings, crank: float, losses: Losses, locked: Held
+) -> Rubbing:
+    """Build the friction elements of contacts, cams and seals, in this order; arguments as in `follow_torque_path`.
 
     The springs are those at the crank angle [rad].
     """
     design = reducer.design
     mesh_gaps = arc_gaps(reducer, [crank])
     contacts, discs, seals_count = mesh_gaps.kind.size, springs.cam_place.shape[1], _SETTINGS.seal_elements
-    radius, teeth, bore = springs.radius, design.ring.teeth, design.gear.bore_radius
-    slip = np.zeros((contacts + discs + seals_count, springs.slope.shape[2]))
-    slip[:contacts] = mesh_gaps.slip_slope[0]
+    radius, teeth, bore_radius = springs.radius, design.ring.teeth, design.gear.bore_radius
+    sliding = np.zeros((contacts + discs + seals_count, springs.slope.shape[2]))
+    sliding[:contacts] = mesh_gaps.slip_slope[0]
     cams, seals = slice(contacts, contacts + discs), slice(contacts + discs, None)
-    slip[range(contacts, contacts + discs), range(2, 3 * discs, 3)] = bore / radius
-    slip[seals, -1] = 1.0
-    if held == "output":
+    sliding[range(contacts, contacts + discs), range(2, 3 * discs, 3)] = bore_radius / radius
+    sliding[seals, -1] = 1.0
+    if locked == "output":
         # the crank rotates by N - 1 per rotation of the output, and carries the ideal parts along
-        ahead = ideal_motion(reducer, [crank])[0] * (design.lobes / radius)
-        slip[:contacts, -1] += mesh_gaps.slip_slope[0] @ ahead
-        slip[cams, -1] = -teeth * bore / radius
+        carried_motion = ideal_motion(reducer, [crank])[0] * (design.lobes / radius)
+        sliding[:contacts, -1] += mesh_gaps.slip_slope[0] @ carried_motion
+        sliding[cams, -1] = -teeth * bore_radius / radius
     friction = {kind: design.friction_of(kind) for kind in ("cam", "output")} | {
         design.tooth_pair: design.mesh_friction
     }
     stiffness = np.concatenate([springs.stiffness[0], np.full(discs, springs.cam_stiffness)])
-    drag = np.full(seals_count, losses.drag / radius / seals_count)
-    lossy = losses.material * (np.arange(len(slip)) < contacts + discs)
+    seal_limits = np.full(seals_count, losses.drag / radius / seals_count)
+    material_loss = losses.material * (np.arange(len(sliding)) < contacts + discs)
     return Rubbing(
-        slip=slip,
+        slip=sliding,
         coefficient=np.array(
             [*(friction[kind] for kind in mesh_gaps.kind), *[friction["cam"]] * discs, *[0.0] * seals_count]
         ),
-        drag=drag,
-        stick=np.concatenate([_SETTINGS.sticking_stiffness * stiffness, drag / (radius * slip_turns(losses.travel))]),
-        loss=lossy,
-        backing=np.concatenate([_SETTINGS.unloading_stiffness * stiffness, np.zeros(seals_count)]) * (lossy > 0.0),
+        drag=seal_limits,
+        stick=np.concatenate(
+            [_SETTINGS.sticking_stiffness * stiffness, seal_limits / (radius * slip_rotations(losses.travel))]
+        ),
+        loss=material_loss,
+        backing=np.concatenate([_SETTINGS.unloading_stiffness * stiffness, np.zeros(seals_count)])
+        * (material_loss > 0.0),
     )
 
 
-def slip_turns(travel: float, count: int = _SETTINGS.seal_elements) -> Array:
+def slip_rotations(travel: float, count: int = _SETTINGS.seal_elements) -> Array:
     """Compute the rotations at which the elements of constant friction slip [rad], shape (count,).
 
     Friction that grows as 1 - exp(-x/travel) is that of elements whose limits are distributed as x exp(-x/travel).

@@ -12,7 +12,7 @@ from cycloid_mj.statics.springs import body_force
 
 def ideal_peak(reducer: Reducer, kind: str, crank_angle: Array) -> float:
     """Compute the largest force of a kind of contact by ideal sharing of ``load.torque`` [N]."""
-    return max(_peak(reducer, kind, crank_angle, phase) for phase in reducer.phases)
+    return max(_ideal_peak_of_disc(reducer, kind, crank_angle, phase) for phase in reducer.phases)
 
 
 def ideal_cam(reducer: Reducer, crank_angle: Array) -> Array:
@@ -26,7 +26,7 @@ def _cam(reducer: Reducer, crank: Array, phase: float) -> Array:
     return np.asarray(np.hypot(*force.T))
 
 
-def _peak(reducer: Reducer, kind: str, crank: Array, phase: float) -> float:
+def _ideal_peak_of_disc(reducer: Reducer, kind: str, crank: Array, phase: float) -> float:
     """Compute the largest force of a kind of contact on the disc at a `phase` of the crank [N]."""
     if kind == "cam":
         return float(_cam(reducer, crank, phase).max())
@@ -37,8 +37,8 @@ def _peak(reducer: Reducer, kind: str, crank: Array, phase: float) -> float:
 def _share_load(reducer: Reducer, crank: Array, phase: float) -> tuple[ideal_loads.LoadSharing, Array, Array]:
     """Return ideal forces of ring and output pins on the disc at a `phase`, and crank angles in the ring's frame."""
     design = reducer.design
-    gear, output, turned = reducer.tooth_profile, design.output, reducer.member.against_ring(crank)
+    gear, output, ring_crank = reducer.tooth_profile, design.output, reducer.member.against_ring(crank)
     torque = reducer.share * math.copysign(1.0, design.drive.speed) * design.load.torque / design.gear.discs
-    ring = ideal_loads.ideal_load_sharing(gear, torque, turned + phase)
-    pins = ideal_loads.ideal_output_forces(gear, output.pins, output.pin_circle_radius, torque, turned, phase)
-    return ring, pins, turned
+    ring = ideal_loads.ideal_load_sharing(gear, torque, ring_crank + phase)
+    pins = ideal_loads.ideal_output_forces(gear, output.pins, output.pin_circle_radius, torque, ring_crank, phase)
+    return ring, pins, ring_crank

@@ -37,26 +37,29 @@ class JamFrictionSettings:
 JAM = JamFrictionSettings()
 
 
-def friction_limit(springs: KernelSprings, k: int, load: Array) -> float:
+def friction_limit(springs: KernelSprings, angle_index: int, load: Array) -> float:
     """Compute the largest multiple of the friction, up to `JAM.max_friction`, at which parts without clearance balance.
 
-    The load is (u,) [N] at crank angle number `k`. Each contact is a linear unilateral spring in its ideal pose, each
-    cam a linear spring about its axis: a system that is homogeneous in displacements and load, so that friction alone
-    decides whether it has a solution. It is solved by the Levenberg-Marquardt method, with the friction increased in
-    steps (natural-parameter continuation).
+    The load is (u,) [N] at the crank angle of an index. Each contact is a linear unilateral spring in its ideal pose,
+    each cam a linear spring about its axis: a system that is homogeneous in displacements and load, so that friction
+    alone decides whether it has a solution. It is solved by the Levenberg-Marquardt method, with the friction increased
+    in steps (natural-parameter continuation).
     """
     from scipy.optimize import root
 
-    slopes, rubbing, scale = springs.slope[k], springs.rubbing[k], float(np.abs(load).max())
-    unit = scale / springs.cam_stiffness
+    slopes, rubbing, load_size = springs.slope[angle_index], springs.rubbing[angle_index], float(np.abs(load).max())
+    length_unit = load_size / springs.cam_stiffness
 
-    def residual(z: Array, friction: float) -> Array:
-        forces = springs.stiffness[k] * np.maximum(-slopes @ z * unit, 0.0)
-        rest = load + forces @ (slopes + friction * rubbing)
-        away = z[:-1].reshape(-1, 3)[:, :2] * unit
-        rest[:-1].reshape(-1, 3)[:, :2] -= springs.cam_stiffness * away
-        rest[2:-1:3] += friction * springs.cam_rubbing * springs.cam_stiffness * np.linalg.norm(away, axis=1)
-        return np.asarray(rest / scale)
+    def residual(displacements: Array, friction: float) -> Array:
+        """Compute the residual forces over the load (u,) at scaled displacements and a multiple of the friction."""
+        forces = springs.stiffness[angle_index] * np.maximum(-slopes @ displacements * length_unit, 0.0)
+        unbalanced = load + forces @ (slopes + friction * rubbing)
+        cam_offsets = displacements[:-1].reshape(-1, 3)[:, :2] * length_unit
+        unbalanced[:-1].reshape(-1, 3)[:, :2] -= springs.cam_stiffness * cam_offsets
+        unbalanced[2:-1:3] += (
+            friction * springs.cam_rubbing * springs.cam_stiffness * np.linalg.norm(cam_offsets, axis=1)
+        )
+        return np.asarray(unbalanced / load_size)
 
     z, limit = np.zeros(load.size), 0.0
     for friction in JAM.step * np.arange(round(JAM.max_friction / JAM.step) + 1):

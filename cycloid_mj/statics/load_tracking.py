@@ -23,15 +23,15 @@ Eight drives with clearances of 2 to 250 um at 3 and 10 % of the nominal torque,
 """
 
 
-def inertia_share(reducer: Reducer, turn: Array, load: float) -> float:
+def inertia_share(reducer: Reducer, rotation: Array, load: float) -> float:
     """Compute the rms inertia torque of a load that follows a transmission error, relative to the load [1].
 
-    `turn` is the rotation of the output from its ideal angle [rad] at evenly spaced crank angles of a turn, shape (n,);
-    `load` is the torque on it [N m].
+    `rotation` is that of the output from its ideal angle [rad] at evenly spaced crank angles of a turn, shape (n,),
+    whose second derivative is computed by FFT; `load` is the torque on the output [N m].
     """
-    order = np.fft.rfftfreq(turn.size, 1.0 / turn.size)
-    bent = np.fft.irfft(-(order**2) * np.fft.rfft(turn), turn.size)
-    return float(turning_inertia(reducer) * reducer.design.drive.speed**2 * np.std(bent) / load)
+    orders = np.fft.rfftfreq(rotation.size, 1.0 / rotation.size)
+    second_derivative = np.fft.irfft(-(orders**2) * np.fft.rfft(rotation), rotation.size)
+    return float(turning_inertia(reducer) * reducer.design.drive.speed**2 * np.std(second_derivative) / load)
 
 
 def tracking_warnings(design: Design, quantities: Mapping[str, Quantity]) -> Iterator[str]:

@@ -22,7 +22,7 @@ from cycloid_mj.base.compiling import announce_compilation, njit
 from cycloid_mj.design.model import StructureSprings
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.balance import loads
-from cycloid_mj.statics.friction_path import slip_turns
+from cycloid_mj.statics.friction_path import slip_rotations
 from cycloid_mj.statics.springs import springs_of
 from cycloid_mj.statics.structure import wind_up
 
@@ -60,13 +60,13 @@ NO_LOAD_FRICTION = LoadFriction(0.0, np.zeros(0))
 
 def load_friction(share: float, travel: float) -> LoadFriction:
     """Return friction of a share of the torque of the contacts [1] that builds up over a travel [rad]."""
-    return LoadFriction(share, slip_turns(travel, ELEMENTS)) if share else NO_LOAD_FRICTION
+    return LoadFriction(share, slip_rotations(travel, ELEMENTS)) if share else NO_LOAD_FRICTION
 
 
 def slip_elements(reducer: Reducer) -> SlipElements:
-    """Return the slip elements of the friction of a design's wind-up; empty without such friction."""
+    """Return the slip elements of a design's wind-up, of constant friction and hysteresis; empty without."""
     springs = reducer.design.springs
-    frictions = [
+    components = [
         (size, travel)
         for size, travel in (
             (springs.friction, springs.friction_travel),
@@ -74,9 +74,9 @@ def slip_elements(reducer: Reducer) -> SlipElements:
         )
         if size > 0.0
     ]
-    limits = np.repeat([size / ELEMENTS for size, _ in frictions], ELEMENTS)
-    turns = [slip_turns(travel, ELEMENTS) for _, travel in frictions]
-    return SlipElements(limits, limits / np.concatenate(turns) if turns else limits)
+    limits = np.repeat([size / ELEMENTS for size, _ in components], ELEMENTS)
+    rotations = [slip_rotations(travel, ELEMENTS) for _, travel in components]
+    return SlipElements(limits, limits / np.concatenate(rotations) if rotations else limits)
 
 
 @dataclass(frozen=True)
@@ -87,8 +87,10 @@ class LockedCurve:
     turn: Array
 
 
-def locked_curve(reducer: Reducer, most: float, crank: float) -> LockedCurve:
-    """Solve for the rotation of the output without friction and weight under torques from -`most` to `most` [N m].
+def solve_locked_curve(reducer: Reducer, max_torque: float, crank: float) -> LockedCurve:
+    """Solve for the rotation of the output [rad] with a locked crank under torques up to +-`max_torque` [N m].
+
+    Without friction and weight.
 
     Raises
     ------
@@ -97,104 +99,126 @@ def locked_curve(reducer: Reducer, most: float, crank: float) -> LockedCurve:
     """
     design = reducer.design
     drive = design.drive.model_copy(update={"speed": 0.0})
-    shaped = Reducer(design.model_copy(update={"springs": StructureSprings(), "drive": drive}))
-    curve = _curve(shaped, 2.0 ** math.ceil(math.log2(most)), crank)
-    return replace(curve, turn=curve.turn + (wind_up(reducer) - wind_up(shaped)) * curve.torque)
+    rigid_shafts = Reducer(design.model_copy(update={"springs": StructureSprings(), "drive": drive}))
+    curve = _solve_contact_curve(rigid_shafts, 2.0 ** math.ceil(math.log2(max_torque)), crank)
+    return replace(curve, turn=curve.turn + (wind_up(reducer) - wind_up(rigid_shafts)) * curve.torque)
 
 
 @lru_cache(maxsize=16)
-def _curve(reducer: Reducer, most: float, crank: float) -> LockedCurve:
-    """Solve for the curve of the contacts; torsion is added later, so that a fit of torsion needs no new solution."""
-    still = reducer.but(environment={"gravity_x": 0.0, "gravity_y": 0.0})
+def _solve_contact_curve(reducer: Reducer, max_torque: float, crank: float) -> LockedCurve:
+    """Solve for the curve of the contacts up to a torque [N m] at a crank angle [rad], without torsion.
+
+    Torsion is added later, so that a fit of torsion needs no new solution.
+    """
+    weightless = reducer.but(environment={"gravity_x": 0.0, "gravity_y": 0.0})
     shares = np.array(SHARES)
-    springs = springs_of(still, np.full(len(shares), crank), friction=False)
+    springs = springs_of(weightless, np.full(len(shares), crank), friction=False)
     # from the largest torque down: solutions with barely touching contacts start from those with firm contact
-    falling = most * shares[::-1]
-    sides = [loads(still, springs, way * falling, follow=True).output_turn[::-1] for way in (-1.0, 1.0)]
+    decreasing = max_torque * shares[::-1]
+    sides = [loads(weightless, springs, sign * decreasing, follow=True).output_turn[::-1] for sign in (-1.0, 1.0)]
     # the line through the two smallest torques extrapolates to the point where the contacts close
     stops = [side[0] - (side[1] - side[0]) * shares[0] / (shares[1] - shares[0]) for side in sides]
     # a small torque across the backlash, so that the torque is unique at every rotation
-    torque = most * np.concatenate([-shares[::-1], [-1e-6, 1e-6], shares])
-    turn = np.concatenate([sides[0][::-1], [stops[0], stops[1]], sides[1]])
-    return LockedCurve(torque, np.maximum.accumulate(turn))
+    torque = max_torque * np.concatenate([-shares[::-1], [-1e-6, 1e-6], shares])
+    rotation = np.concatenate([sides[0][::-1], [stops[0], stops[1]], sides[1]])
+    return LockedCurve(torque, np.maximum.accumulate(rotation))
 
 
-def locked_course(curve: LockedCurve, elements: SlipElements, torque: Array) -> Array:
+def follow_locked_path(curve: LockedCurve, elements: SlipElements, torque: Array) -> Array:
     """Compute the rotation of the output [rad] along a torque path [N m], shape (n,) each, from rest.
 
     The curve is extrapolated linearly.
     """
-    course = np.concatenate([[0.0], torque])
-    turning = 1 + np.flatnonzero(np.diff(np.sign(np.diff(course))))
-    ends = [0, *turning.tolist(), len(torque)]
-    lines = locked_branches(curve, elements, course[ends].tolist())
-    stretches = zip(pairwise(ends), lines, strict=True)
-    return np.concatenate([np.interp(course[a + 1 : b + 1], *_increasing(line)) for (a, b), line in stretches])
+    path = np.concatenate([[0.0], torque])
+    reversals = 1 + np.flatnonzero(np.diff(np.sign(np.diff(path))))
+    ends = [0, *reversals.tolist(), len(torque)]
+    branches = locked_branches(curve, elements, path[ends].tolist())
+    stretches = zip(pairwise(ends), branches, strict=True)
+    return np.concatenate([np.interp(path[a + 1 : b + 1], *_increasing(line)) for (a, b), line in stretches])
 
 
 def locked_branches(
-    curve: LockedCurve, elements: SlipElements, ends: Sequence[float], load: LoadFriction = NO_LOAD_FRICTION
+    curve: LockedCurve, elements: SlipElements, reversals: Sequence[float], friction: LoadFriction = NO_LOAD_FRICTION
 ) -> list[tuple[Array, Array]]:
-    """Compute torque [N m] and rotation [rad] at the vertices, shape (m,) each, from torque to torque, from rest.
+    """Compute torque [N m] and rotation [rad] at the vertices of each branch between reversal torques [N m], from rest.
 
     T(x) is piecewise linear between the points of the curve and the slip limits of the elements; it increases, and is
-    inverted.
+    inverted. Shape (m,) each.
     """
-    largest = max(map(abs, ends)) + float(elements.limits.sum())
-    turn, carried = _extend(curve, largest / (1.0 - load.share))
+    largest_torque = max(map(abs, reversals)) + float(elements.limits.sum())
+    rotation, contact_torque = _extend_curve(curve, largest_torque / (1.0 - friction.share))
     with announce_compilation():
-        lines: list[tuple[Array, Array]] = _compute_vertices(
-            turn, carried, elements.limits, elements.stiffness, load.share, load.slips, np.array(ends)
+        branches: list[tuple[Array, Array]] = _compute_vertices(
+            rotation,
+            contact_torque,
+            elements.limits,
+            elements.stiffness,
+            friction.share,
+            friction.slips,
+            np.array(reversals),
         )
-    return lines
+    return branches
 
 
 @njit(cache=True)
 def _compute_vertices(
-    turn: Array, carried: Array, limits: Array, stiffness: Array, share: float, load_slip: Array, ends: Array
+    rotation: Array,
+    contact_torque: Array,
+    limits: Array,
+    stiffness: Array,
+    share: float,
+    friction_slip: Array,
+    reversals: Array,
 ) -> list[tuple[Array, Array]]:
-    """Compute the vertices of torque and rotation of each branch; see `locked_branches`."""
+    """Compute the vertices of torque [N m] and rotation [rad] of each branch; see `locked_branches`.
+
+    `limits` and `stiffness` are those of the slip elements, `share` and `friction_slip` those of `LoadFriction`.
+    """
     slip = limits / stiffness
     # rest positions of the elements of constant friction and of load-dependent friction
-    origin, load_origin = np.zeros(len(slip)), np.zeros(len(load_slip))
-    lines = []
-    for place in range(len(ends) - 1):
-        inner = np.concatenate((load_origin - load_slip, load_origin + load_slip))
-        bends = np.sort(np.concatenate((turn, origin - slip, origin + slip, inner)))
-        held = np.interp(bends, turn, carried)
-        if len(load_slip):
-            rising = np.zeros(len(bends))
-            for element in range(len(load_slip)):
-                rising += np.minimum(np.maximum((bends - load_origin[element]) / load_slip[element], -1.0), 1.0)
-            held += share / len(load_slip) * np.abs(held) * rising
+    origin, load_origin = np.zeros(len(slip)), np.zeros(len(friction_slip))
+    branches = []
+    for branch in range(len(reversals) - 1):
+        friction_bends = np.concatenate((load_origin - friction_slip, load_origin + friction_slip))
+        vertices = np.sort(np.concatenate((rotation, origin - slip, origin + slip, friction_bends)))
+        total_torque = np.interp(vertices, rotation, contact_torque)
+        if len(friction_slip):
+            friction_state = np.zeros(len(vertices))
+            for element in range(len(friction_slip)):
+                friction_state += np.minimum(
+                    np.maximum((vertices - load_origin[element]) / friction_slip[element], -1.0), 1.0
+                )
+            total_torque += share / len(friction_slip) * np.abs(total_torque) * friction_state
         for element in range(len(slip)):
-            stretch = np.minimum(np.maximum(bends - origin[element], -slip[element]), slip[element])
-            held += stiffness[element] * stretch
-        low, high = min(ends[place], ends[place + 1]), max(ends[place], ends[place + 1])
-        between = held[(held > low) & (held < high)]
+            stretch = np.minimum(np.maximum(vertices - origin[element], -slip[element]), slip[element])
+            total_torque += stiffness[element] * stretch
+        low, high = min(reversals[branch], reversals[branch + 1]), max(reversals[branch], reversals[branch + 1])
+        between = total_torque[(total_torque > low) & (total_torque < high)]
         torque = np.concatenate((np.array([low]), between, np.array([high])))
-        if ends[place + 1] < ends[place]:
+        if reversals[branch + 1] < reversals[branch]:
             torque = torque[::-1].copy()
-        reached = np.interp(torque, held, bends)
-        lines.append((torque, reached))
-        origin = np.minimum(np.maximum(origin, reached[-1] - slip), reached[-1] + slip)
-        load_origin = np.minimum(np.maximum(load_origin, reached[-1] - load_slip), reached[-1] + load_slip)
-    return lines
+        vertex_rotation = np.interp(torque, total_torque, vertices)
+        branches.append((torque, vertex_rotation))
+        origin = np.minimum(np.maximum(origin, vertex_rotation[-1] - slip), vertex_rotation[-1] + slip)
+        load_origin = np.minimum(
+            np.maximum(load_origin, vertex_rotation[-1] - friction_slip), vertex_rotation[-1] + friction_slip
+        )
+    return branches
 
 
 def _increasing(line: tuple[Array, Array]) -> tuple[Array, Array]:
     return line if line[0][-1] >= line[0][0] else (line[0][::-1], line[1][::-1])
 
 
-def _extend(curve: LockedCurve, far: float) -> tuple[Array, Array]:
-    """Draw a curve on to a torque at either end: turns and torques, both rising strictly."""
+def _extend_curve(curve: LockedCurve, end_torque: float) -> tuple[Array, Array]:
+    """Extend a curve linearly to a torque [N m] at either end; return rotations and torques, both increasing."""
     slopes = [np.diff(curve.turn)[end] / np.diff(curve.torque)[end] for end in (0, -1)]
     ends = [
-        curve.turn[end] + slope * (way * far - curve.torque[end])
-        for end, slope, way in zip((0, -1), slopes, (-1.0, 1.0), strict=True)
+        curve.turn[end] + slope * (sign * end_torque - curve.torque[end])
+        for end, slope, sign in zip((0, -1), slopes, (-1.0, 1.0), strict=True)
     ]
-    inside = abs(curve.torque[0]) < far
-    torque = np.concatenate([[-far], curve.torque, [far]]) if inside else curve.torque
-    turn = np.concatenate([[ends[0]], curve.turn, [ends[1]]]) if inside else curve.turn
-    rising = np.concatenate([[True], np.diff(turn) > 0.0])
-    return turn[rising], torque[rising]
+    is_shorter = abs(curve.torque[0]) < end_torque
+    torque = np.concatenate([[-end_torque], curve.torque, [end_torque]]) if is_shorter else curve.torque
+    rotation = np.concatenate([[ends[0]], curve.turn, [ends[1]]]) if is_shorter else curve.turn
+    increases = np.concatenate([[True], np.diff(rotation) > 0.0])
+    return rotation[increases], torque[increases]

@@ -70,7 +70,7 @@ def torque_at_pressure(
     contact_loads: Loads | None = None,
     follow: bool = False,
 ) -> tuple[float, str]:
-    """Compute the output torque at which a contact first reaches its pressure [N m], to a thousandth.
+    """Find the output torque at which a contact first reaches its pressure [N m], to a thousandth.
 
     The first step assumes that the pressure rises with the square root of the torque, the others are secant steps of
     the logarithms.
@@ -101,20 +101,28 @@ def torque_at_pressure(
         There is no equilibrium at an iterate.
     """
     settings = PRESSURE_TORQUE
-    before, share = math.nan, math.nan
-    for number in range(settings.max_iterations):
+    previous_torque, previous_share = math.nan, math.nan
+    for iteration in range(settings.max_iterations):
         contact_loads = contact_loads or loads(reducer, springs, torque, follow)
-        shares = {kind: peak_pressure(reducer, springs, contact_loads, kind) / most for kind, most in pressures.items()}
+        shares = {
+            kind: peak_pressure(reducer, springs, contact_loads, kind) / pressure
+            for kind, pressure in pressures.items()
+        }
         kind = max(shares, key=lambda item: shares[item])
-        power = 0.5 if number == 0 else math.log(shares[kind] / share) / math.log(torque / before)
-        before, share = torque, shares[kind]
-        torque, contact_loads = torque * share ** (-1.0 / min(max(power, settings.min_power), settings.max_power)), None
-        if abs(torque / before - 1.0) < (settings.secant_rtol if number else settings.rtol):
+        exponent = (
+            0.5 if iteration == 0 else math.log(shares[kind] / previous_share) / math.log(torque / previous_torque)
+        )
+        previous_torque, previous_share = torque, shares[kind]
+        torque, contact_loads = (
+            torque * previous_share ** (-1.0 / min(max(exponent, settings.min_power), settings.max_power)),
+            None,
+        )
+        if abs(torque / previous_torque - 1.0) < (settings.secant_rtol if iteration else settings.rtol):
             break
     return torque, kind
 
 
-def is_narrow(reducer: Reducer, springs: Springs, contact_loads: Loads, kind: str) -> bool:
+def is_hertzian(reducer: Reducer, springs: Springs, contact_loads: Loads, kind: str) -> bool:
     """Return whether the contact of a kind with the largest pressure is loaded and a narrow strip (Hertz theory)."""
     contact = reducer.contacts[kind]
     curvature = springs.curvature if kind == reducer.design.tooth_pair else np.array(contact.relative_curvature)

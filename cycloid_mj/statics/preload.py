@@ -17,6 +17,8 @@ MAX_ANGLE = 600.0 * ARCMINUTE
 def preloaded(design: Named) -> Design:
     """Return a design with ``ring.preload_arcmin`` in place of ``ring.preload_torque_nm``; others are unchanged.
 
+    The angle is found by Brent's method.
+
     Parameters
     ----------
     design
@@ -41,18 +43,18 @@ def preloaded(design: Named) -> Design:
     def rotate_halves(angle: float) -> Design:
         return design.but(ring={"preload": angle, "preload_torque": 0.0})
 
-    def missing(angle: float) -> float:
+    def torque_residual(angle: float) -> float:
         return halves_torque(Reducer(rotate_halves(angle))) - torque
 
-    high = ARCMINUTE
+    upper = ARCMINUTE
     try:
-        while missing(high) < 0.0:
-            high *= 2.0
-            if high > MAX_ANGLE:
+        while torque_residual(upper) < 0.0:
+            upper *= 2.0
+            if upper > MAX_ANGLE:
                 raise RunError(
                     f"the torque at {MAX_ANGLE / ARCMINUTE:g} arcmin, the largest angle allowed, is less than that"
                 )
-        angle = float(brentq(missing, 1e-6 * ARCMINUTE, high, rtol=1e-4))
+        angle = float(brentq(torque_residual, 1e-6 * ARCMINUTE, upper, rtol=1e-4))
     except RunError as error:
         raise DesignError(
             f"{design.name}: no preload angle produces ring.preload_torque_nm = {torque:g}: {error}. Reduce this "
@@ -72,14 +74,14 @@ def halves_torque(reducer: Reducer) -> float:
     RunError
         There is no equilibrium.
     """
-    still = at_rest(reducer)
-    springs = springs_of(still, turn_evenly(still, 13), friction=False)
+    static_reducer = at_rest(reducer)
+    springs = springs_of(static_reducer, turn_evenly(static_reducer, 13), friction=False)
     # without any torque, the position of the output in its backlash is undefined
-    force = _of_halves(reducer, loads(still, springs, 1e-3 * reducer.design.rated_torque).teeth)
+    force = _of_halves(reducer, loads(static_reducer, springs, 1e-3 * reducer.design.rated_torque).teeth)
     distance = _of_halves(reducer, springs.contacts.distance[:, : springs.teeth])
     rate = (distance[:, :, 0] - distance[:, :, 1]) / reducer.design.ring.preload
-    first, second = (-np.sum(force[:, :, half] * rate, axis=(1, 2)).mean() for half in (0, 1))
-    return abs(0.5 * float(first - second))
+    first_torque, second_torque = (-np.sum(force[:, :, half] * rate, axis=(1, 2)).mean() for half in (0, 1))
+    return abs(0.5 * float(first_torque - second_torque))
 
 
 def _of_halves(reducer: Reducer, lines: Array) -> Array:

@@ -121,14 +121,14 @@ class RvLoads:
         return np.linalg.norm(self.cranks, axis=-1)
 
 
-def rv_springs(reducer: RvReducer, crank: npt.ArrayLike) -> RvSprings:
+def compute_rv_springs(reducer: RvReducer, crank: npt.ArrayLike) -> RvSprings:
     """Compute the springs of an RV reducer at crank angles against the ring [rad], shape (m,).
 
-    Contacts have the stiffness `at_rated_load`; errors as in ``statics.springs_of``.
+    Contacts have the stiffness `at_rated_load`; errors as in ``springs.springs_of``.
     """
     crank, reducer = np.ravel(np.asarray(crank, dtype=np.float64)), reducer.at_rated_load
     teeth = mesh_gaps(reducer, crank)
-    flank_gap, flank_slope = _flanks(reducer, crank)
+    flank_gap, flank_slope = _flank_gaps(reducer, crank)
     offset, offset_slope = _crank_offsets(reducer, crank)
     unknowns = offset_slope.shape[-1]
     slope = np.concatenate([teeth.slope, np.zeros((*teeth.slope.shape[:2], unknowns - teeth.slope.shape[2]))], axis=2)
@@ -154,18 +154,18 @@ def _unknowns(reducer: RvReducer) -> int:
 
 
 def _crank_offsets(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
-    """Return the displacement of each eccentric from its bore and its gradient; see `RvSprings`."""
-    stage, lever, orbit = reducer.stage, reducer.lever, reducer.design.gear.eccentricity
+    """Return the displacement of each eccentric from its bore (m, D, n, 2) [m] and its gradient by the unknowns [1]."""
+    stage, lever, eccentricity = reducer.stage, reducer.lever, reducer.design.gear.eccentricity
     discs, cranks, carrier = len(stage.phases), stage.cranks, 3 * len(stage.phases)
     slope = np.zeros((crank.size, discs, cranks, 2, _unknowns(reducer)))
-    turned = _quarter_turned(stage.crank_places(crank)) / lever
-    across = orbit / lever * _quarter_turned(stage.eccentrics(crank))
+    carrier_rate = _quarter_turned(stage.crank_places(crank)) / lever
+    crank_rate = eccentricity / lever * _quarter_turned(stage.eccentrics(crank))
     for disc in range(discs):
         slope[:, disc, :, 0, 3 * disc] = slope[:, disc, :, 1, 3 * disc + 1] = -1.0
-        slope[:, disc, :, :, 3 * disc + 2] = -turned
+        slope[:, disc, :, :, 3 * disc + 2] = -carrier_rate
         for number in range(cranks):
-            slope[:, disc, number, :, carrier + 1 + number] = across[:, disc]
-    slope[..., carrier] = turned[:, np.newaxis]
+            slope[:, disc, number, :, carrier + 1 + number] = crank_rate[:, disc]
+    slope[..., carrier] = carrier_rate[:, np.newaxis]
     return crank_misfits(reducer, crank), slope
 
 
@@ -173,14 +173,14 @@ def crank_misfits(reducer: RvReducer, crank: Array) -> Array:
     """Compute the displacement of each eccentric from its bore by manufacturing errors [m], shape (m, D, n, 2)."""
     errors, shape = reducer.crank_errors, (len(reducer.phases), reducer.cranks.count)
     carrier_angle = -crank / reducer.design.lobes
-    along = reducer.stage.eccentrics(crank)[:, :, np.newaxis]
+    directions = reducer.stage.eccentrics(crank)[:, :, np.newaxis]
     radial, tangential = (
         _listed(values, shape)[..., np.newaxis] for values in (errors.eccentric_radial, errors.eccentric_tangential)
     )
     bores = np.stack([_listed(errors.bore_x, shape), _listed(errors.bore_y, shape)], axis=-1)
     holes = np.stack([_listed(errors.carrier_x, shape[1:]), _listed(errors.carrier_y, shape[1:])], axis=-1)
     axis = np.array([errors.axis_x, errors.axis_y])
-    return radial * along + tangential * _quarter_turned(along) + _rotate(holes - bores, carrier_angle) + axis
+    return radial * directions + tangential * _quarter_turned(directions) + _rotate(holes - bores, carrier_angle) + axis
 
 
 def planet_offsets(reducer: RvReducer, crank: Array) -> Array:
@@ -195,8 +195,8 @@ def phase_errors(reducer: RvReducer, crank: Array) -> Array:
     A planet that is displaced by o along the circle of cranks is turned back by o over its pitch radius.
     """
     forward = _quarter_turned(reducer.stage.crank_places(crank)) / reducer.lever
-    moved = np.sum(planet_offsets(reducer, crank) * forward, axis=-1)
-    return np.asarray((moved + _mesh_error(reducer, crank)) / _planet_radius(reducer))
+    displaced = np.sum(planet_offsets(reducer, crank) * forward, axis=-1)
+    return np.asarray((displaced + _mesh_error(reducer, crank)) / _planet_radius(reducer))
 
 
 def _planet_radius(reducer: RvReducer) -> float:
@@ -212,7 +212,7 @@ def _mesh_error(reducer: RvReducer, crank: Array) -> Array:
     return np.repeat((planet.transmission_error * np.sin(phase))[:, np.newaxis], reducer.cranks.count, axis=1)
 
 
-def _flanks(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
+def _flank_gaps(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
     """Return gap (m, 2 n) [m] and gradient (m, 2 n, u) [1] of the flanks of the planets on the sun.
 
     The first n flanks carry a counter-clockwise load on the carrier. The normal of a flank points from the sun to the
@@ -221,24 +221,24 @@ def _flanks(reducer: RvReducer, crank: Array) -> tuple[Array, Array]:
     planet, stage, lever = reducer.planet, reducer.stage, reducer.lever
     outward = stage.crank_places(crank) / lever
     forward, carrier = _quarter_turned(outward), 3 * len(stage.phases)
-    moved = planet_offsets(reducer, crank) + _mesh_error(reducer, crank)[..., np.newaxis] * forward
+    displaced = planet_offsets(reducer, crank) + _mesh_error(reducer, crank)[..., np.newaxis] * forward
     gaps, slopes = [], []
     for sign in (-1.0, 1.0):
         normal = sign * np.cos(planet.pressure_angle) * forward + np.sin(planet.pressure_angle) * outward
         slope = np.zeros((*outward.shape[:2], _unknowns(reducer)))
-        along = sign * np.cos(planet.pressure_angle)
-        slope[..., carrier] = along
+        forward_share = sign * np.cos(planet.pressure_angle)
+        slope[..., carrier] = forward_share
         for number in range(stage.cranks):
-            slope[:, number, carrier + 1 + number] = -along * _planet_radius(reducer) / lever
+            slope[:, number, carrier + 1 + number] = -forward_share * _planet_radius(reducer) / lever
         if planet.sun_support == "floating":
             slope[..., -2:] = -normal
-        gaps.append(0.5 * planet.backlash * np.cos(planet.pressure_angle) + np.sum(normal * moved, axis=-1))
+        gaps.append(0.5 * planet.backlash * np.cos(planet.pressure_angle) + np.sum(normal * displaced, axis=-1))
         slopes.append(slope)
     return np.concatenate(gaps, axis=1), np.concatenate(slopes, axis=1)
 
 
-def rv_loads(springs: RvSprings, torque: float | Array) -> RvLoads:
-    """Compute the balance under a torque on the carrier [N m], not 0: a number, or one per crank angle, shape (m,).
+def solve_rv_loads(springs: RvSprings, torque: float | Array) -> RvLoads:
+    """Solve for the balance under a torque on the carrier [N m], not 0: a number, or one per crank angle, shape (m,).
 
     Raises
     ------
@@ -247,45 +247,53 @@ def rv_loads(springs: RvSprings, torque: float | Array) -> RvLoads:
     """
     load = np.zeros((springs.crank.size, springs.slope.shape[2]))
     load[:, springs.carrier] = torque / springs.lever
-    z = _minimise(springs, load)
-    _, _, tangent = _system(springs, load, z, needs_tangent=True)
+    displacements = _minimise_energy(springs, load)
+    _, _, tangent = _assemble(springs, load, displacements, needs_tangent=True)
     unit = np.zeros(load.shape)
     unit[:, springs.carrier] = 1.0 / springs.lever
-    turned = np.asarray(np.linalg.solve(tangent, unit[..., np.newaxis]))[:, springs.carrier, 0]
-    force = _contact_forces(springs, z)
-    flanks = force[:, springs.pins :].reshape(len(z), 2, -1)
-    bearing, _, _ = _bearings(springs, z)
+    compliance = np.asarray(np.linalg.solve(tangent, unit[..., np.newaxis]))[:, springs.carrier, 0]
+    force = _contact_forces(springs, displacements)
+    flanks = force[:, springs.pins :].reshape(len(displacements), 2, -1)
+    bearing_forces, _, _ = _bearing_forces(springs, displacements)
     return RvLoads(
         pins=force[:, : springs.pins],
-        cranks=bearing,
+        cranks=bearing_forces,
         meshes=flanks[:, 0] - flanks[:, 1],
-        carrier_turn=z[:, springs.carrier] / springs.lever,
-        compliance=np.asarray(turned / springs.lever),
+        carrier_turn=displacements[:, springs.carrier] / springs.lever,
+        compliance=np.asarray(compliance / springs.lever),
     )
 
 
-def _minimise(springs: RvSprings, load: Array) -> Array:
-    """Return the displacements of least energy (m, u) [m]."""
-    z, size = np.zeros(load.shape), np.max(np.abs(load), axis=1)
-    energy, residual, tangent = _system(springs, load, z, needs_tangent=True)
+def _minimise_energy(springs: RvSprings, load: Array) -> Array:
+    """Return the displacements of least energy (m, u) [m], by a semismooth Newton method with Armijo backtracking.
+
+    All crank angles are solved together under `load` [N], shape (m, u).
+
+    Raises
+    ------
+    RunError
+        The method does not converge.
+    """
+    z, load_size = np.zeros(load.shape), np.max(np.abs(load), axis=1)
+    energy, residual, tangent = _assemble(springs, load, z, needs_tangent=True)
     for _ in range(NEWTON.max_steps):
-        active = np.max(np.abs(residual), axis=1) > NEWTON.rtol * size
+        active = np.max(np.abs(residual), axis=1) > NEWTON.rtol * load_size
         if not active.any():
             return z
         step = np.linalg.solve(tangent, residual[..., np.newaxis])[..., 0] * active[:, np.newaxis]
-        expected, share = np.sum(step * residual, axis=1), np.ones(len(z))
+        predicted_decrease, step_length = np.sum(step * residual, axis=1), np.ones(len(z))
         for _ in range(NEWTON.max_halvings):
-            tried = z + share[:, np.newaxis] * step
-            reached, residual, _ = _system(springs, load, tried, needs_tangent=False)
+            trial = z + step_length[:, np.newaxis] * step
+            trial_energy, residual, _ = _assemble(springs, load, trial, needs_tangent=False)
             # a change of the energy below its rounding cannot be compared
-            allowed = energy - NEWTON.armijo * share * expected + np.finfo(float).eps * np.abs(energy)
-            short = reached > allowed
-            if not short.any():
+            allowed = energy - NEWTON.armijo * step_length * predicted_decrease + np.finfo(float).eps * np.abs(energy)
+            too_high = trial_energy > allowed
+            if not too_high.any():
                 break
-            share = np.where(short, 0.5 * share, share)
-        z = tried
-        energy, residual, tangent = _system(springs, load, z, needs_tangent=True)
-    largest = float(np.max(np.max(np.abs(residual), axis=1) / size))
+            step_length = np.where(too_high, 0.5 * step_length, step_length)
+        z = trial
+        energy, residual, tangent = _assemble(springs, load, z, needs_tangent=True)
+    largest = float(np.max(np.max(np.abs(residual), axis=1) / load_size))
     raise RunError(
         f"no static equilibrium found: the residual is {largest:.3g} of the load, but at most {NEWTON.rtol:.0e} is "
         "allowed. Check the clearances (clearance.*), or increase the load (--load-nm)"
@@ -298,42 +306,46 @@ def _contact_forces(springs: RvSprings, z: Array) -> Array:
     return springs.stiffness * np.maximum(-width, 0.0)
 
 
-def _bearings(springs: RvSprings, z: Array) -> tuple[Array, Array, Array]:
+def _bearing_forces(springs: RvSprings, displacements: Array) -> tuple[Array, Array, Array]:
     """Return the forces of cranks on discs (m, D, n, 2) [N], their energy (m, D, n) [J], and the tangent [N/m].
 
     The tangent is the derivative of a force by the displacement of its crank, shape (m, D, n, 2, 2).
     With a preload, needles are loaded on both sides until the far side opens.
     """
     stiffness, clearance = springs.bearing_stiffness, springs.bearing_clearance
-    away = springs.offset + np.einsum("mdnju,mu->mdnj", springs.offset_slope, z)
-    distance = np.maximum(np.linalg.norm(away, axis=-1), np.finfo(float).tiny)
+    offsets = springs.offset + np.einsum("mdnju,mu->mdnj", springs.offset_slope, displacements)
+    distance = np.maximum(np.linalg.norm(offsets, axis=-1), np.finfo(float).tiny)
     near, far = np.maximum(distance - clearance, 0.0), np.maximum(-distance - clearance, 0.0)
-    along = away / distance[..., np.newaxis]
-    pressed = stiffness * (near - far)
-    outer = along[..., :, np.newaxis] * along[..., np.newaxis, :]
-    rate = stiffness * ((near > 0.0) + 1.0 * (far > 0.0))
-    side = np.where(distance > abs(clearance) * 1e-9 + 1e-18, pressed / distance, rate)
-    tangent = rate[..., np.newaxis, np.newaxis] * outer + side[..., np.newaxis, np.newaxis] * (np.eye(2) - outer)
-    return pressed[..., np.newaxis] * along, 0.5 * stiffness * (near**2 + far**2), tangent
+    directions = offsets / distance[..., np.newaxis]
+    magnitude = stiffness * (near - far)
+    projection = directions[..., :, np.newaxis] * directions[..., np.newaxis, :]
+    radial_stiffness = stiffness * ((near > 0.0) + 1.0 * (far > 0.0))
+    transverse_stiffness = np.where(distance > abs(clearance) * 1e-9 + 1e-18, magnitude / distance, radial_stiffness)
+    tangent = radial_stiffness[..., np.newaxis, np.newaxis] * projection + transverse_stiffness[
+        ..., np.newaxis, np.newaxis
+    ] * (np.eye(2) - projection)
+    return magnitude[..., np.newaxis] * directions, 0.5 * stiffness * (near**2 + far**2), tangent
 
 
-def _system(springs: RvSprings, load: Array, z: Array, needs_tangent: bool) -> tuple[Array, Array, Array]:
+def _assemble(springs: RvSprings, load: Array, displacements: Array, needs_tangent: bool) -> tuple[Array, Array, Array]:
     """Return energy (m,) [J], residual forces (m, u) [N], and the tangent stiffness (m, u, u) [N/m] if needed."""
-    width = springs.gap + np.einsum("mcu,mu->mc", springs.slope, z)
-    force = springs.stiffness * np.maximum(-width, 0.0)
-    bearing, stored, rates = _bearings(springs, z)
-    energy = 0.5 * np.sum(force * np.maximum(-width, 0.0), axis=1) + stored.sum(axis=(1, 2))
-    energy -= np.sum(load * z, axis=1)
+    gaps = springs.gap + np.einsum("mcu,mu->mc", springs.slope, displacements)
+    force = springs.stiffness * np.maximum(-gaps, 0.0)
+    bearing_forces, bearing_energy, bearing_tangents = _bearing_forces(springs, displacements)
+    energy = 0.5 * np.sum(force * np.maximum(-gaps, 0.0), axis=1) + bearing_energy.sum(axis=(1, 2))
+    energy -= np.sum(load * displacements, axis=1)
     residual = load + np.einsum("mcu,mc->mu", springs.slope, force)
-    residual -= np.einsum("mdnju,mdnj->mu", springs.offset_slope, bearing)
+    residual -= np.einsum("mdnju,mdnj->mu", springs.offset_slope, bearing_forces)
     if not needs_tangent:
         return energy, residual, np.empty(0)
-    carrying = np.sqrt(springs.stiffness * (width < 0.0))[..., np.newaxis] * springs.slope
+    carrying = np.sqrt(springs.stiffness * (gaps < 0.0))[..., np.newaxis] * springs.slope
     tangent = np.swapaxes(carrying, 1, 2) @ carrying
-    count = z.shape[1]
-    flat = springs.offset_slope.reshape(len(z), -1, count)
-    weighted = np.einsum("mdnjk,mdnku->mdnju", rates, springs.offset_slope).reshape(len(z), -1, count)
-    tangent += np.swapaxes(flat, 1, 2) @ weighted
+    count = displacements.shape[1]
+    gradients = springs.offset_slope.reshape(len(displacements), -1, count)
+    weighted = np.einsum("mdnjk,mdnku->mdnju", bearing_tangents, springs.offset_slope).reshape(
+        len(displacements), -1, count
+    )
+    tangent += np.swapaxes(gradients, 1, 2) @ weighted
     return energy, residual, tangent + NEWTON.damping * float(springs.stiffness.max()) * np.eye(count)
 
 

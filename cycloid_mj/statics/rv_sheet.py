@@ -1,6 +1,7 @@
 """Data-sheet figures of an RV reducer by statics."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,21 +15,37 @@ from cycloid_mj.geometry.rv import mesh_loss_factor
 from cycloid_mj.geometry.rv_loads import IdealRvLoads, closed_error, ideal_rv_loads, mean_force
 from cycloid_mj.reducer import RvReducer, once
 from cycloid_mj.statics.kernel import CARRYING_SHARE
-from cycloid_mj.statics.rv import RvLoads, RvSprings, crank_misfits, phase_errors, rv_loads, rv_springs
+from cycloid_mj.statics.rv import RvLoads, RvSprings, compute_rv_springs, crank_misfits, phase_errors, solve_rv_loads
 from cycloid_mj.statics.sheet_figures import sheet_quantity
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE, STRAIGHT
 
-ANGLES = 720
-"""Crank angles over a turn of the carrier: peak forces are within 0.1 % of those at 3510 angles."""
-FEW_ANGLES = 61
-"""The same for means of rotations."""
-CLOSED_ANGLES = 960
-"""Crank angles over a turn of the carrier for closed forms: 24 in each turn of a crank of 40 pins."""
-STOP_TORQUE_SHARE = 1e-4
-"""Torque that moves the parts to their stops, over the load; the stop is extrapolated to no torque."""
+
+@dataclass(frozen=True)
+class RvSheetSettings:
+    """Settings of the figures of an RV reducer.
+
+    Attributes
+    ----------
+    force_angles
+        Crank angles over a turn of the carrier: peak forces are within 0.1 % of those at 3510 angles.
+    rotation_angles
+        The same for means of rotations.
+    closed_angles
+        The same for closed forms: 24 in each turn of a crank of 40 pins.
+    stop_torque_share
+        Torque that moves the parts to their stops, over the load; the stop is extrapolated to no torque.
+    """
+
+    force_angles: int = 720
+    rotation_angles: int = 61
+    closed_angles: int = 960
+    stop_torque_share: float = 1e-4
 
 
-def carrier_turn(reducer: RvReducer, count: int = ANGLES) -> Array:
+SETTINGS = RvSheetSettings()
+
+
+def carrier_turn(reducer: RvReducer, count: int = SETTINGS.force_angles) -> Array:
     """Return crank angles against the ring in order [rad], shape (count,), that cover a turn of the carrier evenly.
 
     They are multiples of the golden ratio of the turn, which cover any of its parts evenly too.
@@ -42,73 +59,83 @@ def torque_on_carrier(reducer: RvReducer, torque: float) -> float:
 
 
 @once
-def balanced(reducer: RvReducer, torque: float, count: int = ANGLES) -> RvLoads:
-    """Balance the drive over a turn of the carrier under a torque on the output [N m]; errors as in `rv_loads`."""
-    return rv_loads(springs_over_turn(reducer, count), torque_on_carrier(reducer, torque))
+def balance_rv(reducer: RvReducer, torque: float, count: int = SETTINGS.force_angles) -> RvLoads:
+    """Balance the drive over a turn of the carrier under a torque on the output [N m]; raises as `solve_rv_loads`."""
+    return solve_rv_loads(springs_over_turn(reducer, count), torque_on_carrier(reducer, torque))
 
 
 @once
-def springs_over_turn(reducer: RvReducer, count: int = ANGLES) -> RvSprings:
+def springs_over_turn(reducer: RvReducer, count: int = SETTINGS.force_angles) -> RvSprings:
     """Return the springs at the angles of `carrier_turn`."""
-    return rv_springs(reducer, carrier_turn(reducer, count))
+    return compute_rv_springs(reducer, carrier_turn(reducer, count))
 
 
 @once
-def ideal(reducer: RvReducer, torque: float) -> IdealRvLoads:
+def ideal_rv(reducer: RvReducer, torque: float) -> IdealRvLoads:
     """Return the forces of ideal sharing over a turn of the carrier under a torque on the output [N m]."""
     return ideal_rv_loads(reducer.stage, torque_on_carrier(reducer, torque), carrier_turn(reducer))
 
 
-def closed_turn(reducer: RvReducer) -> Array:
-    """Compute the rotation of the output by the errors of the design in closed form [rad], over a turn of the carrier.
+def closed_rotation(reducer: RvReducer) -> Array:
+    """Compute the output's rotation by the errors of the design in closed form [rad], over a turn of the carrier.
 
-    At `CLOSED_ANGLES` crank angles.
+    At `RvSheetSettings.closed_angles` crank angles.
     """
-    crank = np.linspace(0.0, reducer.crank_turn, CLOSED_ANGLES, endpoint=False)
-    turn = closed_error(reducer.stage, crank, phase_errors(reducer, crank), crank_misfits(reducer, crank))
-    return reducer.share * turn
+    crank = np.linspace(0.0, reducer.crank_turn, SETTINGS.closed_angles, endpoint=False)
+    rotation = closed_error(reducer.stage, crank, phase_errors(reducer, crank), crank_misfits(reducer, crank))
+    return reducer.share * rotation
 
 
-def motions(reducer: RvReducer, load: float) -> Iterator[Quantity]:
-    """Yield backlash, lost motion and stiffness at a fixed sun, without friction and weight."""
+def motion_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
+    """Yield backlash, lost motion and stiffness of an RV reducer at a fixed sun, without friction and weight.
 
-    def turn(share: float) -> Array:
-        return reducer.share * balanced(reducer, share * load, FEW_ANGLES).carrier_turn
+    `load` is the torque on the output [N m].
+    """
 
-    small = STOP_TORQUE_SHARE
-    ahead, back = (2.0 * turn(sign * small) - turn(2.0 * sign * small) for sign in (1.0, -1.0))
-    width = np.abs(ahead - back) / ARCMINUTE
+    def rotation(share: float) -> Array:
+        """Return the output's rotation under a share of the load [rad], shape (m,)."""
+        return reducer.share * balance_rv(reducer, share * load, SETTINGS.rotation_angles).carrier_turn
+
+    stop_share = SETTINGS.stop_torque_share
+    forward_stop, backward_stop = (
+        2.0 * rotation(sign * stop_share) - rotation(2.0 * sign * stop_share) for sign in (1.0, -1.0)
+    )
+    width = np.abs(forward_stop - backward_stop) / ARCMINUTE
     yield sheet_quantity("backlash", float(width.mean()))
     yield sheet_quantity("backlash_min", float(width.min()))
     yield sheet_quantity("backlash_max", float(width.max()))
-    lost = np.abs(turn(LOST_MOTION_SHARE) - turn(-LOST_MOTION_SHARE))
+    lost = np.abs(rotation(LOST_MOTION_SHARE) - rotation(-LOST_MOTION_SHARE))
     yield sheet_quantity("lost_motion_ideal", float(lost.mean()) / ARCMINUTE)
     low, high = STRAIGHT
-    rise = np.abs(turn(high) - turn(low)) + np.abs(turn(-high) - turn(-low))
-    stiffness = 2.0 * (high - low) * load / rise * ARCMINUTE
+    range = np.abs(rotation(high) - rotation(low)) + np.abs(rotation(-high) - rotation(-low))
+    stiffness = 2.0 * (high - low) * load / range * ARCMINUTE
     yield sheet_quantity("stiffness_ideal", float(stiffness.mean()))
 
 
-def forces(reducer: RvReducer, load: float) -> Iterator[Quantity]:
-    """Yield forces of cranks, pins and planets, and the pressure on the pins."""
-    shared, solved, springs = ideal(reducer, load), balanced(reducer, load), springs_over_turn(reducer)
+def force_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
+    """Yield forces of cranks, pins and planets, and the pressure on the pins, under a torque on the output [N m]."""
+    ideal_loads, balanced_loads, springs = (
+        ideal_rv(reducer, load),
+        balance_rv(reducer, load),
+        springs_over_turn(reducer),
+    )
     kind = reducer.design.tooth_pair
-    contact, force = reducer.at_rated_load.contacts[kind], solved.pins
-    carries = force > CARRYING_SHARE * force.max()
-    spare = contact.strength / float(contact.pressure(force, springs.curvature).max())
-    yield sheet_quantity("crank_bearing_force", float(shared.bearings.max()))
-    yield sheet_quantity("crank_bearing_mean_force", _largest_mean(shared.bearings))
-    yield sheet_quantity("crank_bearing_balanced_force", float(solved.bearings.max()))
-    yield sheet_quantity("crank_bearing_balanced_mean_force", _largest_mean(solved.bearings))
-    yield sheet_quantity("planet_mesh_force", float(np.abs(solved.meshes).max()))
-    yield sheet_quantity("te_ideal", reducer.share * peak_to_peak(solved.carrier_turn) / ARCSECOND)
-    yield sheet_quantity("te_errors", peak_to_peak(closed_turn(reducer)) / ARCSECOND)
-    peak = float(shared.pins.max())
-    yield sheet_quantity(f"{kind}_peak_force", float(force.max()), reference=peak, source="ideal sharing")
-    yield sheet_quantity(f"{kind}_mean_force", float(force[carries].mean()))
-    yield sheet_quantity(f"{kind}_carrying", float(carries.sum(axis=1).mean()))
-    yield sheet_quantity(f"{kind}_pressure", 1e-6 * contact.strength / spare)
-    yield sheet_quantity(f"{kind}_margin", YIELD_PRESSURE * spare)
+    contact, force = reducer.at_rated_load.contacts[kind], balanced_loads.pins
+    is_loaded = force > CARRYING_SHARE * force.max()
+    strength_ratio = contact.strength / float(contact.pressure(force, springs.curvature).max())
+    yield sheet_quantity("crank_bearing_force", float(ideal_loads.bearings.max()))
+    yield sheet_quantity("crank_bearing_mean_force", _largest_mean(ideal_loads.bearings))
+    yield sheet_quantity("crank_bearing_balanced_force", float(balanced_loads.bearings.max()))
+    yield sheet_quantity("crank_bearing_balanced_mean_force", _largest_mean(balanced_loads.bearings))
+    yield sheet_quantity("planet_mesh_force", float(np.abs(balanced_loads.meshes).max()))
+    yield sheet_quantity("te_ideal", reducer.share * peak_to_peak(balanced_loads.carrier_turn) / ARCSECOND)
+    yield sheet_quantity("te_errors", peak_to_peak(closed_rotation(reducer)) / ARCSECOND)
+    ideal_peak = float(ideal_loads.pins.max())
+    yield sheet_quantity(f"{kind}_peak_force", float(force.max()), reference=ideal_peak, source="ideal sharing")
+    yield sheet_quantity(f"{kind}_mean_force", float(force[is_loaded].mean()))
+    yield sheet_quantity(f"{kind}_carrying", float(is_loaded.sum(axis=1).mean()))
+    yield sheet_quantity(f"{kind}_pressure", 1e-6 * contact.strength / strength_ratio)
+    yield sheet_quantity(f"{kind}_margin", YIELD_PRESSURE * strength_ratio)
 
 
 def _largest_mean(bearings: Array) -> float:
@@ -116,18 +143,18 @@ def _largest_mean(bearings: Array) -> float:
     return max(mean_force(force) for force in bearings.reshape(len(bearings), -1).T)
 
 
-def losses(reducer: RvReducer, load: float) -> Iterator[Quantity]:
-    """Yield efficiency and losses, from the forces of the balance without friction."""
-    lost = friction_powers(reducer, load)
+def loss_figures(reducer: RvReducer, load: float) -> Iterator[Quantity]:
+    """Yield efficiency and losses under a torque on the output [N m], from forces of the balance without friction."""
+    powers = friction_powers(reducer, load)
     design, kind = reducer.design, reducer.design.tooth_pair
     delivered = load * abs(reducer.output_speed)
-    supplied = delivered + sum(lost.values())
+    supplied = delivered + sum(powers.values())
     yield sheet_quantity("efficiency", 100.0 * delivered / supplied)
     note = f"including {design.seat_pair}" if design.seat_pair else ""
-    yield sheet_quantity(f"{kind}_friction_power", lost["teeth"], note=note)
-    yield sheet_quantity("crank_bearing_friction_power", lost["crank bearings"])
-    yield sheet_quantity("planet_friction_power", lost["planets"])
-    yield sheet_quantity("seals_power", lost["seals"])
+    yield sheet_quantity(f"{kind}_friction_power", powers["teeth"], note=note)
+    yield sheet_quantity("crank_bearing_friction_power", powers["crank bearings"])
+    yield sheet_quantity("planet_friction_power", powers["planets"])
+    yield sheet_quantity("seals_power", powers["seals"])
     yield sheet_quantity("input_power", supplied)
     yield sheet_quantity("output_power", delivered)
 
@@ -139,24 +166,26 @@ def friction_powers(reducer: RvReducer, load: float) -> dict[str, float]:
     eccentric.
     """
     design, planet = reducer.design, reducer.planet
-    solved, springs = balanced(reducer, load), springs_over_turn(reducer)
+    balanced_loads, springs = balance_rv(reducer, load), springs_over_turn(reducer)
     output, kinematics = abs(reducer.output_speed), reducer.kinematics
-    against_ring = output * reducer.share * float(abs(kinematics.crank_per_carrier))
-    sliding = np.sum(solved.pins * np.abs(springs.slip), axis=1).mean() * against_ring
-    rolled = 2.0 * solved.bearings.sum(axis=(1, 2)).mean() * reducer.cranks.eccentric_radius * reducer.crank_speed
+    crank_speed = output * reducer.share * float(abs(kinematics.crank_per_carrier))
+    sliding = np.sum(balanced_loads.pins * np.abs(springs.slip), axis=1).mean() * crank_speed
+    bearing_power = (
+        2.0 * balanced_loads.bearings.sum(axis=(1, 2)).mean() * reducer.cranks.eccentric_radius * reducer.crank_speed
+    )
     # the sun's torque acts at its speed against the carrier
-    through_mesh = load * output * float((kinematics.to_carrier - 1) / abs(kinematics.ratio))
+    mesh_power = load * output * float((kinematics.to_carrier - 1) / abs(kinematics.ratio))
     factor = mesh_loss_factor(planet.sun_teeth, planet.planet_teeth, planet.pressure_angle)
     return {
         "teeth": float(design.mesh_friction * sliding),
-        "crank bearings": float(design.friction.cam_rolling * rolled),
-        "planets": planet.friction * factor * through_mesh,
+        "crank bearings": float(design.friction.cam_rolling * bearing_power),
+        "planets": planet.friction * factor * mesh_power,
         "seals": design.drag.crank * abs(design.drive.speed) + design.drag.output * output,
     }
 
 
 def assumptions(reducer: RvReducer) -> tuple[str, ...]:
-    """Return the assumptions of the figures, a sentence each."""
+    """Return the assumptions of the figures of an RV reducer, a sentence each."""
     design = reducer.design
     return (
         "statics: parts are rigid, pins, planet teeth and crank bearings are springs with all clearances and "
@@ -168,6 +197,7 @@ def assumptions(reducer: RvReducer) -> tuple[str, ...]:
         "losses: Coulomb friction of the forces without friction; "
         f"mesh {design.mesh_friction:g}, crank bearings {design.friction.cam_rolling:g}, "
         f"planets {reducer.planet.friction:g}",
-        f"{ANGLES} crank angles over a turn of the carrier, {FEW_ANGLES} for backlash, lost motion and stiffness",
+        f"{SETTINGS.force_angles} crank angles over a turn of the carrier, {SETTINGS.rotation_angles} for backlash, "
+        "lost motion and stiffness",
         *part_notes(design),
     )

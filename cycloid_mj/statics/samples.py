@@ -29,10 +29,10 @@ from cycloid_mj.statics.kernel import (
     RESIDUAL_RTOL,
     Effects,
     SampleDeviations,
+    allocate_workspace,
     balance_few_samples,
     balance_samples,
     balance_samples_by_all,
-    room_for,
 )
 from cycloid_mj.statics.springs import Springs, springs_of
 from cycloid_mj.statics.structure import wind_up
@@ -87,47 +87,51 @@ class Samples:
 
 
 def identical_samples(reducer: Reducer, count: int) -> Samples:
-    """Return samples that all equal the design with its errors; use `replace` for their deviations."""
+    """Return samples that all equal the design with its errors; use `dataclasses.replace` to give them deviations."""
     design = reducer.design
-    errors, clearance, change = reducer.deviations, design.clearance, design.modification
-    one = {
+    errors, clearance, modification = reducer.deviations, design.clearance, design.modification
+    values = {
         **{field.name: getattr(errors, field.name) for field in fields(errors)},
-        **{name: getattr(change, name) for name in ("equidistant", "pin_circle", "rotation")},
+        **{name: getattr(modification, name) for name in ("equidistant", "pin_circle", "rotation")},
         "mesh": getattr(clearance, design.tooth_pair),
         "seat": design.pin_play,
         "cam": clearance.cam,
         "output": clearance.output,
     }
-    return Samples(**{name: np.broadcast_to(value, (count, *np.shape(value))) for name, value in one.items()})
+    return Samples(**{name: np.broadcast_to(value, (count, *np.shape(value))) for name, value in values.items()})
 
 
 def draw_samples(reducer: Reducer, count: int, seed: int) -> Samples:
-    """Draw samples with the standard deviations of the design's `errors`: normal, with a random stream per kind.
+    """Draw samples with the standard deviations of the design's `errors`: normal, with a random stream for each kind.
 
     Errors that the design lists part by part, measured deviations, and the error of the eccentricity are the same in
     all samples.
     """
-    errors, same = reducer.design.errors, identical_samples(reducer, count)
+    errors, nominal_samples = reducer.design.errors, identical_samples(reducer, count)
     measured = measured_deviations(reducer.design)
 
-    def normal(stream: int, sigma: float, listed: Sequence[float], nominal: Array, mean: Array | float) -> Array:
+    def draw(stream: int, deviation: float, listed: Sequence[float], nominal: Array, mean: Array | float) -> Array:
+        """Draw errors of a kind about a mean; those that the design lists keep their nominal values."""
         draws = np.random.default_rng([seed, stream]).standard_normal(nominal.shape)
-        return nominal if listed else mean + sigma * draws
+        return nominal if listed else mean + deviation * draws
 
-    def places(
-        stream: int, sigma: float, lists: Sequence[Sequence[float]], nominal: Array, mean: Array | float = 0.0
+    def draw_positions(
+        stream: int, deviation: float, lists: Sequence[Sequence[float]], nominal: Array, mean: Array | float = 0.0
     ) -> Array:
+        """Draw position errors in x and y with two random streams, shape (..., 2)."""
         means = np.broadcast_to(mean, nominal.shape[1:])
-        axes = [normal(stream + axis, sigma, lists[axis], nominal[..., axis], means[..., axis]) for axis in (0, 1)]
+        axes = [draw(stream + axis, deviation, lists[axis], nominal[..., axis], means[..., axis]) for axis in (0, 1)]
         return np.stack(axes, axis=-1)
 
     return replace(
-        same,
-        pin_place=places(0, errors.pin_position, (errors.pin_x, errors.pin_y), same.pin_place, measured.pin_place),
-        pin_radius=normal(2, errors.pin_radius, errors.pin_dr, same.pin_radius, measured.pin_radius),
-        hole_place=places(3, errors.hole_position, (errors.hole_x, errors.hole_y), same.hole_place),
-        disc_radius=normal(5, errors.disc_size, errors.disc_dr, same.disc_radius, measured.disc_radius),
-        cam_place=places(6, errors.cam_position, (errors.cam_x, errors.cam_y), same.cam_place),
+        nominal_samples,
+        pin_place=draw_positions(
+            0, errors.pin_position, (errors.pin_x, errors.pin_y), nominal_samples.pin_place, measured.pin_place
+        ),
+        pin_radius=draw(2, errors.pin_radius, errors.pin_dr, nominal_samples.pin_radius, measured.pin_radius),
+        hole_place=draw_positions(3, errors.hole_position, (errors.hole_x, errors.hole_y), nominal_samples.hole_place),
+        disc_radius=draw(5, errors.disc_size, errors.disc_dr, nominal_samples.disc_radius, measured.disc_radius),
+        cam_place=draw_positions(6, errors.cam_position, (errors.cam_x, errors.cam_y), nominal_samples.cam_place),
     )
 
 
@@ -191,42 +195,45 @@ def solve_samples(
         Figures under each torque; NaN for samples without equilibrium, for example because errors jam the parts.
     """
     ideal = {"errors": Errors(), "measured": Measured(), "modification": Modification()}
-    bare = Reducer(reducer.design.model_copy(update=ideal))
-    springs = springs_of(bare, np.linspace(0.0, reducer.mesh_turn, angles, endpoint=False), friction)
+    ideal_reducer = Reducer(reducer.design.model_copy(update=ideal))
+    springs = springs_of(ideal_reducer, np.linspace(0.0, reducer.mesh_turn, angles, endpoint=False), friction)
     common = measured_deviations(reducer.design).waves
-    apart = np.array(samples.waves)
-    apart[:, : len(common)] -= common
-    apart_samples = replace(samples, waves=apart)
-    out = _solve(bare, springs, apart_samples, common, reducer.share * np.array(torques), threads)
-    out[~(out[..., -1] <= RESIDUAL_RTOL)] = np.nan
-    solved, share, twist = [], reducer.share, wind_up(reducer)
-    for torque, values in zip(torques, out, strict=True):
+    own_waves = np.array(samples.waves)
+    own_waves[:, : len(common)] -= common
+    without_common = replace(samples, waves=own_waves)
+    rows = _solve_rows(ideal_reducer, springs, without_common, common, reducer.share * np.array(torques), threads)
+    rows[~(rows[..., -1] <= RESIDUAL_RTOL)] = np.nan
+    solved, output_share, twist = [], reducer.share, wind_up(reducer)
+    for torque, values in zip(torques, rows, strict=True):
         figures = SampleFigures(*values[:, :-1].T.copy())
-        output = {"output_mean": share * figures.output_mean + twist * torque}
-        solved.append(replace(figures, **output, output_range=share * figures.output_range))
+        output = {"output_mean": output_share * figures.output_mean + twist * torque}
+        solved.append(replace(figures, **output, output_range=output_share * figures.output_range))
     return solved
 
 
-def _solve(bare: Reducer, springs: Springs, samples: Samples, common: Array, torques: Array, threads: int) -> Array:
+def _solve_rows(
+    ideal_reducer: Reducer, springs: Springs, samples: Samples, common_waves: Array, torques: Array, threads: int
+) -> Array:
     """Return the kernel's figures of samples of a reducer without errors, shape (torques, samples, `FIGURES`).
 
-    The waves of the samples are in addition to `common` ones, shape (orders, 2) [m].
+    The waves of the samples are in addition to `common_waves`, shape (orders, 2) [m].
     """
     orders = np.flatnonzero(np.any(samples.waves != 0.0, axis=(0, 2))) + 1
-    effects = _effects(bare, springs, orders, common)
-    deviations = _sample_deviations(bare, springs, samples, orders)
+    effects = _error_effects(ideal_reducer, springs, orders, common_waves)
+    deviations = _sample_deviations(ideal_reducer, springs, samples, orders)
     load = np.array([springs.load(torque) for torque in torques])
-    out = np.zeros((len(torques), len(samples), FIGURES))
+    rows = np.zeros((len(torques), len(samples), FIGURES))
     # samples take different times, and a job can be stopped between chunks
     bounds = np.linspace(0, len(samples), min(8 * threads, len(samples)) + 1).astype(int).tolist()
 
     def solve_chunk(first: int, last: int) -> None:
-        given = springs.contacts, effects, deviations, load
-        room = room_for(springs.contacts)
+        """Solve the samples from index `first` to `last`, and those that fail again with all continuation paths."""
+        inputs = springs.contacts, effects, deviations, load
+        room = allocate_workspace(springs.contacts)
         balance = balance_few_samples if len(samples) <= MAX_UNCOMPILED else balance_samples
-        balance(*given, first, last, out, None, room)
-        for lost in first + np.flatnonzero(~(out[:, first:last, -1] <= RESIDUAL_RTOL).all(axis=0)):
-            balance_samples_by_all(*given, lost, lost + 1, out, PATHS, room)
+        balance(*inputs, first, last, rows, None, room)
+        for sample in first + np.flatnonzero(~(rows[:, first:last, -1] <= RESIDUAL_RTOL).all(axis=0)):
+            balance_samples_by_all(*inputs, sample, sample + 1, rows, PATHS, room)
 
     if threads == 1:
         for first, last in pairwise(bounds):
@@ -236,7 +243,7 @@ def _solve(bare: Reducer, springs: Springs, samples: Samples, common: Array, tor
     else:
         with announce_compilation(), ThreadPoolExecutor(threads) as pool:
             list(pool.map(solve_chunk, bounds[:-1], bounds[1:]))
-    return out
+    return rows
 
 
 def backlash(counter_clockwise: SampleFigures, clockwise: SampleFigures) -> Array:
@@ -244,62 +251,68 @@ def backlash(counter_clockwise: SampleFigures, clockwise: SampleFigures) -> Arra
     return counter_clockwise.output_mean - clockwise.output_mean
 
 
-def _effects(reducer: Reducer, springs: Springs, orders: Integers, common: Array) -> Effects:
-    """Compute the effects of errors on the contacts of ideal parts; they equal those of displacements of their disc.
+def _error_effects(reducer: Reducer, springs: Springs, orders: Integers, common_waves: Array) -> Effects:
+    """Compute the effects of unit errors on the contacts of ideal parts, by equivalent displacements of the discs.
 
-    The `common` waves (orders, 2) [m] have one effect [m]; those of `orders` have one for cosine and for sine.
+    The `common_waves` (orders, 2) [m] have one effect [m]; those of `orders` have one for cosine and one for sine.
     """
     contacts, teeth, gear, discs = springs.contacts, springs.teeth, reducer.tooth_profile, reducer.design.gear.discs
-    turned = gear_rotation(gear, springs.crank)
-    along = np.stack([np.cos(turned), np.sin(turned)], axis=-1), np.stack([-np.sin(turned), np.cos(turned)], axis=-1)
-    outwards = np.tile(profile.unit(profile.pin_angles(gear)), (discs * reducer.design.ring.halves, 1))
-    side = np.sign(_of_own_disc(contacts, contacts.slope)[:, :teeth, 2])
+    disc_rotation = gear_rotation(gear, springs.crank)
+    disc_axes = (
+        np.stack([np.cos(disc_rotation), np.sin(disc_rotation)], axis=-1),
+        np.stack([-np.sin(disc_rotation), np.cos(disc_rotation)], axis=-1),
+    )
+    outward = np.tile(profile.unit(profile.pin_angles(gear)), (discs * reducer.design.ring.halves, 1))
+    rotation_sign = np.sign(_own_disc_gradients(contacts, contacts.slope)[:, :teeth, 2])
 
-    def effect(slopes: Array) -> Array:
-        """Compute the effects (k, n, 4) on distances or shifts, from their gradients."""
-        slope = _of_own_disc(contacts, slopes)
-        moved = np.zeros((*slope.shape[:2], 4))
-        moved[:, :teeth, :2] = -slope[:, :teeth, :2]
+    def contact_effects(all_gradients: Array) -> Array:
+        """Compute the effects (k, n, 4) on distances or shifts of contacts, from their gradients by all unknowns."""
+        gradients = _own_disc_gradients(contacts, all_gradients)
+        effects = np.zeros((*gradients.shape[:2], 4))
+        effects[:, :teeth, :2] = -gradients[:, :teeth, :2]
         for axis in (0, 1):
-            moved[:, teeth:, axis] = np.einsum("kni,ki->kn", slope[:, teeth:, :2], along[axis])
-        moved[:, :teeth, 2] = np.einsum("kni,ni->kn", slope[:, :teeth, :2], outwards)
-        moved[:, :teeth, 3] = slope[:, :teeth, 2] * side * contacts.radius
-        return moved
+            effects[:, teeth:, axis] = np.einsum("kni,ki->kn", gradients[:, teeth:, :2], disc_axes[axis])
+        effects[:, :teeth, 2] = np.einsum("kni,ni->kn", gradients[:, :teeth, :2], outward)
+        effects[:, :teeth, 3] = gradients[:, :teeth, 2] * rotation_sign * contacts.radius
+        return effects
 
     foot = contacts.phase[:, :teeth, np.newaxis] / gear.lobes
     waves = np.zeros((*contacts.phase.shape, 1 + 2 * orders.size))
     waves[:, :teeth] = np.concatenate(
-        [profile_error(common, foot), np.cos(foot * orders), np.sin(foot * orders)], axis=2
+        [profile_error(common_waves, foot), np.cos(foot * orders), np.sin(foot * orders)], axis=2
     )
     unit = reducer.but(errors={"eccentricity": 1e-6})
     return Effects(
-        effect(contacts.slope),
-        effect(contacts.shift_slope),
+        contact_effects(contacts.slope),
+        contact_effects(contacts.shift_slope),
         cam_places(unit, springs.crank) / 1e-6,
         np.stack([np.cos(springs.crank), np.sin(springs.crank)], axis=-1),
         waves,
     )
 
 
-def _of_own_disc(contacts: kernel.KernelSprings, slopes: Array) -> Array:
+def _own_disc_gradients(contacts: kernel.KernelSprings, slopes: Array) -> Array:
     """Select the gradients of contacts by position and rotation of their own disc, shape (k, n, 3), from all."""
     return np.stack([slopes[:, np.arange(contacts.disc.size), 3 * contacts.disc + way] for way in range(3)], axis=-1)
 
 
 def _sample_deviations(reducer: Reducer, springs: Springs, samples: Samples, orders: Integers) -> SampleDeviations:
-    """Compute the deviations of the contacts of the samples; the springs are those of the design's clearances."""
+    """Compute the deviations of the contacts of the samples; the springs are those of the design's clearances.
+
+    `orders` are those of the waves that differ between samples.
+    """
     design = reducer.design
     discs, count = design.gear.discs, len(samples)
-    wider = samples.mesh - getattr(design.clearance, design.tooth_pair) + samples.seat - design.pin_play
-    radii = (2.0 if design.ring.has_sockets else 1.0) * samples.pin_radius
+    clearance_change = samples.mesh - getattr(design.clearance, design.tooth_pair) + samples.seat - design.pin_play
+    pin_errors = (2.0 if design.ring.has_sockets else 1.0) * samples.pin_radius
     # both halves of a ring have the same errors
     halves = design.ring.halves
-    teeth = np.tile((wider + samples.equidistant)[:, np.newaxis] - radii, (1, halves))
-    on_discs = (teeth[:, np.newaxis] - samples.disc_radius[..., np.newaxis]).reshape(count, -1)
+    teeth = np.tile((clearance_change + samples.equidistant)[:, np.newaxis] - pin_errors, (1, halves))
+    tooth_rooms = (teeth[:, np.newaxis] - samples.disc_radius[..., np.newaxis]).reshape(count, -1)
     holes = samples.hole_place.reshape(count, -1, 2)
     output = np.broadcast_to((samples.output - design.clearance.output)[:, np.newaxis], holes.shape[:2])
     return SampleDeviations(
-        room=springs.contacts.room + np.concatenate([on_discs, output], axis=1),
+        room=springs.contacts.room + np.concatenate([tooth_rooms, output], axis=1),
         place=np.concatenate([np.tile(samples.pin_place, (1, discs * halves, 1)), holes], axis=1),
         waves=np.concatenate([np.ones((count, 1)), *np.moveaxis(samples.waves[:, orders - 1], 2, 0)], axis=1),
         # copies: read-only arrays have another type in numba, which would compile everything again

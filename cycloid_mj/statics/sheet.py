@@ -21,13 +21,13 @@ from cycloid_mj.geometry.measured import part_notes
 from cycloid_mj.reducer import Reducer, RvReducer, once
 from cycloid_mj.statics import rv_sheet
 from cycloid_mj.statics.balance import Loads, loads, powers
-from cycloid_mj.statics.bearings import Planes, Reactions, reactions
+from cycloid_mj.statics.bearings import Planes, Reactions, compute_reactions
 from cycloid_mj.statics.film import film_assumption, film_text
 from cycloid_mj.statics.film_spread import back_driving_efficiency_spread, efficiency_spread
 from cycloid_mj.statics.ideal import ideal_peak
 from cycloid_mj.statics.kernel import CARRYING_SHARE
 from cycloid_mj.statics.load_tracking import inertia_share, tracking_warnings
-from cycloid_mj.statics.peaks import forces, is_narrow, peak_force, peak_pressure, torque_at_pressure
+from cycloid_mj.statics.peaks import forces, is_hertzian, peak_force, peak_pressure, torque_at_pressure
 from cycloid_mj.statics.sheet_figures import (
     BEARINGS,
     CASES,
@@ -40,7 +40,7 @@ from cycloid_mj.statics.sheet_figures import (
 )
 from cycloid_mj.statics.springs import POSES, Springs, at_rest, springs_of, turn_evenly
 from cycloid_mj.statics.structure import structure_text, twisting_compliance
-from cycloid_mj.statics.windup import SPRINGS, Windup, windups
+from cycloid_mj.statics.windup import SPRINGS, Windup, solve_windups
 
 Part = Callable[[Reducer, float], Iterator[Quantity]]
 """A function that yields some figures of a design under a load [N m]."""
@@ -176,7 +176,7 @@ def sheet(reducer: Reducer, load: float | None = None) -> Sheet:
     RunError
         There is no static equilibrium, for example because friction jams the reducer.
     """
-    result = _sheet(reducer, load, [_cached_part(part) for part in PARTS_OF_SHEET])
+    result = _assemble_sheet(reducer, load, [_cached_part(part) for part in PARTS_OF_SHEET])
     if isinstance(reducer, RvReducer):
         return result
     warn(reducer.design.name, tracking_warnings(reducer.design, result.quantities))
@@ -184,18 +184,18 @@ def sheet(reducer: Reducer, load: float | None = None) -> Sheet:
 
 
 def quick_sheet(reducer: Reducer, load: float | None = None) -> Sheet:
-    """Compute the main figures of `sheet` in less than half of the time; errors as there.
+    """Compute the main figures of `sheet` in less than half of the time; raises as `sheet`.
 
     They are the motions, the forward transmission error under the load, the loads up to first yield, and the
     efficiency.
     """
-    return _sheet(reducer, load, (_motions, _loaded_error, _loads_and_yield, _efficiency))
+    return _assemble_sheet(reducer, load, (_motion_figures, _loaded_error, _loads_and_yield, _efficiency_figures))
 
 
-def _sheet(reducer: Reducer, load: float | None, parts: Iterable[Part]) -> Sheet:
-    """Compute a sheet from the figures of some parts."""
+def _assemble_sheet(reducer: Reducer, load: float | None, parts: Iterable[Part]) -> Sheet:
+    """Compute the figures of some parts of the sheet under a load [N m], None for that of `load_of`."""
     _, source = load_of(reducer, load)
-    reducer, load = _under(reducer, load)
+    reducer, load = _with_load(reducer, load)
     design, quantities = reducer.design, by_key(*(part(reducer, load) for part in parts))
     return Sheet(
         design=design.name,
@@ -221,7 +221,7 @@ def _inertia(reducer: Reducer) -> str:
 
 def sheet_part(reducer: Reducer, part: SheetPart, load: float | None = None) -> dict[str, Quantity]:
     """Compute one of `PARTS_OF_SHEET`, in a fraction of the time of `sheet`; errors as there."""
-    return dict(_part(*_under(reducer, load), part))
+    return dict(_part(*_with_load(reducer, load), part))
 
 
 @once
@@ -237,7 +237,7 @@ def _cached_part(part: SheetPart) -> Part:
 
 
 def load_of(reducer: Reducer, load: float | None = None) -> tuple[float, LoadSource]:
-    """Return the torque on the output [N m]: `load`, else the size of the design's load, else the nominal torque."""
+    """Return the torque on the output [N m] and its origin: `load`, else the design's, else the nominal torque."""
     design = reducer.design
     if load is not None:
         return load, "given"
@@ -246,8 +246,16 @@ def load_of(reducer: Reducer, load: float | None = None) -> tuple[float, LoadSou
     return design.rated_torque, "rated torque"
 
 
-def _under(reducer: Reducer, load: float | None) -> tuple[Reducer, float]:
-    """Return a design with a load, by default that of `load_of`, and the load [N m]."""
+def _with_load(reducer: Reducer, load: float | None) -> tuple[Reducer, float]:
+    """Return the reducer under a load, and the load [N m]; by default that of `load_of`.
+
+    Raises
+    ------
+    UsageError
+        The load is not positive.
+    DesignError
+        The crank does not rotate.
+    """
     load, _ = load_of(reducer, load)
     if not load > 0.0:
         raise UsageError(
@@ -267,27 +275,32 @@ def known_difference(quantity: Quantity) -> float | None:
     return next((share for end, share in KNOWN_DIFFERENCES_OF_KINDS.items() if quantity.key.endswith(f"_{end}")), None)
 
 
-def _motions(reducer: Reducer, load: float) -> Iterator[Quantity]:
+def _motion_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield backlash, lost motion and stiffness at a locked crank, without friction and weight."""
-    still = at_rest(reducer)
-    evenly = turn_evenly(reducer)
-    springs = springs_of(still, evenly, friction=False)
-    ends, small = [], SETTINGS.stop_torque_share * max(load, reducer.design.rated_torque)
+    static_reducer = at_rest(reducer)
+    crank_angles = turn_evenly(reducer)
+    springs = springs_of(static_reducer, crank_angles, friction=False)
+    ends, stop_torque = [], SETTINGS.stop_torque_share * max(load, reducer.design.rated_torque)
     for sign in (-1.0, 1.0):
-        near, far = (loads(still, springs, sign * times * small, follow=True).output_turn for times in (1.0, 2.0))
-        ends.append(2.0 * near - far)
+        rotation, double_rotation = (
+            loads(static_reducer, springs, sign * factor * stop_torque, follow=True).output_turn
+            for factor in (1.0, 2.0)
+        )
+        ends.append(2.0 * rotation - double_rotation)
     width = (ends[1] - ends[0]) / ARCMINUTE
     yield sheet_quantity("backlash", float(width.mean()))
     yield sheet_quantity("backlash_min", float(width.min()))
     yield sheet_quantity("backlash_max", float(width.max()))
-    solved = windups(reducer, evenly, load, follow=True)
+    solved = solve_windups(reducer, crank_angles, load, warm_start=True)
     yield sheet_quantity("lost_motion_ideal", float(np.mean([item.lost_motion for item in solved])) / ARCMINUTE)
     yield sheet_quantity("stiffness_ideal", _stiffness(solved))
-    by_angle = [item.compliance_by_spring(reducer) for item in solved]
-    compliance = {part: float(np.mean([item[part] for item in by_angle])) / ARCMINUTE for part in SPRINGS}
+    by_crank_angle = [item.compliance_by_spring(reducer) for item in solved]
+    compliance = {part: float(np.mean([item[part] for item in by_crank_angle])) / ARCMINUTE for part in SPRINGS}
     if reducer.design.structure == "springs":
         rigid = reducer.but(structure="rigid")
-        yield sheet_quantity("stiffness_contacts", _stiffness(windups(rigid, evenly, load, follow=True)))
+        yield sheet_quantity(
+            "stiffness_contacts", _stiffness(solve_windups(rigid, crank_angles, load, warm_start=True))
+        )
         compliance |= {part: item / ARCMINUTE for part, item in twisting_compliance(reducer).items()}
     else:
         compliance.pop("bending")
@@ -295,77 +308,85 @@ def _motions(reducer: Reducer, load: float) -> Iterator[Quantity]:
         yield sheet_quantity(f"compliance_{part}", item)
 
 
-def _stiffness(windups: Sequence[Windup]) -> float:
+def _stiffness(solve_windups: Sequence[Windup]) -> float:
     """Compute the mean stiffness [N m/arcmin]."""
-    return float(np.mean([ARCMINUTE / windup.compliance(windup.turn) for windup in windups]))
+    return float(np.mean([ARCMINUTE / windup.compliance(windup.turn) for windup in solve_windups]))
 
 
-def _errors(reducer: Reducer, load: float) -> Iterator[Quantity]:
+def _error_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield the transmission errors, loaded and unloaded, in both directions, with friction."""
-    mean: dict[tuple[str, str, str], float] = {}
+    means: dict[tuple[str, str, str], float] = {}
     for case in CASES:
         for direction in DIRECTIONS:
-            turns = _turns(reducer, load, case, direction)
-            mean |= {(shaft, case, direction): float(turn.mean()) / ARCSECOND for shaft, turn in turns.items()}
-            yield from _ranges(turns, case, direction)
+            rotations = _compute_rotations(reducer, load, case, direction)
+            means |= {
+                (shaft, case, direction): float(rotation.mean()) / ARCSECOND for shaft, rotation in rotations.items()
+            }
+            yield from _range_figures(rotations, case, direction)
             if (case, direction) == ("loaded", "forward"):
-                yield sheet_quantity(INERTIA_SHARE, inertia_share(reducer, turns["output"][:-1], load))
+                yield sheet_quantity(INERTIA_SHARE, inertia_share(reducer, rotations["output"][:-1], load))
     for shaft in SHAFTS:
-        unloaded = mean[shaft, "unloaded", "forward"]
-        yield sheet_quantity(f"{shaft}_reversal", unloaded - mean[shaft, "unloaded", "reverse"])
-        yield sheet_quantity(f"{shaft}_wind_up", mean[shaft, "loaded", "forward"] - unloaded)
+        unloaded = means[shaft, "unloaded", "forward"]
+        yield sheet_quantity(f"{shaft}_reversal", unloaded - means[shaft, "unloaded", "reverse"])
+        yield sheet_quantity(f"{shaft}_wind_up", means[shaft, "loaded", "forward"] - unloaded)
 
 
 def _loaded_error(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield the forward transmission error under the load."""
-    return _ranges(_turns(reducer, load, "loaded", "forward"), "loaded", "forward")
+    return _range_figures(_compute_rotations(reducer, load, "loaded", "forward"), "loaded", "forward")
 
 
-def _turns(reducer: Reducer, load: float, case: str, direction: str) -> dict[str, Array]:
-    """Compute the rotations of disc and output from their ideal angles [rad] in a case and direction."""
+def _compute_rotations(reducer: Reducer, load: float, case: str, direction: str) -> dict[str, Array]:
+    """Compute the rotations of disc and output from their ideal angles [rad] in a case and direction, by part.
+
+    Keys of `CASES` and `DIRECTIONS`; crank angles are even over a turn, both ends included.
+    """
     count, sign = SETTINGS.angles_per_mesh_period * reducer.mesh_periods, DIRECTIONS[direction]
-    turning = reducer.but(drive={"speed": sign * abs(reducer.design.drive.speed)})
-    springs = springs_of(turning, np.linspace(0.0, 2.0 * np.pi, count + 1))
-    contact_loads = loads(turning, springs, sign * CASES[case] * load, follow=True)
+    moving = reducer.but(drive={"speed": sign * abs(reducer.design.drive.speed)})
+    springs = springs_of(moving, np.linspace(0.0, 2.0 * np.pi, count + 1))
+    contact_loads = loads(moving, springs, sign * CASES[case] * load, follow=True)
     return {"gear": contact_loads.gear_turn, "output": contact_loads.output_turn}
 
 
-def _ranges(turns: Mapping[str, Array], case: str, direction: str) -> Iterator[Quantity]:
-    """Yield peak-to-peak and rms values of rotations."""
-    for shaft, turn in turns.items():
+def _range_figures(rotations: Mapping[str, Array], case: str, direction: str) -> Iterator[Quantity]:
+    """Yield peak-to-peak and rms values of the rotations of disc and output [rad], by part."""
+    for shaft, rotation in rotations.items():
         end = f"{case}_{direction}_speed"
-        yield sheet_quantity(f"{shaft}_peak_to_peak_{end}", peak_to_peak(turn) / ARCSECOND)
-        yield sheet_quantity(f"{shaft}_rms_{end}", rms_about_mean(turn) / ARCSECOND)
+        yield sheet_quantity(f"{shaft}_peak_to_peak_{end}", peak_to_peak(rotation) / ARCSECOND)
+        yield sheet_quantity(f"{shaft}_rms_{end}", rms_about_mean(rotation) / ARCSECOND)
 
 
-def _loads(reducer: Reducer, load: float, limits: int = len(LIMITS)) -> Iterator[Quantity]:
-    """Yield forces, pressures and margins by kind of mating pair, and the torques of the first `limits` of `LIMITS`."""
+def _load_figures(reducer: Reducer, load: float, limit_count: int = len(LIMITS)) -> Iterator[Quantity]:
+    """Yield forces, pressures and margins by kind of mating pair, and the torques of the first of `LIMITS`.
+
+    `limit_count` is the number of these limits.
+    """
     design = reducer.design
     torque = math.copysign(load, design.drive.speed)
     springs = springs_of(reducer, _angles(reducer))
     contact_loads = loads(reducer, springs, torque, follow=True)
-    spare = {
+    strength_ratios = {
         kind: reducer.contacts[kind].strength / peak_pressure(reducer, springs, contact_loads, kind)
         for kind in design.pair_kinds
-        if is_narrow(reducer, springs, contact_loads, kind)
+        if is_hertzian(reducer, springs, contact_loads, kind)
     }
     yield from disc_shares(contact_loads.share)
     for kind in design.pair_kinds:
-        yield from _of_kind(springs, contact_loads, kind, reducer, spare.get(kind, math.nan))
+        yield from _pair_figures(springs, contact_loads, kind, reducer, strength_ratios.get(kind, math.nan))
     if contact_loads.discs > 1:
-        yield from reaction_quantities(reactions(reducer, springs, contact_loads))
-    for key, allowed in islice(LIMITS.items(), limits):
-        if not spare:
+        yield from reaction_quantities(compute_reactions(reducer, springs, contact_loads))
+    for key, allowed in islice(LIMITS.items(), limit_count):
+        if not strength_ratios:
             yield sheet_quantity(key, math.nan, note="none: no contact is narrow enough for Hertz theory")
             continue
-        pressures = {kind: allowed * reducer.contacts[kind].strength for kind in spare}
-        reached, weakest = torque_at_pressure(reducer, springs, pressures, torque, contact_loads, follow=True)
-        yield sheet_quantity(key, abs(reached), note=f"limited by {weakest}")
+        pressures = {kind: allowed * reducer.contacts[kind].strength for kind in strength_ratios}
+        limit_torque, weakest = torque_at_pressure(reducer, springs, pressures, torque, contact_loads, follow=True)
+        yield sheet_quantity(key, abs(limit_torque), note=f"limited by {weakest}")
 
 
 def _loads_and_yield(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield the loads, and only the torque of the first of `LIMITS`."""
-    return _loads(reducer, load, limits=1)
+    return _load_figures(reducer, load, limit_count=1)
 
 
 def _angles(reducer: Reducer) -> Array:
@@ -373,59 +394,61 @@ def _angles(reducer: Reducer) -> Array:
     return turn_evenly(reducer, POSES if reducer.design.gear.discs == 1 else SETTINGS.angles_of_several_discs)
 
 
-def disc_shares(share: Array) -> Iterator[Quantity]:
-    """Yield the share of each of several discs in the output torque, from the shares at crank angles, shape (m, D)."""
-    for number, item in enumerate(share.T if share.shape[1] > 1 else (), start=1):
+def disc_shares(shares: Array) -> Iterator[Quantity]:
+    """Yield the share of each of several discs in the output torque, from shares at m crank angles, shape (m, D)."""
+    for number, item in enumerate(shares.T if shares.shape[1] > 1 else (), start=1):
         value = float(item.mean()) if item.size else math.nan
         note = f"from {item.min():.4g} to {item.max():.4g} over the crank angle" if item.size else UNLOADED
         yield sheet_quantity(f"disc_{number}_share", value, note=note)
 
 
-def reaction_quantities(reactions: Reactions) -> Iterator[Quantity]:
-    """Yield the largest forces and tilting moments over the crank angle."""
+def reaction_quantities(compute_reactions: Reactions) -> Iterator[Quantity]:
+    """Yield the largest forces and tilting moments on shaft, output, ring and bearings over the crank angle."""
     for member in ("shaft", "output", "ring"):
-        planes: Planes = getattr(reactions, member)
-        yield sheet_quantity(f"{member}_net_force", float(np.hypot(*planes.net.T).max()))
-        yield sheet_quantity(f"{member}_tilting_moment", float(np.hypot(*planes.moment.T).max()))
+        disc_forces: Planes = getattr(compute_reactions, member)
+        yield sheet_quantity(f"{member}_net_force", float(np.hypot(*disc_forces.net.T).max()))
+        yield sheet_quantity(f"{member}_tilting_moment", float(np.hypot(*disc_forces.moment.T).max()))
     for key in BEARINGS:
-        forces = getattr(reactions, key.replace("_bearing", ""))
+        forces = getattr(compute_reactions, key.replace("_bearing", ""))
         if forces is not None:
             yield sheet_quantity(f"{key}_force", float(np.hypot(*forces.T).max()))
 
 
-def _of_kind(springs: Springs, contact_loads: Loads, kind: str, reducer: Reducer, spare: float) -> Iterator[Quantity]:
-    """Yield the figures of a kind of mating pair.
+def _pair_figures(
+    springs: Springs, contact_loads: Loads, kind: str, reducer: Reducer, strength_ratio: float
+) -> Iterator[Quantity]:
+    """Yield the figures of a kind of mating pair: forces, number of loaded contacts, pressure and margin.
 
-    `spare` is the strength over the pressure; NaN if Hertz theory does not apply.
+    `strength_ratio` is the strength over the pressure; NaN if Hertz theory does not apply.
     """
     peak, force = peak_force(contact_loads, kind), forces(contact_loads, kind).reshape(springs.crank.size, -1)
-    carries, note = force > CARRYING_SHARE * peak, CONFORMAL if math.isnan(spare) else ""
+    is_loaded, note = force > CARRYING_SHARE * peak, CONFORMAL if math.isnan(strength_ratio) else ""
     turn = np.linspace(0.0, 2.0 * np.pi, SETTINGS.angles_per_mesh_period * reducer.design.ring.teeth + 1)
     ideal = ideal_peak(reducer, kind, turn)
     yield sheet_quantity(f"{kind}_peak_force", peak, reference=ideal, source="ideal sharing")
-    yield sheet_quantity(f"{kind}_mean_force", _mean(force[carries]))
-    yield sheet_quantity(f"{kind}_carrying", float(carries.sum(axis=1).mean()))
-    yield sheet_quantity(f"{kind}_pressure", 1e-6 * reducer.contacts[kind].strength / spare, note=note)
-    yield sheet_quantity(f"{kind}_margin", YIELD_PRESSURE * spare, note=note)
+    yield sheet_quantity(f"{kind}_mean_force", _mean(force[is_loaded]))
+    yield sheet_quantity(f"{kind}_carrying", float(is_loaded.sum(axis=1).mean()))
+    yield sheet_quantity(f"{kind}_pressure", 1e-6 * reducer.contacts[kind].strength / strength_ratio, note=note)
+    yield sheet_quantity(f"{kind}_margin", YIELD_PRESSURE * strength_ratio, note=note)
 
 
 def _mean(values: Array) -> float:
     return float(values.mean()) if values.size else 0.0
 
 
-def _losses(reducer: Reducer, load: float) -> Iterator[Quantity]:
+def _loss_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield efficiency and losses, and the figures of back-driving."""
-    yield from _efficiency(reducer, load)
-    back, backward = back_driving(reducer, load)
-    locked = self_locking(reducer, load) if math.isnan(backward) else ""
-    yield sheet_quantity("back_driving_torque_rated", backward, note=locked)
-    if reducer.design.has_film and not math.isnan(backward):
-        yield spread_quantity("back_driving_efficiency", back_driving_efficiency_spread(reducer, backward))
+    yield from _efficiency_figures(reducer, load)
+    back_powers, back_torque = solve_back_driving(reducer, load)
+    note = describe_self_locking(reducer, load) if math.isnan(back_torque) else ""
+    yield sheet_quantity("back_driving_torque_rated", back_torque, note=note)
+    if reducer.design.has_film and not math.isnan(back_torque):
+        yield spread_quantity("back_driving_efficiency", back_driving_efficiency_spread(reducer, back_torque))
     else:
-        yield sheet_quantity("back_driving_efficiency", 100.0 * back.efficiency, note=locked)
+        yield sheet_quantity("back_driving_efficiency", 100.0 * back_powers.efficiency, note=note)
 
 
-def _efficiency(reducer: Reducer, load: float) -> Iterator[Quantity]:
+def _efficiency_figures(reducer: Reducer, load: float) -> Iterator[Quantity]:
     """Yield efficiency and losses of the reducer when the crank drives."""
     design = reducer.design
     mean_powers = powers(reducer, load)
@@ -441,10 +464,10 @@ def _efficiency(reducer: Reducer, load: float) -> Iterator[Quantity]:
     yield sheet_quantity("output_power", mean_powers.delivered)
 
 
-def back_driving(reducer: Reducer, load: float) -> tuple[Powers, float]:
-    """Compute powers and output torque [N m] when the output drives the crank against its share of a load [N m].
+def solve_back_driving(reducer: Reducer, load: float) -> tuple[Powers, float]:
+    """Solve for powers and output torque [N m] when the output drives the crank against its share of a load [N m].
 
-    The torque is NaN if the reducer is self-locking.
+    By a fixed-point iteration of torque and efficiency. The torque is NaN if the reducer is self-locking.
     """
     torque = load
     mean_powers = powers(reducer, -torque)
@@ -456,23 +479,28 @@ def back_driving(reducer: Reducer, load: float) -> tuple[Powers, float]:
     return mean_powers, torque
 
 
-def self_locking(reducer: Reducer, load: float) -> str:
+def describe_self_locking(reducer: Reducer, load: float) -> str:
     """Describe self-locking against the crank's share of a load [N m], and whether the output drives a free crank."""
-    drives, share = powers(reducer, -load).crank < 0.0, load / reducer.design.reduction
+    drives_free_crank, crank_torque = powers(reducer, -load).crank < 0.0, load / reducer.design.reduction
     return (
-        f"self-locking against {share:.4g} N m on the crank: friction takes all power of the output; "
-        f"{load:.4g} N m on the output {'drives' if drives else 'does not drive'} a crank without load"
+        f"self-locking against {crank_torque:.4g} N m on the crank: friction takes all power of the output; "
+        f"{load:.4g} N m on the output {'drives' if drives_free_crank else 'does not drive'} a crank without load"
     )
 
 
 RV_PARTS: Mapping[SheetPart, Callable[[RvReducer, float], Iterator[Quantity]]] = {
-    "motions": rv_sheet.motions,
-    "loads": rv_sheet.forces,
-    "losses": rv_sheet.losses,
+    "motions": rv_sheet.motion_figures,
+    "loads": rv_sheet.force_figures,
+    "losses": rv_sheet.loss_figures,
 }
 """The same for RV reducers."""
 
-PARTS_OF_SHEET: Mapping[SheetPart, Part] = {"motions": _motions, "errors": _errors, "loads": _loads, "losses": _losses}
+PARTS_OF_SHEET: Mapping[SheetPart, Part] = {
+    "motions": _motion_figures,
+    "errors": _error_figures,
+    "loads": _load_figures,
+    "losses": _loss_figures,
+}
 """Functions that yield the figures of a sheet, by name."""
 
 

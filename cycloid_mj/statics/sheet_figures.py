@@ -111,8 +111,8 @@ def _has_disc(number: int) -> Callable[[Reducer], bool]:
 
 
 # fmt: off
-def _motions() -> Iterator[SheetFigure]:
-    """Yield backlash, lost motion, stiffness and compliances."""
+def _motion_rows() -> Iterator[SheetFigure]:
+    """Yield the rows of backlash, lost motion, stiffness and compliances."""
     yield SheetFigure(
         "backlash", "arcmin", "backlash of the output, mean",
         "Turn of the output from stop to stop at a locked crank under a vanishing torque: mean over a turn, without "
@@ -125,13 +125,13 @@ def _motions() -> Iterator[SheetFigure]:
     yield SheetFigure(
         "lost_motion_ideal", "arcmin", "lost motion at +-3 % of the load",
         f"Turn of the output between -3 and 3 % of the load, {_IDEAL}.", "lost_motion_arcmin", layouts=BOTH)
-    turn = "Torque over the turn of the output from 50 to 100 % of the load"
+    definition = "Torque over the turn of the output from 50 to 100 % of the load"
     yield SheetFigure(
         "stiffness_ideal", "N m/arcmin", "torsional stiffness, 50 to 100 % of the load",
-        f"{turn}, {_IDEAL}.", "stiffness_nm_per_arcmin", layouts=BOTH)
+        f"{definition}, {_IDEAL}.", "stiffness_nm_per_arcmin", layouts=BOTH)
     yield SheetFigure(
         "stiffness_contacts", "N m/arcmin", "torsional stiffness of the contacts only",
-        f"{turn} with rigid parts, {_IDEAL}.", "stiffness_contacts_nm_per_arcmin", _has_springs)
+        f"{definition} with rigid parts, {_IDEAL}.", "stiffness_contacts_nm_per_arcmin", _has_springs)
     for part, words in COMPLIANT.items():
         yield SheetFigure(
             f"compliance_{part}", "arcmin/(N m)", f"compliance of {words}, in series",
@@ -140,8 +140,8 @@ def _motions() -> Iterator[SheetFigure]:
             (lambda _: True) if part in ("output", "cam", "mesh") else _has_springs)
 
 
-def _errors() -> Iterator[SheetFigure]:
-    """Yield the transmission errors."""
+def _error_rows() -> Iterator[SheetFigure]:
+    """Yield the rows of the transmission errors of disc and output."""
     for shaft in SHAFTS:
         prefix = "" if shaft == "output" else f"{shaft}_"
         for case, direction in product(CASES, DIRECTIONS):
@@ -167,8 +167,8 @@ def _errors() -> Iterator[SheetFigure]:
         "at the design's speed, over the load: rms over a turn; from 0.1 on runs differ from statics.")
 
 
-def _loads() -> Iterator[SheetFigure]:
-    """Yield load shares, forces, pressures and capacities."""
+def _load_rows() -> Iterator[SheetFigure]:
+    """Yield the rows of load shares, forces, pressures and capacities."""
     for number in range(1, 5):
         name = f"share of disc {number} in the torque"
         yield SheetFigure(
@@ -183,7 +183,7 @@ def _loads() -> Iterator[SheetFigure]:
         ):
             yield SheetFigure(f"{kind}_{end}", unit, f"{kind}: {name}", definition, exists=_has_contact(kind),
                               layouts=BOTH if kind in ("pin_gear", "tooth") else ("central",))
-    yield from _rv_loads()
+    yield from _rv_load_rows()
     for member, (end, unit) in product(("shaft", "output", "ring"), (("net_force", "N"), ("tilting_moment", "N m"))):
         name = end.replace("_", " ")
         yield SheetFigure(
@@ -202,21 +202,21 @@ def _loads() -> Iterator[SheetFigure]:
         "Torque on the output at which the first contact reaches the shakedown limit of rolling.")
 
 
-def _rv_loads() -> Iterator[SheetFigure]:
-    """Yield the forces of an RV reducer: crank bearings and planets."""
-    ideal = "ideal sharing by rigid parts without clearance and errors, over a turn of the carrier"
-    solved = "by the balance of all springs with clearances and errors, over a turn of the carrier"
-    for key, name, end in (("ideal", "", ideal), ("balanced", "balanced_", solved)):
+def _rv_load_rows() -> Iterator[SheetFigure]:
+    """Yield the rows of the forces of an RV reducer: crank bearings and planets."""
+    ideal_condition = "ideal sharing by rigid parts without clearance and errors, over a turn of the carrier"
+    balanced_condition = "by the balance of all springs with clearances and errors, over a turn of the carrier"
+    for key, name, condition in (("ideal", "", ideal_condition), ("balanced", "balanced_", balanced_condition)):
         words = "ideal sharing" if key == "ideal" else "springs and clearances"
         yield SheetFigure(
             f"crank_bearing_{name}force", "N", f"largest force of a crank on a disc, {words}",
-            f"Largest force of a crank on its bearing in a disc under the load: {end}.", layouts=RV)
+            f"Largest force of a crank on its bearing in a disc under the load: {condition}.", layouts=RV)
         yield SheetFigure(
             f"crank_bearing_{name}mean_force", "N", f"10/3-power mean force of a crank on a disc, {words}",
-            f"Mean of that force for the life of roller bearings, (mean F^(10/3))^(3/10): {end}.", layouts=RV)
+            f"Mean of that force for the life of roller bearings, (mean F^(10/3))^(3/10): {condition}.", layouts=RV)
     yield SheetFigure(
         "planet_mesh_force", "N", "largest force of a planet on the sun",
-        f"Largest normal force of a planet on the sun under the load: {solved}.", layouts=RV)
+        f"Largest normal force of a planet on the sun under the load: {balanced_condition}.", layouts=RV)
     yield SheetFigure(
         "te_errors", "arcsec", "transmission error by errors of cranks, bores and planets, peak to peak",
         "Range of the output's angle by the errors of cranks, bores, carrier and planets at a fixed sun, in closed "
@@ -227,8 +227,8 @@ def _rv_loads() -> Iterator[SheetFigure]:
         "over a turn of the carrier.", "te_ideal_arcsec", layouts=RV)
 
 
-def _losses() -> Iterator[SheetFigure]:
-    """Yield efficiencies and losses."""
+def _loss_rows() -> Iterator[SheetFigure]:
+    """Yield the rows of efficiencies and losses."""
     yield SheetFigure(
         "efficiency", "%", "efficiency",
         "Power of the output over that of the input under the load, at the design's speed, without the bearings of "
@@ -260,10 +260,10 @@ def _of_part(part: SheetPart, rows: Iterator[SheetFigure]) -> dict[str, SheetFig
 
 
 SHEET_FIGURES: Mapping[str, SheetFigure] = {
-    **_of_part("motions", _motions()),
-    **_of_part("errors", _errors()),
-    **_of_part("loads", _loads()),
-    **_of_part("losses", _losses()),
+    **_of_part("motions", _motion_rows()),
+    **_of_part("errors", _error_rows()),
+    **_of_part("loads", _load_rows()),
+    **_of_part("losses", _loss_rows()),
 }
 """Key -> figure of the sheet."""
 
@@ -277,7 +277,7 @@ def sheet_quantity(
 
 
 def spread_quantity(key: str, spread: Spread) -> Quantity:
-    """Return the quantity of a figure of the sheet with its interval and the causes of it."""
+    """Return the quantity of a figure of the sheet with its interval and the causes of its spread."""
     note = f"{spread.low:.4g} to {spread.high:.4g} (5 to 95 %), mostly from {spread.text}"
     quantity = sheet_quantity(key, spread.value, note=note)
     return replace(quantity, low=spread.low, high=spread.high, causes=spread.causes)

@@ -19,15 +19,19 @@ TORSION = (3.4, 19.0, 1.0, 2.0)
 
 
 def shoulder_factor(radius: float, fillet: float, outer: float, terms: tuple[float, float, float, float]) -> float:
-    """Compute the notch factor alpha of a shoulder from radius R to `outer` (inf: a wide disc) with a fillet r [m].
+    """Compute the notch factor alpha of a shoulder of a round shaft (DIN 743-2) [1].
 
-    `terms` are `BENDING` or `TORSION`.
+    The radius increases to `outer` (inf: a wide disc) with a fillet; all in [m]. `terms` are `BENDING` or `TORSION`.
     """
     a, b, c, z = terms
     depth = outer - radius
-    share, slope = fillet / (2.0 * radius), 0.0 if math.isinf(outer) else fillet / depth
-    shorter = 0.0 if math.isinf(outer) else radius / outer
-    return 1.0 + 1.0 / math.sqrt(a * slope + 2.0 * b * share * (1.0 + 2.0 * share) ** 2 + c * slope**z * shorter)
+    relative_fillet, fillet_over_depth = fillet / (2.0 * radius), 0.0 if math.isinf(outer) else fillet / depth
+    diameter_ratio = 0.0 if math.isinf(outer) else radius / outer
+    return 1.0 + 1.0 / math.sqrt(
+        a * fillet_over_depth
+        + 2.0 * b * relative_fillet * (1.0 + 2.0 * relative_fillet) ** 2
+        + c * fillet_over_depth**z * diameter_ratio
+    )
 
 
 def root_arms(reducer: Reducer) -> Array:
@@ -37,9 +41,11 @@ def root_arms(reducer: Reducer) -> Array:
     the root from the force and b that of the other root (Roark, Formulas for Stress and Strain, 8.1, case 1d).
     """
     gear = reducer.design.gear
-    end = gear.stack_width / 2.0 + AXIAL_GAP
-    near = end - np.array(gear.disc_planes)
+    root_position = gear.stack_width / 2.0 + AXIAL_GAP
+    root_distance = root_position - np.array(gear.disc_planes)
     if reducer.design.output.support == "cantilever":
-        return near[np.newaxis]
-    far = 2.0 * end - near
-    return np.stack([a * b**2 / (a + b) ** 2 for a, b in ((near, far), (far, near))])
+        return root_distance[np.newaxis]
+    other_distance = 2.0 * root_position - root_distance
+    return np.stack(
+        [a * b**2 / (a + b) ** 2 for a, b in ((root_distance, other_distance), (other_distance, root_distance))]
+    )

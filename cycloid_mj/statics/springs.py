@@ -11,8 +11,8 @@ from cycloid_mj.geometry import kinematics
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import Gaps, arc_gaps, cam_places, ideal_motion
 from cycloid_mj.statics import kernel
-from cycloid_mj.statics.film import FilmContacts, FilmFriction, film_contacts
-from cycloid_mj.statics.friction import rubbing
+from cycloid_mj.statics.film import FilmContacts, FilmFriction, build_film_contacts
+from cycloid_mj.statics.friction import compute_rubbing
 
 POSES = 61
 """Default number of crank angles over a turn."""
@@ -57,12 +57,12 @@ class Springs:
     friction: FilmFriction | None = None
 
     def with_friction(self, friction: FilmFriction) -> "Springs":
-        """Return the springs with another friction of the film law."""
+        """Return the springs with other friction coefficients of the film law."""
         assert self.film is not None
         design = self.film.surfaces.reducer.design
-        arm = math.copysign(design.gear.bore_radius / self.contacts.radius, design.drive.speed)
+        lever = math.copysign(design.gear.bore_radius / self.contacts.radius, design.drive.speed)
         contacts = self.contacts._replace(
-            rubbing=friction.contacts[..., np.newaxis] * self.film.unit_rubbing, cam_rubbing=friction.cam * arm
+            rubbing=friction.contacts[..., np.newaxis] * self.film.unit_rubbing, cam_rubbing=friction.cam * lever
         )
         return replace(self, contacts=contacts, friction=friction)
 
@@ -73,9 +73,9 @@ class Springs:
         return np.asarray(slope[..., :-1].reshape(*slope.shape[:2], -1, 3)[..., :2].sum(axis=2))
 
     def load(self, torque: float | Array) -> Array:
-        """Compute the generalised forces [N], shape (m, 3 D + 1), of a torque on the carrier [N m].
+        """Return the generalised forces of a torque on the carrier, weight and inertia [N], shape (m, 3 D + 1).
 
-        The torque is a number, or has shape (m,).
+        The torque [N m] is a number, or has shape (m,).
         """
         load = np.zeros((self.crank.size, self.contacts.slope.shape[2]))
         for disc in range(self.body_force.shape[1]):
@@ -119,74 +119,80 @@ def springs_of(reducer: Reducer, crank: npt.ArrayLike | None = None, friction: b
     if crank is None:
         crank = turn_evenly(reducer)
     crank = np.ravel(np.asarray(crank, dtype=np.float64))
-    own_force = np.stack([body_force(reducer, crank, phase) for phase in reducer.phases], axis=1)
+    disc_forces = np.stack([body_force(reducer, crank, phase) for phase in reducer.phases], axis=1)
     crank = reducer.member.against_ring(crank)
     speed, reducer = float(reducer.member.against_ring(reducer.design.drive.speed)), reducer.at_rated_load
     mesh_gaps, motion = arc_gaps(reducer, crank), ideal_motion(reducer, crank) * speed
     teeth = int(np.sum(mesh_gaps.kind == reducer.design.tooth_pair))
     contacts = _kernel_springs(reducer, mesh_gaps, teeth, cam_places(reducer, crank))
-    film = film_contacts(reducer, crank, mesh_gaps, teeth, motion) if friction and reducer.design.has_film else None
+    film = (
+        build_film_contacts(reducer, crank, mesh_gaps, teeth, motion) if friction and reducer.design.has_film else None
+    )
     if friction and film is None:
-        arm = reducer.design.gear.bore_radius / contacts.radius
-        cam_rubbing = math.copysign(reducer.design.friction_of("cam"), speed) * arm
-        contacts = contacts._replace(rubbing=rubbing(reducer, mesh_gaps, motion), cam_rubbing=cam_rubbing)
+        lever = reducer.design.gear.bore_radius / contacts.radius
+        cam_rubbing = math.copysign(reducer.design.friction_of("cam"), speed) * lever
+        contacts = contacts._replace(rubbing=compute_rubbing(reducer, mesh_gaps, motion), cam_rubbing=cam_rubbing)
     springs = Springs(
         crank=crank,
         teeth=teeth,
         contacts=contacts,
         curvature=mesh_gaps.relative_curvature[:, :teeth],
-        body_force=own_force,
+        body_force=disc_forces,
         slip=np.einsum("mnu,mu->mn", mesh_gaps.slip_slope, motion),
         film=film,
     )
-    return springs if film is None else springs.with_friction(film.at_working_forces())
+    return springs if film is None else springs.with_friction(film.friction_at_working_forces())
 
 
-def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, teeth: int, cams: Array) -> kernel.KernelSprings:
-    """Return the springs of gaps and cams without friction."""
-    design, bending = reducer.design, _bending(reducer)
-    series = np.repeat(np.array(reducer.contacts["output"].series), design.output.pins)
-    output = np.broadcast_to(series, (len(cams), series.size))
+def _kernel_springs(reducer: Reducer, mesh_gaps: Gaps, teeth: int, cam_positions: Array) -> kernel.KernelSprings:
+    """Return the springs of gaps and cams for the compiled kernel, without friction.
+
+    `teeth` is the number of contact lines with the ring, `cams` the position of each cam [m], shape (m, D, 2).
+    """
+    design, bending = reducer.design, _pin_deflections(reducer)
+    pin_stiffness = np.repeat(np.array(reducer.contacts["output"].series), design.output.pins)
+    output = np.broadcast_to(pin_stiffness, (len(cam_positions), pin_stiffness.size))
     stiffness = tooth_stiffness(reducer, mesh_gaps.relative_curvature[:, :teeth])
-    same = {name: getattr(mesh_gaps, name) for name in _SAME_IN_GAPS}
+    shared = {name: getattr(mesh_gaps, name) for name in _SAME_IN_GAPS}
     return kernel.KernelSprings(
         radius=design.output.pin_circle_radius,
         turning=mesh_gaps.kind == design.tooth_pair,
         room=(mesh_gaps.room + mesh_gaps.play)[0],
         trochoid=(design.ring.pin_circle_radius, design.gear.eccentricity, float(design.ring.teeth)),
         stiffness=np.concatenate([stiffness, output], axis=1),
-        cam_place=cams,
+        cam_place=cam_positions,
         cam_clearance=design.clearance.cam + (reducer.worn.cam if reducer.worn else 0.0),
         cam_stiffness=reducer.contacts["cam"].stiffness,
         rubbing=np.zeros((0, *mesh_gaps.slope.shape[1:])),
         cam_rubbing=0.0,
         bending=bending,
         pins=0 if bending is None else design.output.pins,
-        **same,
+        **shared,
     )
 
 
 def tooth_stiffness(reducer: Reducer, curvature: Array) -> Array:
-    """Compute the stiffness of contact lines with the ring by relative curvature [N/m], sockets or sleeves in series.
+    """Compute the stiffness of contact lines with the ring [N/m], with sockets or sleeves in series.
 
-    A line on a half of the ring has half of the stiffness, as it is half as long.
+    `curvature` is the relative curvature of each line [1/m]. A line on a half of the ring has half of the stiffness,
+    as it is half as long.
     """
     law = reducer.contacts.teeth.curvature_law
     stiffness = law.stiffness * law.factors(curvature)
     kind = reducer.design.seat_pair
-    whole = 1.0 / (1.0 / stiffness + 1.0 / reducer.contacts[kind].stiffness) if kind else stiffness
-    return np.asarray(whole / reducer.design.ring.halves)
+    total = 1.0 / (1.0 / stiffness + 1.0 / reducer.contacts[kind].stiffness) if kind else stiffness
+    return np.asarray(total / reducer.design.ring.halves)
 
 
-def _bending(reducer: Reducer) -> Array | None:
-    """Compute the deflection of an output pin at each disc per force of another [m/N], (D, D), or None if all are 0.
+def _pin_deflections(reducer: Reducer) -> Array | None:
+    """Compute the deflection of an output pin at each disc per force of another [m/N], (D, D); None if all are 0.
 
     The forces of discs at phases b and b' include the angle b - b': the share cos(b - b') of the deflection is along a
     force, and the share across it only moves the contact along its circle.
     """
-    at, flexibility = np.array(reducer.phases), reducer.contacts.pin_flexibility
+    phases, flexibility = np.array(reducer.phases), reducer.contacts.pin_flexibility
     np.fill_diagonal(flexibility, 0.0)
-    return flexibility * np.cos(np.subtract.outer(at, at)) if flexibility.any() else None
+    return flexibility * np.cos(np.subtract.outer(phases, phases)) if flexibility.any() else None
 
 
 def body_force(reducer: Reducer, crank_angle: Array, phase: float = 0.0) -> Array:

@@ -34,13 +34,13 @@ def twisting_stiffness(reducer: Reducer) -> dict[str, float]:
     if design.structure == "rigid":
         return dict.fromkeys(TWISTING, math.inf)
     output, shaft, housing = design.output, design.shaft, design.housing
-    outside = design.bolt_circle_radius if housing.support == "bolts" else housing.outer_radius
-    circle = output.pin_circle_radius
+    outer_radius = design.bolt_circle_radius if housing.support == "bolts" else housing.outer_radius
+    pin_circle = output.pin_circle_radius
     shapes = {
-        "carrier": _ring(design.material_of("output"), output.disc_thickness, HUB * circle, circle),
+        "carrier": _ring(design.material_of("output"), output.disc_thickness, HUB * pin_circle, pin_circle),
         "shaft": shear_modulus(design.material_of("shaft")) * math.pi * shaft.radius**4 / (2.0 * shaft.length),
         "housing": _ring(
-            design.material_of("housing"), design.gear.stack_width, design.ring.pin_circle_radius, outside
+            design.material_of("housing"), design.gear.stack_width, design.ring.pin_circle_radius, outer_radius
         ),
     }
     return {part: getattr(design.springs, part) or shapes[part] for part in TWISTING}
@@ -54,11 +54,11 @@ def twisting_compliance(reducer: Reducer) -> dict[str, float]:
     forces do not change, as all contacts rotate together.
     """
     design = reducer.design
-    stiffness, teeth, seen = twisting_stiffness(reducer), design.ring.teeth, reducer.share**2
+    stiffness, teeth, share_squared = twisting_stiffness(reducer), design.ring.teeth, reducer.share**2
     return {
-        "carrier": seen / stiffness["carrier"],
-        "shaft": seen / (stiffness["shaft"] * design.lobes**2),
-        "housing": seen * (teeth / design.lobes) ** 2 / stiffness["housing"],
+        "carrier": share_squared / stiffness["carrier"],
+        "shaft": share_squared / (stiffness["shaft"] * design.lobes**2),
+        "housing": share_squared * (teeth / design.lobes) ** 2 / stiffness["housing"],
     }
 
 
@@ -79,33 +79,37 @@ def crank_flexibility(reducer: Reducer) -> Array:
         The crank cannot be manufactured.
     """
     design = reducer.design
-    far, near = (0.5 * sum(seat) for seat in bearing_seats(reducer, crank_stretches(reducer)))
+    far_bearing, near_bearing = (0.5 * sum(seat) for seat in bearing_seats(reducer, crank_stretches(reducer)))
     planes, radius = np.array(design.gear.disc_planes), design.shaft.radius
-    ends = np.unique([far, near, *planes])
-    places = np.stack([ends[:-1], 0.5 * (ends[:-1] + ends[1:]), ends[1:]])
-    on_near = -(planes - far) / (near - far)
+    breakpoints = np.unique([far_bearing, near_bearing, *planes])
+    points = np.stack([breakpoints[:-1], 0.5 * (breakpoints[:-1] + breakpoints[1:]), breakpoints[1:]])
+    near_reaction = -(planes - far_bearing) / (near_bearing - far_bearing)
     moments = sum(
-        force[:, np.newaxis, np.newaxis] * np.maximum(places - np.reshape(at, (-1, 1, 1)), 0.0)
-        for force, at in ((np.ones_like(planes), planes), (on_near, near), (-1.0 - on_near, far))
+        force[:, np.newaxis, np.newaxis] * np.maximum(points - np.reshape(position, (-1, 1, 1)), 0.0)
+        for force, position in (
+            (np.ones_like(planes), planes),
+            (near_reaction, near_bearing),
+            (-1.0 - near_reaction, far_bearing),
+        )
     )
-    weights = np.array([1.0, 4.0, 1.0])[:, np.newaxis] / 6.0 * np.diff(ends)
+    weights = np.array([1.0, 4.0, 1.0])[:, np.newaxis] / 6.0 * np.diff(breakpoints)
     bending, _ = round_beam(design.material_of("shaft"), radius)
     return np.asarray(np.einsum("dps,eps,ps->de", moments, moments, weights) / bending)
 
 
 def structure_text(reducer: Reducer) -> str:
-    """Describe which parts of the structure are elastic, with their stiffness."""
+    """Describe which parts of the structure are elastic, with their stiffness, in a sentence."""
     if reducer.design.structure == "rigid":
         return "shafts, discs, output and housing are rigid; only contacts are elastic"
-    given = [part for part in TWISTING if getattr(reducer.design.springs, part)]
+    stated = [part for part in TWISTING if getattr(reducer.design.springs, part)]
     twisting = ", ".join(
-        f"{part} {ARCMINUTE * item:.3g}{' (from the design)' if part in given else ''}"
+        f"{part} {ARCMINUTE * item:.3g}{' (from the design)' if part in stated else ''}"
         for part, item in twisting_stiffness(reducer).items()
     )
     support = {"cantilever": "at one end", "both_ends": "at both ends"}[reducer.design.output.support]
     return (
         f"output pins are beams supported {support}; torsional stiffness about the axis: {twisting} N m/arcmin, which "
-        f"affects the output only; not included{', unless the design sets them,' if given else ''} are the "
+        f"affects the output only; not included{', unless the design sets them,' if stated else ''} are the "
         "compliances of discs and of all bearings but the "
         f"cams', and bending of the shaft ({1e9 * crank_flexibility(reducer).max():.3g} um at a cam under 1 kN; a "
         "lower stiffness.cam_n_m can represent it)"

@@ -69,7 +69,7 @@ class Windup:
 
     def series(self, reducer: Reducer) -> dict[str, float]:
         """Compute the compliance of each part in series [rad/(N m)], keyed by `SERIES`."""
-        return in_series(reducer, *(self.compliance(at) for at in (self.turn, self.gear_turn, self.centre_lead)))
+        return split_in_series(reducer, *(self.compliance(at) for at in (self.turn, self.gear_turn, self.centre_lead)))
 
     def compliance_by_spring(self, reducer: Reducer) -> dict[str, float]:
         """Compute the compliance of each spring [rad/(N m)], keyed by `SPRINGS`; without torsion of the structure."""
@@ -77,75 +77,84 @@ class Windup:
         return {spring: item / work * whole for spring, item in self.work.items()}
 
 
-def in_series(reducer: Reducer, turn: float, gear_turn: float, centre_lead: float) -> dict[str, float]:
-    """Split a compliance [rad/(N m)] by `SERIES`, from those of output, disc and disc's centre [m/(N m)].
+def split_in_series(reducer: Reducer, output_rate: float, disc_rate: float, centre_lead: float) -> dict[str, float]:
+    """Split a compliance [rad/(N m)] into those of output, cam and mesh in series, by keys of `SERIES`.
 
-    Torsion of the structure counts with the contacts of the output. If the ring is the output, the disc rotates against
-    a fixed carrier.
+    `output_rate` and `disc_rate` are the rotations of output and disc per torque [rad/(N m)], `centre_lead` the
+    displacement of the disc's centre along its circle per torque [m/(N m)]. Torsion of the structure counts with the
+    contacts of the output. If the ring is the output, the disc rotates against a fixed carrier.
     """
     design = reducer.design
-    cam, of = -centre_lead / (design.gear.eccentricity * design.lobes), reducer.share
-    carrier = turn / of
-    gear = carrier - wind_up(reducer) / of - gear_turn if design.output.turns_ring else gear_turn
-    return {part: of * seen for part, seen in (("output", carrier - gear), ("cam", cam), ("mesh", gear - cam))}
+    cam_part, share = -centre_lead / (design.gear.eccentricity * design.lobes), reducer.share
+    carrier = output_rate / share
+    disc_part = carrier - wind_up(reducer) / share - disc_rate if design.output.turns_ring else disc_rate
+    return {
+        part: share * rate
+        for part, rate in (("output", carrier - disc_part), ("cam", cam_part), ("mesh", disc_part - cam_part))
+    }
 
 
-def windups(reducer: Reducer, cranks: Sequence[float] | Array, rated: float, follow: bool = False) -> list[Windup]:
-    """Solve for static poses at crank angles [rad] under shares of a rated output torque [N m].
+def solve_windups(
+    reducer: Reducer, cranks: Sequence[float] | Array, rated_torque: float, warm_start: bool = False
+) -> list[Windup]:
+    """Solve for static poses at crank angles [rad] under shares of a rated output torque [N m], without friction.
 
-    `follow` is that of `loads`: smoothly varying angles take half of the time.
+    Returns a wind-up for each crank angle. `warm_start` is that of `loads`: smoothly varying angles take half of the
+    time.
 
     Raises
     ------
     RunError
         There is no equilibrium.
     """
-    still = at_rest(reducer)
-    springs = springs_of(still, cranks, friction=False)
+    static_reducer = at_rest(reducer)
+    springs = springs_of(static_reducer, cranks, friction=False)
     by_torque = {
-        side * share: loads(still, springs, side * share * rated, follow) for side in (-1, 1) for share in SHARES
+        side * share: loads(static_reducer, springs, side * share * rated_torque, warm_start)
+        for side in (-1, 1)
+        for share in SHARES
     }
-    ahead = springs.crank[:, np.newaxis] + np.array(reducer.phases)
-    along = -np.stack([np.cos(ahead), np.sin(ahead)], axis=-1)
+    crank_angles = springs.crank[:, np.newaxis] + np.array(reducer.phases)
+    tangents = -np.stack([np.cos(crank_angles), np.sin(crank_angles)], axis=-1)
 
     def leads(departures: Array) -> Array:
-        poses = departures[:, :-1].reshape(*ahead.shape, 3)
-        return np.asarray((poses[..., :2] * along).sum(axis=-1).mean(axis=-1))
+        poses = departures[:, :-1].reshape(*crank_angles.shape, 3)
+        return np.asarray((poses[..., :2] * tangents).sum(axis=-1).mean(axis=-1))
 
     low, high = STRAIGHT
-    sides = [_work(reducer, springs, by_torque[side * low], by_torque[side * high]) for side in (-1, 1)]
+    sides = [_spring_work(reducer, springs, by_torque[side * low], by_torque[side * high]) for side in (-1, 1)]
     work = {spring: (sides[0][spring] + sides[1][spring]).tolist() for spring in SPRINGS}
-    turns = {share: item.output_turn.tolist() for share, item in by_torque.items()}
-    gear_turns = {share: item.gear_turn.tolist() for share, item in by_torque.items()}
-    centre_leads = {share: leads(item.departures).tolist() for share, item in by_torque.items()}
+    turns = {share: contact_loads.output_turn.tolist() for share, contact_loads in by_torque.items()}
+    gear_turns = {share: contact_loads.gear_turn.tolist() for share, contact_loads in by_torque.items()}
+    centre_leads = {share: leads(contact_loads.departures).tolist() for share, contact_loads in by_torque.items()}
 
-    def of_angle(place: int, values: dict[float, list[float]]) -> dict[float, float]:
-        return {share: item[place] for share, item in values.items()}
+    def select_angle(index: int, values: dict[float, list[float]]) -> dict[float, float]:
+        return {share: contact_loads[index] for share, contact_loads in values.items()}
 
     return [
         Windup(
-            rated,
-            of_angle(place, turns),
-            of_angle(place, gear_turns),
-            of_angle(place, centre_leads),
-            {spring: item[place] for spring, item in work.items()},
+            rated_torque,
+            select_angle(index, turns),
+            select_angle(index, gear_turns),
+            select_angle(index, centre_leads),
+            {spring: contact_loads[index] for spring, contact_loads in work.items()},
         )
-        for place in range(len(cranks))
+        for index in range(len(cranks))
     ]
 
 
-def _work(reducer: Reducer, springs: Springs, low: Loads, high: Loads) -> dict[str, Array]:
-    """Compute the work of the force increments between two loads by spring [J], shape (m,) each."""
-    moved = high.departures - low.departures
-    closed = -np.einsum("mnu,mu->mn", springs.contacts.slope, moved)
+def _spring_work(reducer: Reducer, springs: Springs, low: Loads, high: Loads) -> dict[str, Array]:
+    """Compute the work of the force increments between two loads by each of `SPRINGS` [J], shape (m,) each."""
+    displacement = high.departures - low.departures
+    approach = -np.einsum("mnu,mu->mn", springs.contacts.slope, displacement)
     teeth, cam, pins = high.teeth - low.teeth, high.cam - low.cam, high.output - low.output
-    aside = moved[:, :-1].reshape(*cam.shape[:2], 3)[..., :2]
-    phases, of_discs = np.array(reducer.phases), high.by_disc(pins)
+    cam_displacement = displacement[:, :-1].reshape(*cam.shape[:2], 3)[..., :2]
+    phases, pin_forces = np.array(reducer.phases), high.by_disc(pins)
     flexibility = reducer.contacts.pin_flexibility * np.cos(np.subtract.outer(phases, phases))
-    bending = np.einsum("mdp,de,mep->m", of_discs, flexibility, of_discs)
+    bending = np.einsum("mdp,de,mep->m", pin_forces, flexibility, pin_forces)
     return {
-        "output": (pins * closed[:, springs.teeth :]).sum(axis=1) - bending,
-        "cam": -(cam * aside).sum(axis=(1, 2)),
-        "mesh": (teeth * closed[:, : springs.teeth]).sum(axis=1),
+        "output": (pins * approach[:, springs.teeth :]).sum(axis=1) - bending,
+        "cam": -(cam * cam_displacement).sum(axis=(1, 2)),
+        "mesh": (teeth * approach[:, : springs.teeth]).sum(axis=1),
         "bending": bending,
     }

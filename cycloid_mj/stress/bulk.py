@@ -47,20 +47,24 @@ class Distances:
     at_corner: Mask
     vertices: int
 
-    def at(self, angle: int, nodes: Integers) -> Array:
-        """Compute the distance [m] of nodes from narrow patches at an angle, inf without patches; 0 at corners."""
-        here = self.patches[self.ends[angle] : self.ends[angle + 1]]
-        squared = cdist(here, self.points[nodes, :2], "sqeuclidean").min(axis=0, initial=np.inf)
+    def from_patches(self, angle: int, nodes: Integers) -> Array:
+        """Compute the distance [m] of some nodes from the narrow patches at an angle, shape of `nodes`.
+
+        inf without patches; 0 for nodes next to sharp corners, which never belong to the bulk. `angle` and `nodes` are
+        indices.
+        """
+        centres = self.patches[self.ends[angle] : self.ends[angle + 1]]
+        squared = cdist(centres, self.points[nodes, :2], "sqeuclidean").min(axis=0, initial=np.inf)
         return np.where(self.at_corner[nodes], 0.0, np.sqrt(squared + self.outside[nodes] ** 2))
 
     def farthest(self) -> float:
         """Compute the largest distance [m] beyond which one of the part's vertices is left at every angle."""
         vertices = np.arange(self.vertices)
-        return min(float(self.at(angle, vertices).max()) for angle in range(len(self.ends) - 1))
+        return min(float(self.from_patches(angle, vertices).max()) for angle in range(len(self.ends) - 1))
 
 
-def distances_of(grid: Grid, case: LoadCase) -> Distances:
-    """Compute the distances of a part's nodes from the patches of its case, at all of its angles, and its corners."""
+def measure_distances(grid: Grid, case: LoadCase) -> Distances:
+    """Return the distances of a grid's nodes from the narrow patches of its load case, and from sharp corners."""
     points = grid.points
     outside = np.zeros(len(points))
     if grid.section is not None:
@@ -74,10 +78,11 @@ def distances_of(grid: Grid, case: LoadCase) -> Distances:
     return Distances(points, outside, case.points[order, :2], ends, at_corner, grid.mesh.nvertices)
 
 
-def ladder(distances: Distances, start: float) -> Array:
-    """Return the distances [m] (s,), from half the start on, beyond which a part has nodes at each angle.
+def search_distances(distances: Distances, start: float) -> Array:
+    """Return increasing distances from patches [m], shape (s,), at which the search for the bulk looks at the stress.
 
-    If the farthest such distance is below the start, it is the last.
+    They begin at half of `start` [m], grow by sqrt(2), and end where no node is left at some angle. If even that
+    farthest distance is below `start`, it is the last.
     """
     rungs = start / 2.0 * np.sqrt(2.0) ** np.arange(16)
     rungs_with_nodes = rungs[rungs <= distances.farthest()]
@@ -88,40 +93,43 @@ def ladder(distances: Distances, start: float) -> Array:
     )
 
 
-def largest(node_distances: Distances, distances: Array, angle: int, stress: Array) -> tuple[Array, Integers]:
-    """Compute the largest von Mises stress [Pa] (s,) beyond each distance at an angle, and its node (s,).
+def largest_beyond(node_distances: Distances, distances: Array, angle: int, stress: Array) -> tuple[Array, Integers]:
+    """Compute the largest von Mises stress [Pa] (s,) beyond each of s distances at an angle, and its node (s,).
 
-    `stress` is that of all nodes, (n,). Nodes with the largest stress are searched first, in bands, and others only for
-    distances beyond which there is none of these.
+    `stress` is that of all nodes, (n,). For speed, nodes with the largest stress are searched first, in bands, and
+    others only for distances beyond which no node of these bands is left.
     """
-    chosen, missing = np.zeros(len(distances), np.int64), np.arange(len(distances))
-    top = np.inf
-    for bottom in np.append(0.35 ** np.arange(1, 5), 0.0) * stress.max():
-        nodes = np.flatnonzero((stress >= bottom) & (stress < top))
-        beyond = node_distances.at(angle, nodes) >= distances[missing, np.newaxis]
-        found = beyond.any(axis=1)
+    chosen, pending = np.zeros(len(distances), np.int64), np.arange(len(distances))
+    upper = np.inf
+    for lower in np.append(0.35 ** np.arange(1, 5), 0.0) * stress.max():
+        nodes = np.flatnonzero((stress >= lower) & (stress < upper))
+        beyond = node_distances.from_patches(angle, nodes) >= distances[pending, np.newaxis]
+        has_node = beyond.any(axis=1)
         if len(nodes):
-            chosen[missing] = nodes[np.where(beyond, stress[nodes], -1.0).argmax(axis=1)]
-        missing, top = missing[~found], bottom
-        if not len(missing):
+            chosen[pending] = nodes[np.where(beyond, stress[nodes], -1.0).argmax(axis=1)]
+        pending, upper = pending[~has_node], lower
+        if not len(pending):
             break
     return stress[chosen], chosen
 
 
-def plateau(sizes: Array, first: int) -> int:
-    """Return the rung, from the first on, at which the largest stresses (s,) of a turn reach a plateau.
+def find_plateau(stress_by_distance: Array, first_index: int) -> int:
+    """Return the index, from `first_index` on, at which the largest stresses by distance (s,) reach a plateau.
 
-    It is the first rung with a drop below `MAX_PLATEAU_DROP` to the next, or that before the smallest drop.
+    That is the first one with a relative drop below `MAX_PLATEAU_DROP` to the next, else the one before the smallest
+    drop.
     """
-    first = min(first, len(sizes) - 1)
-    falls = 1.0 - sizes[first + 1 :] / np.maximum(sizes[first:-1], np.finfo(float).tiny)
-    flat = np.flatnonzero(falls < MAX_PLATEAU_DROP)
-    if len(flat):
-        return first + int(flat[0])
-    return first + int(falls.argmin()) if len(falls) else first
+    first_index = min(first_index, len(stress_by_distance) - 1)
+    drops = 1.0 - stress_by_distance[first_index + 1 :] / np.maximum(
+        stress_by_distance[first_index:-1], np.finfo(float).tiny
+    )
+    flat_steps = np.flatnonzero(drops < MAX_PLATEAU_DROP)
+    if len(flat_steps):
+        return first_index + int(flat_steps[0])
+    return first_index + int(drops.argmin()) if len(drops) else first_index
 
 
-def fall(sizes: Array, rung: int) -> float:
-    """Compute how far the largest stress falls from a rung to twice its distance, as a share; 1 for nothing left."""
-    beyond = sizes[rung + RUNGS_PER_OCTAVE] if rung + RUNGS_PER_OCTAVE < len(sizes) else 0.0
-    return float(1.0 - beyond / sizes[rung]) if sizes[rung] > 0.0 else 0.0
+def relative_drop(stress_by_distance: Array, index: int) -> float:
+    """Compute the relative drop of the largest stress from a distance to twice that; 1 if no node is left."""
+    beyond = stress_by_distance[index + RUNGS_PER_OCTAVE] if index + RUNGS_PER_OCTAVE < len(stress_by_distance) else 0.0
+    return float(1.0 - beyond / stress_by_distance[index]) if stress_by_distance[index] > 0.0 else 0.0

@@ -13,7 +13,7 @@ from cycloid_mj.stress import elastic
 from cycloid_mj.stress.elastic import ElasticBody
 from cycloid_mj.stress.grid import Grid, SectionGrid
 from cycloid_mj.stress.loads import PartLoads, of_contacts
-from cycloid_mj.stress.patch import patches
+from cycloid_mj.stress.patch import distribute_contacts
 from cycloid_mj.stress.region import material_of
 
 
@@ -64,35 +64,42 @@ class LoadCase:
 
 
 def patch_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
-    """Factorise a part, and prepare its loads: pressure patches of the contacts, weight and inertia.
+    """Factorise a part, and prepare its loads at all angles: pressure patches of the contacts, weight and inertia.
 
     The supports carry the load torque of the output, which acts at its hub.
     """
-    put = patches(grid if grid.section is None else grid.section.grid, loads)
-    pressed = put.loads if grid.section is None else _extrude_loads(grid.section, loads)
-    part = elastic.body(grid, material_of(reducer, grid.part))
+    contact_patches = distribute_contacts(grid if grid.section is None else grid.section.grid, loads)
+    contact_loads = contact_patches.loads if grid.section is None else _extrude_loads(grid.section, loads)
+    part = elastic.assemble_body(grid, material_of(reducer, grid.part))
     mass, shares = elastic.mass_loads(part, grid.points), mass_coefficients(loads)
-    of_pressed, imbalance = elastic.balancing(part, pressed)
-    of_mass, out = elastic.balancing(part, mass)
-    imbalance += shares.T @ out
+    contact_accelerations, imbalance = elastic.solve_accelerations(part, contact_loads)
+    mass_accelerations, mass_imbalance = elastic.solve_accelerations(part, mass)
+    imbalance += shares.T @ mass_imbalance
     # both are spread over the mass: one dense product at each angle, and few forces of contacts
-    spread, shares = np.hstack([mass, part.carried]), np.vstack([shares, -of_pressed - of_mass @ shares])
+    mass_fields, shares = (
+        np.hstack([mass, part.carried]),
+        np.vstack([shares, -contact_accelerations - mass_accelerations @ shares]),
+    )
 
-    def response(block: Integers) -> Response:
-        forces, contacts = spread @ shares[:, block], pressed[:, block].tocoo()
+    def solve_response(angles: Integers) -> Response:
+        """Solve the response to the loads at some angles, given by their indices."""
+        forces, contacts = mass_fields @ shares[:, angles], contact_loads[:, angles].tocoo()
         forces[contacts.row, contacts.col] += contacts.data
         displacement = elastic.displacements(part, forces)
         reaction = elastic.reactions(part, displacement, forces)
-        return Response(forces, displacement, imbalance[block], reaction, np.zeros((len(block), 0, 3)))
+        return Response(forces, displacement, imbalance[angles], reaction, np.zeros((len(angles), 0, 3)))
 
-    return LoadCase(part, response, len(loads.angle), put.angle, put.points)
+    return LoadCase(part, solve_response, len(loads.angle), contact_patches.angle, contact_patches.points)
 
 
 def _extrude_loads(section: SectionGrid, loads: PartLoads) -> Any:
-    """Distribute the forces of each disc over its own heights on a solid, sparse (n, k)."""
+    """Distribute the contact forces on the section over the heights of each disc on a solid, sparse (n, k) [N]."""
     discs = np.array([disc_of(label) for label in loads.labels])
     lifted = [
-        lift @ patches(section.grid, loads if len(section.lifts) == 1 else of_contacts(loads, discs == disc)).loads
+        lift
+        @ distribute_contacts(
+            section.grid, loads if len(section.lifts) == 1 else of_contacts(loads, discs == disc)
+        ).loads
         for disc, lift in enumerate(section.lifts)
     ]
     return sum(lifted[1:], lifted[0]).tocsc()

@@ -28,7 +28,7 @@ class LineStress:
 
 
 def line_stress(loads: PartLoads, reducer: Reducer) -> LineStress:
-    """Compute the stress of each contact of a part by Hertz, where his theory is valid.
+    """Compute peak pressure and largest von Mises stress of each contact of a part by Hertz, where his theory is valid.
 
     A contact that is conformal at its largest force has no stress at any angle, since the value at a smaller force
     would appear to be its largest.
@@ -41,16 +41,16 @@ def line_stress(loads: PartLoads, reducer: Reducer) -> LineStress:
 
 
 def von_mises_below(depth: npt.ArrayLike, poisson: float) -> Array:
-    """Compute the von Mises stress over p0 below the middle of a line contact, at depths over the half width.
+    """Compute the von Mises stress over p0 below the middle of a line contact, at depths over its half width.
 
     With s = sqrt(1 + z^2): sigma_x = -(1 + 2 z^2)/s + 2 z, sigma_z = -1/s, and sigma_y = nu (sigma_x + sigma_z), since
     the strip is long (Johnson 1985, Eq. 4.46).
     """
     z = np.asarray(depth, float)
-    s = np.sqrt(1.0 + z**2)
-    x, down = -(1.0 + 2.0 * z**2) / s + 2.0 * z, -1.0 / s
-    y = poisson * (x + down)
-    return np.sqrt(((x - y) ** 2 + (y - down) ** 2 + (down - x) ** 2) / 2.0)
+    root = np.sqrt(1.0 + z**2)
+    lateral, normal = -(1.0 + 2.0 * z**2) / root + 2.0 * z, -1.0 / root
+    axial = poisson * (lateral + normal)
+    return np.sqrt(((lateral - axial) ** 2 + (axial - normal) ** 2 + (normal - lateral) ** 2) / 2.0)
 
 
 @cache

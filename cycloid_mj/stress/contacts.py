@@ -92,20 +92,20 @@ class Action:
         return self._on_circle(centre, radius, half_width, -1.0)
 
     def _on_circle(self, centre: Array, radius: float, half_width: Array | float, side: float) -> Array:
-        """Compute the middle of a patch with a half width [m] on a circle.
+        """Compute the middle of a patch with a half width [m] on a circle, shape (k, 2) [m].
 
-        A narrow patch is at the intersection of the line of action with the circle. The tractions of a wide patch have
-        many directions, so that for the same force their sum, and the moment of friction, is larger. The resultant then
-        acts at a larger radius (the friction radius of a journal bearing), which is intersected instead. A line that
-        misses the circle by rounding touches it.
+        A narrow patch is at the intersection of the line of action with the circle: `side` 1 ahead of the centre along
+        the force, -1 behind it. The tractions of a wide patch have many directions, so that for the same force their
+        sum, and the moment of friction, is larger. The resultant then acts at a larger radius (the friction radius of a
+        journal bearing), which is intersected instead. A line that misses the circle by rounding touches it.
         """
-        along = self.direction
-        out = self.foot - centre
-        across = out - dot(out, along)[..., np.newaxis] * along
-        reach = radius / mean_cosine(np.asarray(half_width) / radius)
-        depth = np.sqrt(np.maximum(reach**2 - dot(across, across), 0.0))
-        met = across + side * depth[..., np.newaxis] * along
-        return centre + met * (radius / reach)[..., np.newaxis]
+        direction = self.direction
+        foot_offset = self.foot - centre
+        perpendicular = foot_offset - dot(foot_offset, direction)[..., np.newaxis] * direction
+        friction_radius = radius / mean_cosine(np.asarray(half_width) / radius)
+        depth = np.sqrt(np.maximum(friction_radius**2 - dot(perpendicular, perpendicular), 0.0))
+        intersection = perpendicular + side * depth[..., np.newaxis] * direction
+        return centre + intersection * (radius / friction_radius)[..., np.newaxis]
 
 
 @dataclass(frozen=True)
@@ -158,32 +158,35 @@ class PartFrame:
 
 
 def part_frame(turn: Turn, part: str) -> PartFrame:
-    """Return the moving frame of a part, which is that of its solid."""
-    still = np.zeros_like(turn.angle)
-    fixed = np.zeros((still.size, 2))
+    """Return the moving frame of a part along a turn, which is that of its solid."""
+    zeros = np.zeros_like(turn.angle)
+    origin = np.zeros((zeros.size, 2))
     if part in turn.reducer.gears:
         x, y, angle = planar_joints(part)
         return PartFrame(turn.vectors(x, y), turn[angle])
     if part == "shaft":
-        return PartFrame(fixed, turn["crank_angle"])
+        return PartFrame(origin, turn["crank_angle"])
     if part == "output":
-        return PartFrame(fixed, turn["output_angle"])
+        return PartFrame(origin, turn["output_angle"])
     if part == "pin_1":
-        return PartFrame(pin_centre(turn, 0), turn["pin_1_angle"] if turn.reducer.design.ring.has_pin_bodies else still)
-    return PartFrame(fixed, still)
+        return PartFrame(pin_centre(turn, 0), turn["pin_1_angle"] if turn.reducer.design.ring.has_pin_bodies else zeros)
+    return PartFrame(origin, zeros)
 
 
-def contacts(turn: Turn, part: str) -> list[PartContact]:
+def list_contacts(turn: Turn, part: str) -> list[PartContact]:
     """List every contact of a part: "shaft", a disc ("gear", of several "gear_2"), "ring", "output" or "pin_1"."""
     if part in turn.reducer.gears:
-        return _of_gear(turn, turn.reducer.gears.index(part))
-    return {"shaft": _of_shaft, "ring": _of_ring, "output": _of_output, "pin_1": _of_pin}[part](turn)
+        return _gear_contacts(turn, turn.reducer.gears.index(part))
+    return {"shaft": _shaft_contacts, "ring": _ring_contacts, "output": _output_contacts, "pin_1": _pin_contacts}[part](
+        turn
+    )
 
 
 def half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | float, radius: float) -> Array:
-    """Compute Hertz's half width [m] in a kind of pair under a force [N], from its relative curvature [1/m].
+    """Compute the half width [m] of a line contact by Hertz, at most `MAX_HALF_ANGLE` of the thinner body.
 
-    `radius` is the radius of the thinner body [m].
+    `kind` is the kind of pair, `force` in [N], `curvature` the relative curvature [1/m], `radius` that of the thinner
+    body [m].
     """
     length, modulus = reducer.design.gear.face_width, reducer.contacts[kind].modulus
     conformal = 4.0 * force / (np.pi * length * modulus * (MAX_HALF_ANGLE * radius) ** 2)
@@ -192,22 +195,22 @@ def half_width(reducer: Reducer, kind: str, force: Array, curvature: Array | flo
 
 
 def line_contact(reducer: Reducer, kind: str, force: Array, curvature: Array | float | None = None) -> HertzStrip:
-    """Compute the most loaded line contact of a pair of a kind under forces [N] (k,).
+    """Compute Hertz pressure and half width of the most loaded line contact of a kind of pair under forces [N] (k,).
 
-    `curvature` [1/m] is that of a tooth; other kinds have a constant curvature. Line and pressure are those of
-    ``measure loads``: of a rolling cam, those of the most loaded roller.
+    `curvature` [1/m] is the relative curvature of a tooth; other kinds have a constant one. The line is that of
+    ``measure loads``: in a rolling cam, the most loaded roller.
     """
     contact = reducer.contacts[kind]
-    bend = contact.relative_curvature if curvature is None else curvature
+    relative_curvature = contact.relative_curvature if curvature is None else curvature
     force = force * contact.line_share
-    pressure = contact.pressure(force, bend)
+    pressure = contact.pressure(force, relative_curvature)
     load = 2.0 * force / (np.pi * reducer.design.gear.face_width)
     width = np.divide(load, pressure, out=np.zeros_like(load), where=pressure > 0.0)
-    return HertzStrip(pressure, width, contact.hertz_holds(force, bend))
+    return HertzStrip(pressure, width, contact.hertz_holds(force, relative_curvature))
 
 
 def pin_centre(turn: Turn, pin: int) -> Array:
-    """Compute the centre of a ring pin (0 on +y, clockwise) from the reducer's axis [m], shape (k, 2)."""
+    """Compute the centre of a ring pin (index from 0 on +y, clockwise) from the reducer's axis [m], shape (k, 2)."""
     ring = turn.reducer.design.ring
     nominal = ring.pin_circle_radius * unit(2 * np.pi * pin / ring.teeth) + turn.reducer.deviations.pin_place[pin]
     if not ring.has_pin_bodies:
@@ -216,9 +219,10 @@ def pin_centre(turn: Turn, pin: int) -> Array:
 
 
 def _pin_curvature(gear: CycloidGear, pin: int, gear_angle: Array, offset: float) -> Array:
-    """Compute the relative curvature [1/m] of a pin (0 on +y, clockwise) and the flank at gear angles [rad] (k,).
+    """Compute the relative curvature [1/m] of a pin (index from 0 on +y, clockwise) and the flank, shape (k,).
 
-    The pin's centre is the point T(t) of the trochoid with t its angle in the gear's frame: the pin's plus the gear's.
+    The pin's centre is the point T(t) of the trochoid with t its angle in the gear's frame: the pin's plus the gear's
+    angle [rad] (k,). `offset` is that of the flank from the trochoid [m].
     """
     t = profile.pin_angles(gear)[pin] + gear_angle
     return profile.curvature(gear, t, offset) + 1.0 / gear.pin_radius
@@ -258,117 +262,123 @@ def _in(seat: PartFrame, action: Action) -> Action:
     return action.seen_from(seat.origin, seat.angle)
 
 
-def _of_gear(turn: Turn, disc: int) -> list[PartContact]:
+def _gear_contacts(turn: Turn, disc: int) -> list[PartContact]:
     """List the contacts of a disc: teeth, the cam in its bore, and the output pins in its holes."""
-    seat = _disc(turn, disc)
-    cam = _in_hole(turn, _pair_name(turn, CAM, disc), "cam", _in(seat, _on_gear(turn, CAM, disc)), np.zeros(2))
+    frame = _disc(turn, disc)
+    cam = _hole_contact(turn, _pair_name(turn, CAM, disc), "cam", _in(frame, _on_gear(turn, CAM, disc)), np.zeros(2))
     centres = output_centres(turn.reducer) + turn.reducer.deviations.hole_place[disc]
     names = [numbered_name(OUTPUT_PIN, number) for number in range(1, len(centres) + 1)]
     holes = [
-        _in_hole(turn, _pair_name(turn, name, disc), "output", _in(seat, _on_gear(turn, name, disc)), centre)
+        _hole_contact(turn, _pair_name(turn, name, disc), "output", _in(frame, _on_gear(turn, name, disc)), centre)
         for name, centre in zip(names, centres, strict=True)
     ]
-    return [*_teeth(turn, turn.reducer.gears[disc], disc), cam, *holes]
+    return [*_tooth_contacts(turn, turn.reducer.gears[disc], disc), cam, *holes]
 
 
-def _of_ring(turn: Turn) -> list[PartContact]:
+def _ring_contacts(turn: Turn) -> list[PartContact]:
     """List the contacts of the ring: lobes, or the sockets of its pins."""
     design = turn.reducer.design
     if design.ring.kind == "nonpin":
-        return [contact for disc in _discs(turn) for contact in _teeth(turn, "ring", disc)]
+        return [contact for disc in _discs(turn) for contact in _tooth_contacts(turn, "ring", disc)]
     # a free pin presses on its socket as a whole, wherever discs press on it
     discs = range(1) if _has_free_pins(turn) else _discs(turn)
-    return [_socket(turn, pin, disc) for disc in discs for pin in range(design.ring.teeth)]
+    return [_socket_contact(turn, pin, disc) for disc in discs for pin in range(design.ring.teeth)]
 
 
-def _of_output(turn: Turn) -> list[PartContact]:
-    """List the output pins' contacts: on the pins themselves, or on the cores by the bores of rollers."""
-    output, seat = turn.reducer.design.output, part_frame(turn, "output")
-    contacts = []
+def _output_contacts(turn: Turn) -> list[PartContact]:
+    """List the contacts of the output's pins with the discs, or of their cores with the bores of rollers."""
+    output, frame = turn.reducer.design.output, part_frame(turn, "output")
+    list_contacts = []
     for disc, (number, centre) in product(_discs(turn), enumerate(output_centres(turn.reducer), start=1)):
         name = numbered_name(OUTPUT_PIN, number)
-        action = _in(seat, _on_gear(turn, name, disc).reaction())
+        action = _in(frame, _on_gear(turn, name, disc).reaction())
         wide = np.full_like(action.size, MAX_HALF_ANGLE * output.root_radius)
         width = wide if output.rollers else _round_width(turn, "output", action)
         position = action.on_disc(centre, output.root_radius, width)
-        contacts.append(_contact(turn, _pair_name(turn, name, disc), "output", action, position, width))
-    return contacts
+        list_contacts.append(_contact(turn, _pair_name(turn, name, disc), "output", action, position, width))
+    return list_contacts
 
 
-def _of_shaft(turn: Turn) -> list[PartContact]:
+def _shaft_contacts(turn: Turn) -> list[PartContact]:
     """List the contacts of the shaft: its cams in the bores of the discs."""
-    gear, seat, errors = turn.reducer.design.gear, part_frame(turn, "shaft"), turn.reducer.deviations
-    contacts = []
+    gear, frame, errors = turn.reducer.design.gear, part_frame(turn, "shaft"), turn.reducer.deviations
+    list_contacts = []
     for disc, phase in enumerate(turn.reducer.phases):
-        action = _in(seat, _on_gear(turn, CAM, disc).reaction())
+        action = _in(frame, _on_gear(turn, CAM, disc).reaction())
         width = _round_width(turn, "cam", action)
         centre = (gear.eccentricity + errors.eccentricity) * unit(-phase) + errors.cam_place[disc]
         position = action.on_disc(centre, gear.bore_radius, width)
-        contacts.append(_contact(turn, _pair_name(turn, CAM, disc), "cam", action, position, width))
-    return contacts
+        list_contacts.append(_contact(turn, _pair_name(turn, CAM, disc), "cam", action, position, width))
+    return list_contacts
 
 
-def _of_pin(turn: Turn) -> list[PartContact]:
-    """List the contacts of pin 1: each disc, and its socket, a single contact if the pin is free."""
-    gear, seat, centre = turn.reducer.gear_profile, part_frame(turn, "pin_1"), np.zeros(2)
-    contacts, sockets = [], []
+def _pin_contacts(turn: Turn) -> list[PartContact]:
+    """List the contacts of ring pin 1: each disc, and its socket (a single contact if the pin is free)."""
+    gear, frame, centre = turn.reducer.gear_profile, part_frame(turn, "pin_1"), np.zeros(2)
+    list_contacts, sockets = [], []
     for disc, name in enumerate(turn.reducer.gears):
-        action = _in(seat, _on_gear(turn, "pin_1", disc).reaction())
+        action = _in(frame, _on_gear(turn, "pin_1", disc).reaction())
         curvature = _pin_curvature(gear, 0, _tooth_frame(turn, disc).angle, turn.reducer.profile_offset)
         width = half_width(turn.reducer, "pin_gear", action.size, curvature, gear.pin_radius)
         position = action.on_disc(centre, gear.pin_radius, width)
-        contacts.append(_contact(turn, name, "pin_gear", action, position, width, curvature))
-        sockets.append(_in(seat, _socket_force(turn, 0, disc)))
+        list_contacts.append(_contact(turn, name, "pin_gear", action, position, width, curvature))
+        sockets.append(_in(frame, _socket_force(turn, 0, disc)))
     for disc, action in enumerate(sockets[:1] if _has_free_pins(turn) else sockets):
         width = _round_width(turn, "pin_socket", action)
         name = SOCKET if _has_free_pins(turn) else _pair_name(turn, SOCKET, disc)
         position = action.on_disc(centre, gear.pin_radius, width)
-        contacts.append(_contact(turn, name, "pin_socket", action, position, width))
-    return contacts
+        list_contacts.append(_contact(turn, name, "pin_socket", action, position, width))
+    return list_contacts
 
 
-def _teeth(turn: Turn, part: str, disc: int) -> list[PartContact]:
-    """List the contacts of a disc and the ring, on either of the two."""
+def _tooth_contacts(turn: Turn, part: str, disc: int) -> list[PartContact]:
+    """List the contacts between a disc and the ring, as seen by `part`, which is either of the two."""
     reducer = turn.reducer
     if reducer.design.ring.kind == "pin":
-        return [_pin_on_gear(turn, pin, disc) for pin in range(reducer.design.ring.teeth)]
+        return [_pin_contact(turn, pin, disc) for pin in range(reducer.design.ring.teeth)]
     gear, flank, offset = reducer.tooth_profile, reducer.gear_profile, reducer.profile_offset
-    on_teeth, seat, phase = _tooth_frame(turn, disc), part_frame(turn, part), reducer.phases[disc]
+    tooth_frame, frame, phase = _tooth_frame(turn, disc), part_frame(turn, part), reducer.phases[disc]
     lines, curvatures = lobe_lines(gear, turn["crank_angle"] + phase)
-    ahead = on_teeth.angle + (turn["crank_angle"] + phase) / gear.lobes
-    contacts = []
+    rotation_error = tooth_frame.angle + (turn["crank_angle"] + phase) / gear.lobes
+    list_contacts = []
     for lobe in range(gear.ring_teeth):
         name = numbered_name(LOBE, lobe + 1)
         action = _on_gear(turn, name, disc)
-        seen = _in(on_teeth, action)
+        tooth_action = _in(tooth_frame, action)
         position, curvature = lobe_contact_point(
-            flank, seen.foot, seen.direction, lines[:, lobe], curvatures[:, lobe], ahead, offset
+            flank,
+            tooth_action.foot,
+            tooth_action.direction,
+            lines[:, lobe],
+            curvatures[:, lobe],
+            rotation_error,
+            offset,
         )
-        position = rotate_vectors(position, on_teeth.angle - seat.angle)
+        position = rotate_vectors(position, tooth_frame.angle - frame.angle)
         if part == "ring":
-            position, action = position + on_teeth.origin, action.reaction()
+            position, action = position + tooth_frame.origin, action.reaction()
         width = half_width(reducer, "tooth", action.size, curvature, gear.pin_radius)
         name = _pair_name(turn, name, disc)
-        contacts.append(_contact(turn, name, "tooth", _in(seat, action), position, width, curvature))
-    return contacts
+        list_contacts.append(_contact(turn, name, "tooth", _in(frame, action), position, width, curvature))
+    return list_contacts
 
 
-def _pin_on_gear(turn: Turn, pin: int, disc: int) -> PartContact:
-    """Return the contact of a ring pin with a disc, on the disc."""
-    gear, seat, name = turn.reducer.gear_profile, _disc(turn, disc), numbered_name(PIN, pin + 1)
-    action = _in(seat, _on_gear(turn, name, disc))
+def _pin_contact(turn: Turn, pin: int, disc: int) -> PartContact:
+    """Return the contact of a ring pin with a disc, on the disc, in its frame; `pin` and `disc` are indices from 0."""
+    gear, frame, name = turn.reducer.gear_profile, _disc(turn, disc), numbered_name(PIN, pin + 1)
+    action = _in(frame, _on_gear(turn, name, disc))
     position = action.on_hole(
-        seat.sees(pin_centre(turn, pin)), gear.pin_radius + turn.reducer.deviations.pin_radius[pin]
+        frame.sees(pin_centre(turn, pin)), gear.pin_radius + turn.reducer.deviations.pin_radius[pin]
     )
     curvature = _pin_curvature(gear, pin, _tooth_frame(turn, disc).angle, turn.reducer.profile_offset)
     width = half_width(turn.reducer, "pin_gear", action.size, curvature, gear.pin_radius)
     return _contact(turn, _pair_name(turn, name, disc), "pin_gear", action, position, width, curvature)
 
 
-def _socket(turn: Turn, pin: int, disc: int) -> PartContact:
+def _socket_contact(turn: Turn, pin: int, disc: int) -> PartContact:
     """Return the contact of a pin and the wall of its socket, which is open towards the gear.
 
-    The force of a closed socket where the ring has no wall is left out: it is in its end plates.
+    The force of a closed socket where the ring has no wall is left out: its end plates carry it.
     """
     ring = turn.reducer.design.ring
     action = _socket_force(turn, pin, disc).reaction()
@@ -376,7 +386,9 @@ def _socket(turn: Turn, pin: int, disc: int) -> PartContact:
     radius = np.linalg.norm(action.on_hole(centre, _round_radii(turn, "pin_socket")[1]), axis=-1)
     action = action.where(radius > wall_radius(turn.reducer.design) * (1.0 - 1e-9))
     name = numbered_name(SOCKET, pin + 1)
-    return _in_hole(turn, name if _has_free_pins(turn) else _pair_name(turn, name, disc), "pin_socket", action, centre)
+    return _hole_contact(
+        turn, name if _has_free_pins(turn) else _pair_name(turn, name, disc), "pin_socket", action, centre
+    )
 
 
 def _socket_force(turn: Turn, pin: int, disc: int) -> Action:
@@ -391,7 +403,7 @@ def _has_free_pins(turn: Turn) -> bool:
     return turn.reducer.design.ring.has_sockets and turn.reducer.design.ring.has_pin_bodies
 
 
-def _in_hole(turn: Turn, name: str, kind: str, action: Action, centre: Array) -> PartContact:
+def _hole_contact(turn: Turn, name: str, kind: str, action: Action, centre: Array) -> PartContact:
     """Return the contact of a round part on the wall of its hole about a centre [m]."""
     width = _round_width(turn, kind, action)
     return _contact(turn, name, kind, action, action.on_hole(centre, _round_radii(turn, kind)[1], width), width)
@@ -421,10 +433,10 @@ def _round_width(turn: Turn, kind: str, action: Action) -> Array:
     return half_width(turn.reducer, kind, action.size, 1.0 / inner - 1.0 / outer, inner)
 
 
-def total(contacts: Sequence[PartContact]) -> Action:
+def total(list_contacts: Sequence[PartContact]) -> Action:
     """Sum the actions of contacts."""
-    force = np.sum([contact.action.force for contact in contacts], axis=0)
-    return Action(force, np.sum([contact.action.moment for contact in contacts], axis=0))
+    force = np.sum([contact.action.force for contact in list_contacts], axis=0)
+    return Action(force, np.sum([contact.action.moment for contact in list_contacts], axis=0))
 
 
 def mean_cosine(half_angle: Array) -> Array:

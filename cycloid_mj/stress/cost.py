@@ -10,23 +10,50 @@ from dataclasses import dataclass
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.study import SUPPORTS, StudySettings
 
-BASE_MEMORY = 200e6
-"""Memory of Python with its packages [B]."""
 
-PLANE, SPACE, SHAFT = (16e-6, 1.0), (2.6e-6, 1.25), (5.9e-6, 1.25)
-"""Time [s] of a grid of n unknowns, to mesh, factorise and recover, as a n^b: (a, b). The shaft has many unit loads."""
+@dataclass(frozen=True)
+class GridCost:
+    """Measured cost of a kind of grid with n unknowns.
 
-PER_ANGLE = {2: 0.12e-6, 3: 0.16e-6}
-"""Time [s] per unknown and crank angle, by dimension."""
+    Attributes
+    ----------
+    factor, exponent
+        Time [s] to mesh, factorise and recover: factor n^exponent.
+    per_angle
+        Time [s] per unknown and crank angle.
+    memory
+        Memory [B] per unknown of the largest grid.
+    growth
+        Exponent of the number of unknowns over the refinement of a grid.
+    """
 
-MEMORY = {2: 2.9e3, 3: 7.0e3}
-"""Memory [B] per unknown of the largest grid, by dimension."""
+    factor: float
+    exponent: float
+    per_angle: float
+    memory: float
+    growth: float
 
-KEPT_PER_UNKNOWN = 600.0
-"""Memory [B] per unknown of a finished part: its grid and its map."""
 
-GROWTH = {2: 1.16, 3: 1.9}
-"""Exponent of the number of unknowns over the refinement of a grid, by dimension."""
+@dataclass(frozen=True)
+class CostModel:
+    """Cost of planar, solid and shaft grids (the shaft has many unit loads), and of what remains of each part.
+
+    Attributes
+    ----------
+    base_memory
+        Memory of Python with its packages [B].
+    retained_per_unknown
+        Memory [B] per unknown of a finished part: its grid and its map.
+    """
+
+    plane: GridCost = GridCost(16e-6, 1.0, 0.12e-6, 2.9e3, 1.16)
+    space: GridCost = GridCost(2.6e-6, 1.25, 0.16e-6, 7.0e3, 1.9)
+    shaft: GridCost = GridCost(5.9e-6, 1.25, 0.16e-6, 7.0e3, 1.9)
+    base_memory: float = 200e6
+    retained_per_unknown: float = 600.0
+
+
+COST = CostModel()
 
 
 @dataclass(frozen=True)
@@ -38,24 +65,23 @@ class Cost:
     retained: float
 
 
-def cost(grid: Grid, settings: StudySettings) -> Cost:
-    """Estimate the cost of a part's study: its own grid, a finer one, and its other supports."""
-    dimension, power = grid.dimension, GROWTH[grid.dimension]
-    finer = grid.unknowns * settings.finer(grid) ** power
-    rate, order = SHAFT if grid.part == "shaft" else PLANE if dimension == 2 else SPACE
+def estimate_cost(grid: Grid, settings: StudySettings) -> Cost:
+    """Estimate processor time and memory of a part's study: its own grid, a finer one, and its other supports."""
+    rates = COST.shaft if grid.part == "shaft" else COST.plane if grid.dimension == 2 else COST.space
+    finer = grid.unknowns * settings.finer(grid) ** rates.growth
     grids = [grid.unknowns, finer, *([grid.unknowns] if grid.part in SUPPORTS else [])]
     solved = grid.unknowns * settings.angles + finer * settings.checked
-    seconds = rate * sum(unknowns**order for unknowns in grids) + PER_ANGLE[dimension] * solved
-    return Cost(seconds, BASE_MEMORY + MEMORY[dimension] * finer, KEPT_PER_UNKNOWN * grid.unknowns)
+    seconds = rates.factor * sum(unknowns**rates.exponent for unknowns in grids) + rates.per_angle * solved
+    return Cost(seconds, COST.base_memory + rates.memory * finer, COST.retained_per_unknown * grid.unknowns)
 
 
-def total(costs: Iterable[Cost]) -> Cost:
-    """Add the costs of parts that are studied one after the other."""
-    seconds, memory, retained = 0.0, BASE_MEMORY, 0.0
-    for cost in costs:
+def add_costs(costs: Iterable[Cost]) -> Cost:
+    """Add the times of parts that are studied in turn, and find the peak of memory."""
+    seconds, memory, retained = 0.0, COST.base_memory, 0.0
+    for estimate_cost in costs:
         seconds, memory, retained = (
-            seconds + cost.seconds,
-            max(memory, retained + cost.memory),
-            retained + cost.retained,
+            seconds + estimate_cost.seconds,
+            max(memory, retained + estimate_cost.memory),
+            retained + estimate_cost.retained,
         )
     return Cost(seconds, memory, retained)

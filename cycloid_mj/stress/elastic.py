@@ -18,7 +18,7 @@ from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.memory import give_back
 from cycloid_mj.design.model import Material
 from cycloid_mj.stress.grid import Grid, mapping_of
-from cycloid_mj.stress.packages import package
+from cycloid_mj.stress.packages import import_package
 
 ORDERING = {2: "amd", 3: "metis"}
 """Ordering of the unknowns in rslab by dimension: in a plane, nested dissection takes longer than it saves."""
@@ -59,8 +59,10 @@ class ElasticBody:
     springs: Any = None
 
 
-def body(grid: Grid, material: Material, springs: Any = None, loose: tuple[int, ...] | None = None) -> ElasticBody:
-    """Assemble and factorise a part.
+def assemble_body(
+    grid: Grid, material: Material, springs: Any = None, loose: tuple[int, ...] | None = None
+) -> ElasticBody:
+    """Assemble and factorise the stiffness of a part.
 
     Parameters
     ----------
@@ -72,7 +74,7 @@ def body(grid: Grid, material: Material, springs: Any = None, loose: tuple[int, 
     springs
         Sparse (n, n) [N/m] of elastic supports, added to the stiffness.
     loose
-        Rigid motions that no support fixes; by default all of a free part.
+        Indices of the rigid motions that no support fixes; by default all of a free part.
     """
     motions = rigid_motions(grid.points)
     if loose is None:
@@ -82,7 +84,7 @@ def body(grid: Grid, material: Material, springs: Any = None, loose: tuple[int, 
     free = np.setdiff1d(np.arange(grid.unknowns), fixed)
     assembler = _Assembler(grid)
     mass = _mass(grid, material.density, assembler)
-    hold, lower = _split(stiffness(grid, material, assembler), springs, fixed, free)
+    hold, lower = _split(assemble_stiffness(grid, material, assembler), springs, fixed, free)
     del assembler  # some hundred bytes an unknown, which the factor needs
     return ElasticBody(
         hold=hold,
@@ -92,7 +94,7 @@ def body(grid: Grid, material: Material, springs: Any = None, loose: tuple[int, 
         mass=mass,
         loose=loose,
         carried=mass_product(mass, motions[:, list(loose)]),
-        factor=_factor(lower, grid.part, grid.dimension),
+        factor=_factorise(lower, grid.part, grid.dimension),
         springs=springs,
     )
 
@@ -100,17 +102,20 @@ def body(grid: Grid, material: Material, springs: Any = None, loose: tuple[int, 
 def balance_loads(part: ElasticBody, loads: Array) -> tuple[Array, Array]:
     """Balance loads (n, c) [N] by an acceleration of the mass along the loose motions (d'Alembert).
 
-    Return the balanced loads and the imbalance (c, r) along all rigid motions, forces [N] and moments [N m]; zero along
-    motions that supports fix.
+    Returns
+    -------
+    loads, imbalance
+        Balanced loads, and the resultants (c, r) along all rigid motions before balancing, forces [N] and moments [N
+        m]; zero along motions that supports fix.
     """
-    accelerations, imbalance = balancing(part, loads)
+    accelerations, imbalance = solve_accelerations(part, loads)
     return loads - part.carried @ accelerations, imbalance
 
 
-def balancing(part: ElasticBody, loads: Any) -> tuple[Array, Array]:
-    """Compute the accelerations (l, c) along the loose motions, and the imbalance (c, r), of ``balanced``.
+def solve_accelerations(part: ElasticBody, loads: Any) -> tuple[Array, Array]:
+    """Solve for the accelerations (l, c) along the loose motions that balance loads (n, c) [N], which may be sparse.
 
-    The loads (n, c) [N] may be sparse.
+    Also returns the imbalance (c, r) of `balance_loads`.
     """
     imbalance = np.zeros((loads.shape[1], part.motions.shape[1]))
     loose = list(part.loose)
@@ -136,19 +141,19 @@ def displacements(part: ElasticBody, loads: Array) -> Array:
 
 
 def reactions(part: ElasticBody, displacement: Array, loads: Array) -> Array:
-    """Compute the resultants (c, r) of the forces of all supports on the part: [N], then [N m] about the origin.
+    """Compute the resultants (c, r) of all support forces on the part: forces [N], then moments about the origin [N m].
 
-    They are what fixed nodes must add for equilibrium, and what springs push back.
+    They are the forces that fixed nodes need for equilibrium, and those of the elastic supports.
     """
-    support = part.hold @ displacement - loads[part.fixed]
-    resultants = support.T @ part.motions[part.fixed]
+    support_forces = part.hold @ displacement - loads[part.fixed]
+    resultants = support_forces.T @ part.motions[part.fixed]
     if part.springs is not None:
         resultants = resultants - (part.springs @ displacement).T @ part.motions
     return np.asarray(resultants)
 
 
 def mass_loads(part: ElasticBody, points: Array) -> Array:
-    """Compute the loads (n, 4) [N] of unit body forces per mass: along x, along y, r, and -z x r (r in the plane)."""
+    """Compute the nodal loads (n, 4) [N] of unit body forces per mass: along x, along y, r, and -z x r in the plane."""
     x, y = points[:, 0], points[:, 1]
     fields = np.zeros((*points.shape, 4))
     fields[:, 0, 0] = 1.0
@@ -159,15 +164,18 @@ def mass_loads(part: ElasticBody, points: Array) -> Array:
 
 
 def rigid_motions(points: Array) -> Array:
-    """Compute the rigid motions (n d, 3 or 6) of nodes (n, d): along each axis, then turning about z, or x, y, z."""
+    """Compute the rigid motions (n d, r) of nodes (n, d) [m]: translations, then rotations about the origin [m/rad].
+
+    In the plane r is 3 (x, y, about z), in space 6 (x, y, z, about x, y, z).
+    """
     nodes, dimension = points.shape
-    turns = 1 if dimension == 2 else 3
-    motions = np.zeros((nodes, dimension, dimension + turns))
+    rotations = 1 if dimension == 2 else 3
+    motions = np.zeros((nodes, dimension, dimension + rotations))
     motions[:, np.arange(dimension), np.arange(dimension)] = 1.0
-    space = np.column_stack([points, np.zeros(nodes)]) if dimension == 2 else points
-    for turn in range(turns):
-        axis = np.eye(3)[2 if dimension == 2 else turn]
-        motions[:, :, dimension + turn] = np.cross(axis, space)[:, :dimension]
+    positions = np.column_stack([points, np.zeros(nodes)]) if dimension == 2 else points
+    for rotation in range(rotations):
+        axis = np.eye(3)[2 if dimension == 2 else rotation]
+        motions[:, :, dimension + rotation] = np.cross(axis, positions)[:, :dimension]
     return motions.reshape(nodes * dimension, -1)
 
 
@@ -178,7 +186,7 @@ def unknowns(nodes: Integers, dimension: int) -> Integers:
 
 def basis_of(grid: Grid, vector: bool, order: int) -> Any:
     """Return the scikit-fem basis of a grid: quadratic, and right for polynomials of an order on straight elements."""
-    skfem = package("skfem")
+    skfem = import_package("skfem")
     element = skfem.ElementTriP2() if grid.dimension == 2 else skfem.ElementTetP2()
     mapping = mapping_of(grid.mesh)
     return skfem.Basis(grid.mesh, skfem.ElementVector(element) if vector else element, mapping, intorder=order)
@@ -191,23 +199,23 @@ def lame_parameters(material: Material, dimension: int) -> tuple[float, float]:
     return bulk, modulus / (2 * (1 + poisson))
 
 
-def stiffness(grid: Grid, material: Material, assembler: "_Assembler | None" = None) -> Any:
-    """Assemble the stiffness (n, n) [N/m]: lambda (div u)(div v) + 2 mu eps(u) : eps(v), all elements at once.
+def assemble_stiffness(grid: Grid, material: Material, assembler: "_Assembler | None" = None) -> Any:
+    """Assemble the stiffness matrix (n, n) [N/m] of lambda (div u)(div v) + 2 mu eps(u) : eps(v).
 
     In the plane three Gauss points suffice for the patch test on curved edges, in space the rule of order 3.
     """
     dimension = grid.dimension
     basis = basis_of(grid, vector=False, order=dimension)
-    slopes = np.stack([shape[0].grad for shape in basis.basis])
+    gradients = np.stack([shape[0].grad for shape in basis.basis])
     measure = grid.thickness * basis.dx
     lame, shear = lame_parameters(material, dimension)
-    along = [np.ascontiguousarray(slopes[:, axis].transpose(1, 2, 0)) for axis in range(dimension)]
-    weighed = [(slope * measure[..., np.newaxis]).transpose(0, 2, 1) for slope in along]
-    laplacian = shear * sum(weighed[axis] @ along[axis] for axis in range(dimension))
+    gradients_along = [np.ascontiguousarray(gradients[:, axis].transpose(1, 2, 0)) for axis in range(dimension)]
+    weighted = [(slope * measure[..., np.newaxis]).transpose(0, 2, 1) for slope in gradients_along]
+    laplacian = shear * sum(weighted[axis] @ gradients_along[axis] for axis in range(dimension))
     assembler = assembler or _Assembler(grid)
     blocks = np.empty((assembler.pairs, dimension, dimension))
     for i, j in zip(*np.triu_indices(dimension), strict=True):
-        product = weighed[i] @ along[j]
+        product = weighted[i] @ gradients_along[j]
         element = lame * product + shear * product.transpose(0, 2, 1) + (laplacian if i == j else 0.0)
         blocks[:, i, j] = assembler.sum_pairs(element)
         if i != j:
@@ -233,6 +241,7 @@ class _Assembler:
     """Sums matrices of elements (m, a, a) over the pairs of nodes that share an element, in the order of the rows."""
 
     def __init__(self, grid: Grid) -> None:
+        """Find the pairs of nodes that share an element, row by row."""
         cells, self._nodes = grid.cells, len(grid.points)
         keys = (cells[:, :, np.newaxis] * self._nodes + cells[:, np.newaxis]).ravel()
         pairs, self._slot = np.unique(keys, return_inverse=True)
@@ -251,20 +260,29 @@ class _Assembler:
 
 
 def _auxiliary_supports(motions: Array, loose: tuple[int, ...]) -> Integers:
-    """Choose one unknown for each loose motion, far from each other: the largest left after those already chosen."""
-    left = motions[:, list(loose)]
-    left = left / np.abs(left).max(axis=0, initial=np.finfo(float).tiny)
+    """Choose one unknown for each loose motion, far from each other, to be fixed; return them.
+
+    Greedy: the unknown that moves most in the motions, after those that the chosen unknowns fix are projected out.
+    """
+    remaining = motions[:, list(loose)]
+    remaining = remaining / np.abs(remaining).max(axis=0, initial=np.finfo(float).tiny)
     chosen = []
     for _ in loose:
-        row = int(np.argmax(np.linalg.norm(left, axis=1)))
-        chosen.append(row)
-        direction = left[row] / np.linalg.norm(left[row])
-        left = left - np.outer(left @ direction, direction)
+        unknown = int(np.argmax(np.linalg.norm(remaining, axis=1)))
+        chosen.append(unknown)
+        direction = remaining[unknown] / np.linalg.norm(remaining[unknown])
+        remaining = remaining - np.outer(remaining @ direction, direction)
     return np.array(chosen, np.int64)
 
 
 def _require_supports(grid: Grid, motions: Array, fixed: Integers, springs: Any) -> None:
-    """Raise CycloidError unless the part is connected and its supports fix all of its rigid motions."""
+    """Check that a part is connected and that its supports fix all of its rigid motions.
+
+    Raises
+    ------
+    CycloidError
+        The grid has several pieces, or a rigid motion is free.
+    """
     cells = grid.mesh.t
     pairs = np.concatenate([np.stack([cells[0], corner]) for corner in cells[1:]], axis=1)
     graph = sparse.coo_matrix((np.ones(pairs.shape[1]), pairs), shape=(grid.mesh.nvertices,) * 2)
@@ -275,11 +293,11 @@ def _require_supports(grid: Grid, motions: Array, fixed: Integers, springs: Any)
             "the outline of this part with `cycloid-mj export`"
         )
     scaled = motions / np.linalg.norm(motions, axis=0)
-    hold = scaled[fixed].T @ scaled[fixed]
+    support_matrix = scaled[fixed].T @ scaled[fixed]
     if springs is not None:
         stiff = scaled.T @ (springs @ scaled)
-        hold = hold + stiff / max(float(np.abs(stiff).max()), np.finfo(float).tiny)
-    values = np.linalg.eigvalsh(hold) if len(hold) else np.zeros(1)
+        support_matrix = support_matrix + stiff / max(float(np.abs(stiff).max()), np.finfo(float).tiny)
+    values = np.linalg.eigvalsh(support_matrix) if len(support_matrix) else np.zeros(1)
     if not values[0] > 1e-12 * max(values[-1], np.finfo(float).tiny):
         raise CycloidError(
             f"the {grid.part} can still move as a rigid body, because its supported nodes are all in one point: "
@@ -287,13 +305,16 @@ def _require_supports(grid: Grid, motions: Array, fixed: Integers, springs: Any)
         )
 
 
-def _factor(lower: Any, part: str, dimension: int) -> Callable[[Array], Array]:
-    """Factorise a symmetric matrix from its lower triangle, by rslab if installed (much faster), or SuperLU."""
+def _factorise(lower: Any, part: str, dimension: int) -> Callable[[Array], Array]:
+    """Factorise a symmetric matrix from its lower triangle; return the function that solves for right-hand sides.
+
+    By LDL^T of rslab if it is installed, which is much faster, else by SuperLU.
+    """
     give_back()  # a factor needs its memory in one piece
     try:
         ldlt = importlib.import_module("rslab").ldlt
     except (ImportError, OSError, AttributeError):  # it is young: a later release may have other names
-        return _superlu(lower, part)
+        return _factorise_by_superlu(lower, part)
     try:
         solver = ldlt(lower, threads=1, ordering=ORDERING[dimension])
     except (RuntimeError, ValueError, MemoryError) as error:
@@ -301,7 +322,8 @@ def _factor(lower: Any, part: str, dimension: int) -> Callable[[Array], Array]:
     return lambda loads: np.asarray(solver.solve_many(loads))
 
 
-def _superlu(lower: Any, part: str) -> Callable[[Array], Array]:
+def _factorise_by_superlu(lower: Any, part: str) -> Callable[[Array], Array]:
+    """Factorise a symmetric matrix from its lower triangle by SuperLU; return the function that solves."""
     matrix = (lower + sparse.tril(lower, -1).T).tocsc()
     try:
         solver = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})

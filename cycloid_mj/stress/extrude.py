@@ -19,7 +19,7 @@ from cycloid_mj.base.names import GEAR, family
 from cycloid_mj.parts import output_centres
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP
-from cycloid_mj.stress.grid import Grid, GridSettings, SectionGrid, planar_grid, quadratic
+from cycloid_mj.stress.grid import Grid, GridSettings, SectionGrid, planar_grid, quadratic_mesh
 from cycloid_mj.stress.region import part_region
 
 COARSER = {"contact_edge": 3.0, "wide_edge": 2.0, "free_edge": 2.5, "inner_edge": 3.0, "turn": 2.0, "growth": 8.0}
@@ -47,29 +47,29 @@ def solid_grid(reducer: Reducer, part: str, settings: GridSettings) -> Grid:
     # the stress of the output is largest at the roots of its pins, not near contacts
     share = 0.8 if part == "output" else 1.0
     coarse: dict[str, Any] = {name: share * getattr(settings, name) for name, share in COARSER.items()}
-    settled = replace(settings, **coarse, refinement=share * settings.refinement)
-    section = planar_grid(part_region(reducer, part), settled, length, section=True)
+    section_settings = replace(settings, **coarse, refinement=share * settings.refinement)
+    section = planar_grid(part_region(reducer, part), section_settings, length, section=True)
     layer = settings.layer_edge * length / settings.refinement
-    least = MIN_LAYERS.get(part, 2)
+    min_layers = MIN_LAYERS.get(part, 2)
     planes = (0.0,) if family(part) == GEAR else gear.disc_planes
-    layer = min(layer, gear.face_width / least)
+    layer = min(layer, gear.face_width / min_layers)
     discs = [_levels(plane - gear.face_width / 2, plane + gear.face_width / 2, layer) for plane in planes]
     # neighbours are joined by a layer across their gap
     stack = np.concatenate(discs)
     if part != "output":
         return extrude_section(section, stack, np.ones((len(stack) - 1, len(section.cells)), bool), _layers_of(discs))
-    face, thick = gear.stack_width / 2 + AXIAL_GAP, design.output.disc_thickness
-    disc = _levels(face, face + thick, settings.layer_edge * length / settings.refinement)
-    second = -disc[::-1] if design.output.support == "both_ends" else np.zeros(0)
-    levels = np.concatenate([second, stack, disc])
+    face, disc_thickness = gear.stack_width / 2 + AXIAL_GAP, design.output.disc_thickness
+    output_levels = _levels(face, face + disc_thickness, settings.layer_edge * length / settings.refinement)
+    second_levels = -output_levels[::-1] if design.output.support == "both_ends" else np.zeros(0)
+    levels = np.concatenate([second_levels, stack, output_levels])
     filled = np.ones((len(levels) - 1, len(section.cells)), bool)
-    between = slice(max(len(second) - 1, 0), len(second) + len(stack))
-    filled[between] = _within_pins(reducer, section)
-    grid = extrude_section(section, levels, filled, _layers_of(discs, len(second)))
+    pin_layers = slice(max(len(second_levels) - 1, 0), len(second_levels) + len(stack))
+    filled[pin_layers] = _within_pins(reducer, section)
+    grid = extrude_section(section, levels, filled, _layers_of(discs, len(second_levels)))
     # the bulk excludes the roots of the pins and the rims of the hub
     distance = 0.5 * design.output.root_radius
-    corners = [_output_corners(reducer, face, disc[-1], distance / 4)]
-    corners += [_output_corners(reducer, -face, -disc[-1], distance / 4)] if len(second) else []
+    corners = [_output_corners(reducer, face, output_levels[-1], distance / 4)]
+    corners += [_output_corners(reducer, -face, -output_levels[-1], distance / 4)] if len(second_levels) else []
     return replace(grid, keep_off=np.concatenate(corners), corner_distance=distance)
 
 
@@ -80,43 +80,31 @@ def _layers_of(discs: list[Array], first: int = 0) -> list[slice]:
 
 
 def extrude_section(section: Grid, levels: Array, filled: Mask, loaded: Sequence[slice]) -> Grid:
-    """Draw a planar grid out along z.
+    """Extrude a planar grid of m triangles along z into quadratic tetrahedra.
 
     Parameters
     ----------
-    section
-        The planar grid.
-    levels
-        Faces of the layers along z [m], (l + 1,), rising.
+    section, levels
+        The planar grid, and the faces of the l layers along z [m], (l + 1,), increasing.
     filled
-        Which triangles of the section each layer has (l, m).
+        Whether each layer has each triangle of the section, (l, m).
     loaded
-        Levels over which the contact forces of each disc spread, in proportion to the heights of the layers between.
+        Slices of `levels` over which the contact forces of each disc are distributed, in proportion to the layer
+        heights.
     """
-    local = np.argsort(section.mesh.t.T, axis=1)
     corner = np.full((len(levels), section.mesh.nvertices), -1, np.int64)
     for layer, cells in enumerate(filled):
         corner[layer : layer + 2, np.unique(section.mesh.t[:, cells])] = 0
     corner[corner == 0] = np.arange(np.count_nonzero(corner == 0))
     level, vertex = np.nonzero(corner >= 0)
     points = np.column_stack([section.points[vertex], levels[level]])
-    tetrahedra, ends, nodes, heights = [], [], [], []
-    for layer, cells in enumerate(filled):
-        rows = np.flatnonzero(cells)
-        for corners in _TETRAHEDRA:
-            own = [local[rows, rank] for rank, _ in corners]
-            tetrahedron = [
-                corner[layer + top, section.cells[rows, at]] for at, (_, top) in zip(own, corners, strict=True)
-            ]
-            tetrahedra.append(np.column_stack(tetrahedron))
-            for i, j in zip(*np.triu_indices(4, 1), strict=True):
-                ends.append(np.column_stack([tetrahedron[i], tetrahedron[j]]))
-                nodes.append(section.cells[rows, _NODE[own[i], own[j]]])
-                heights.append(np.full(len(rows), 2 * layer + corners[i][1] + corners[j][1]))
+    tetrahedra, ends, nodes, heights = _divide_prisms(section, filled, corner)
     node, height = np.concatenate(nodes), np.concatenate(heights)
     z = _with_middles(levels)
     middles = np.column_stack([section.points[node], z[height]])
-    mesh, vertices, grid = quadratic(points, np.concatenate(tetrahedra), np.concatenate(ends), middles, section.part)
+    mesh, vertices, grid = quadratic_mesh(
+        points, np.concatenate(tetrahedra), np.concatenate(ends), middles, section.part
+    )
     node_index = np.full((len(z), len(section.points)), -1, np.int64)
     node_index[::2, : section.mesh.nvertices][level, vertex] = vertices
     node_index[height, node] = grid
@@ -134,23 +122,55 @@ def extrude_section(section: Grid, levels: Array, filled: Mask, loaded: Sequence
         section=SectionGrid(
             section,
             np.concatenate(pressed),
-            tuple(_lift(nodes, _simpson(levels[part]), unknowns) for nodes, part in zip(pressed, loaded, strict=True)),
+            tuple(
+                _distribution_matrix(nodes, _simpson(levels[part]), unknowns)
+                for nodes, part in zip(pressed, loaded, strict=True)
+            ),
         ),
     )
 
 
-def _lift(at: Integers, share: Array, unknowns: int) -> Any:
-    """Return the sparse matrix (n, 2 m) that spreads loads on m nodes of the section over the heights of the solid.
+def _divide_prisms(section: Grid, filled: Mask, corner: Integers) -> tuple[list[Array], ...]:
+    """Divide the prisms of each layer into tetrahedra.
 
-    `at` is the index of the solid's node by height and node of the section (h, m), -1 for none; `share` the weight of
-    each height (h,). Nodes that are missing at some height get nothing.
+    `corner` is the index of the vertex at each level and vertex of the section, (l + 1, v). Returns lists of arrays:
+    corners of the tetrahedra, ends of their edges, and section node and height index of each edge's middle.
     """
-    everywhere = np.flatnonzero((at >= 0).all(axis=0))
-    rows = 3 * at[:, everywhere, np.newaxis] + np.arange(2)
-    columns = np.broadcast_to(2 * everywhere[:, np.newaxis] + np.arange(2), rows.shape)
-    values = np.broadcast_to(share[:, np.newaxis, np.newaxis], rows.shape)
+    local = np.argsort(section.mesh.t.T, axis=1)
+    tetrahedra, ends, nodes, heights = [], [], [], []
+    for layer, cells in enumerate(filled):
+        rows = np.flatnonzero(cells)
+        for corners in _TETRAHEDRA:
+            orders = [local[rows, rank] for rank, _ in corners]
+            tetrahedron = [
+                corner[layer + top, section.cells[rows, order]] for order, (_, top) in zip(orders, corners, strict=True)
+            ]
+            tetrahedra.append(np.column_stack(tetrahedron))
+            for i, j in zip(*np.triu_indices(4, 1), strict=True):
+                ends.append(np.column_stack([tetrahedron[i], tetrahedron[j]]))
+                nodes.append(section.cells[rows, _NODE[orders[i], orders[j]]])
+                heights.append(np.full(len(rows), 2 * layer + corners[i][1] + corners[j][1]))
+    return tetrahedra, ends, nodes, heights
+
+
+def _distribution_matrix(solid_nodes: Integers, weights: Array, unknowns: int) -> Any:
+    """Return the sparse matrix (n, 2 m) that distributes loads on m nodes of the section over the heights of the solid.
+
+    Parameters
+    ----------
+    solid_nodes
+        Node of the solid by height and node of the section, (h, m); -1 where there is none.
+    weights
+        Share of each height in a load, (h,). Nodes that are missing at some height receive no load.
+    unknowns
+        Number of unknowns n of the solid.
+    """
+    complete = np.flatnonzero((solid_nodes >= 0).all(axis=0))
+    rows = 3 * solid_nodes[:, complete, np.newaxis] + np.arange(2)
+    columns = np.broadcast_to(2 * complete[:, np.newaxis] + np.arange(2), rows.shape)
+    values = np.broadcast_to(weights[:, np.newaxis, np.newaxis], rows.shape)
     entries = (values.ravel(), (rows.ravel(), columns.ravel()))
-    return sparse.coo_matrix(entries, shape=(unknowns, 2 * at.shape[1])).tocsr()
+    return sparse.coo_matrix(entries, shape=(unknowns, 2 * solid_nodes.shape[1])).tocsr()
 
 
 def _simpson(levels: Array) -> Array:

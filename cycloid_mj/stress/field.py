@@ -11,12 +11,19 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.design import Design
 from cycloid_mj.design.model import Material
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.stress.bulk import RUNGS_PER_OCTAVE, Distances, distances_of, ladder, largest, plateau
+from cycloid_mj.stress.bulk import (
+    RUNGS_PER_OCTAVE,
+    Distances,
+    find_plateau,
+    largest_beyond,
+    measure_distances,
+    search_distances,
+)
 from cycloid_mj.stress.case import LoadCase, Response
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.loads import PartLoads
 from cycloid_mj.stress.part import part_case
-from cycloid_mj.stress.recover import Recovery, principal, recovery, stresses, von_mises
+from cycloid_mj.stress.recover import Recovery, build_recovery, principal, stresses, von_mises
 from cycloid_mj.stress.region import material_of
 
 MAX_BLOCK_ANGLES, MAX_FIELD_BYTES = 32, 2**25
@@ -109,29 +116,31 @@ def solve(
     loads: PartLoads,
     distance: float | None = None,
 ) -> PartStress:
-    """Compute the maxima of stress on a part at each crank angle of its loads.
+    """Solve a part at each crank angle of its loads, and return the maxima of its stress.
 
     Parameters
     ----------
     design
-        The design; its material.
+        The design, for its material.
     grid
         The part's grid.
     loads
         The loads on the same part.
     distance
-        Distance at which bulk stress begins [m], as of another solution; by default where the largest stress of all
-        angles reaches a plateau, from the grid's distance on.
+        Distance from patches at which bulk stress begins [m]; by default where the largest stress of all angles reaches
+        a plateau, from the grid's distance on.
 
     Raises as `part_case`.
     """
     reducer = Reducer(design)
     case = part_case(reducer, grid, loads)
     responses = list(_responses(case))
-    distances = distances_of(grid, case)
+    distances = measure_distances(grid, case)
     del case  # its factor: with it the operators would be the peak of memory
-    operators, material = recovery(grid), material_of(reducer, grid.part)
-    return _maxima(grid, loads, distances, distance, responses, lambda moved: stresses(operators, moved, material))
+    operators, material = build_recovery(grid), material_of(reducer, grid.part)
+    return _collect_maxima(
+        grid, loads, distances, distance, responses, lambda moved: stresses(operators, moved, material)
+    )
 
 
 @dataclass(frozen=True)
@@ -156,9 +165,9 @@ class LoadedPart:
 
 def assemble_part(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadedPart:
     """Factorise a part under its loads; raises as ``solve``."""
-    operators = recovery(grid)  # first: with the factor its own needs would be the peak of memory
+    operators = build_recovery(grid)  # first: with the factor its own needs would be the peak of memory
     case = part_case(reducer, grid, loads)
-    return LoadedPart(grid, loads, material_of(reducer, grid.part), operators, case, distances_of(grid, case))
+    return LoadedPart(grid, loads, material_of(reducer, grid.part), operators, case, measure_distances(grid, case))
 
 
 StateObserver = Callable[[int, Array], None]
@@ -169,10 +178,13 @@ def ignore_state(index: int, stress: Array) -> None:
     """Ignore a state: the observer where there is none."""
 
 
-def maxima(part: LoadedPart, distance: float | None = None, on_state: StateObserver = ignore_state) -> PartStress:
-    """Compute the maxima of stress at each crank angle, as ``solve``; `on_state` is called with the stress at each."""
+def solve_maxima(part: LoadedPart, distance: float | None = None, on_state: StateObserver = ignore_state) -> PartStress:
+    """Solve a part at each crank angle, and return the maxima of its stress, as `solve`.
+
+    `on_state` is called with index and stress components of each angle.
+    """
     responses = _responses(part.case)
-    return _maxima(part.grid, part.loads, part.distances, distance, responses, part.components, on_state)
+    return _collect_maxima(part.grid, part.loads, part.distances, distance, responses, part.components, on_state)
 
 
 def _responses(case: LoadCase) -> Iterator[Response]:
@@ -182,7 +194,7 @@ def _responses(case: LoadCase) -> Iterator[Response]:
         yield case.response(np.arange(start, min(start + block, case.angles)))
 
 
-def _maxima(
+def _collect_maxima(
     grid: Grid,
     loads: PartLoads,
     distances: Distances,
@@ -191,36 +203,41 @@ def _maxima(
     components: Callable[[Array], Array],
     on_state: StateObserver = ignore_state,
 ) -> PartStress:
-    """Compute the maxima of stress from the responses at all angles; `components` maps displacements to stress."""
-    rungs = ladder(distances, grid.bulk_distance) if distance is None else np.array([distance])
-    maxima: list[tuple[Array, ...]] = []
-    angle = count()
-    for answer in responses:
-        stress, chosen = components(answer.moved), []
-        for state, size in zip(np.moveaxis(stress, -1, 0), np.ascontiguousarray(von_mises(stress).T), strict=True):
-            on_state(index := next(angle), state)
-            chosen.append(largest(distances, rungs, index, size))
-        sizes, nodes = map(np.array, zip(*chosen, strict=True))
-        maxima.append((sizes, nodes, answer.reaction, answer.imbalance, answer.moments))
-    sizes, nodes, reaction, imbalance, moments = map(np.concatenate, zip(*maxima, strict=True))
-    rung = plateau(sizes.max(axis=0), RUNGS_PER_OCTAVE) if distance is None else 0
+    """Find the largest bulk stress at each angle from the responses; `components` maps displacements to stress.
+
+    Without a `distance` [m] at which bulk begins, it is that of the plateau of the turn's largest stress.
+    """
+    search_steps = search_distances(distances, grid.bulk_distance) if distance is None else np.array([distance])
+    solve_maxima: list[tuple[Array, ...]] = []
+    counter = count()
+    for response in responses:
+        stress, chosen = components(response.moved), []
+        for state, stress_size in zip(
+            np.moveaxis(stress, -1, 0), np.ascontiguousarray(von_mises(stress).T), strict=True
+        ):
+            on_state(index := next(counter), state)
+            chosen.append(largest_beyond(distances, search_steps, index, stress_size))
+        largest_stresses, nodes = map(np.array, zip(*chosen, strict=True))
+        solve_maxima.append((largest_stresses, nodes, response.reaction, response.imbalance, response.moments))
+    largest_stresses, nodes, reaction, imbalance, moments = map(np.concatenate, zip(*solve_maxima, strict=True))
+    plateau_index = find_plateau(largest_stresses.max(axis=0), RUNGS_PER_OCTAVE) if distance is None else 0
     return PartStress(
         part=grid.part,
         angle=np.array(loads.angle),
-        bulk_stress=sizes[:, rung],
-        bulk_place=grid.points[nodes[:, rung]],
-        distances=rungs,
-        stress_by_distance=sizes.T,
+        bulk_stress=largest_stresses[:, plateau_index],
+        bulk_place=grid.points[nodes[:, plateau_index]],
+        distances=search_steps,
+        stress_by_distance=largest_stresses.T,
         reaction=reaction,
         imbalance=imbalance,
         moments=moments,
         load=np.nan_to_num(np.linalg.norm(loads.force, axis=2)).max(axis=1, initial=0.0),
-        bulk_distance=float(rungs[rung]),
+        bulk_distance=float(search_steps[plateau_index]),
         unknowns=grid.unknowns,
     )
 
 
-def by_corner(part: LoadedPart, index: int, distance: float) -> tuple[tuple[float, float], ...]:
+def vary_corner_distance(part: LoadedPart, index: int, distance: float) -> tuple[tuple[float, float], ...]:
     """Compute the bulk stress with other distances from sharp corners, at the crank angle of an index.
 
     Returns pairs of the distance from corners [m], by `CORNER_DISTANCES`, and the largest von Mises stress [Pa] beyond
@@ -233,24 +250,24 @@ def by_corner(part: LoadedPart, index: int, distance: float) -> tuple[tuple[floa
     stress = von_mises(part.components(part.case.response(np.array([index])).moved)[..., 0])
     bulk = []
     for factor in CORNER_DISTANCES:
-        distances = distances_of(replace(grid, corner_distance=factor * grid.corner_distance), part.case)
+        distances = measure_distances(replace(grid, corner_distance=factor * grid.corner_distance), part.case)
         limit = min(distance, distances.farthest() * (1.0 - 1e-9))
-        sizes, _ = largest(distances, np.array([limit]), index, stress)
+        sizes, _ = largest_beyond(distances, np.array([limit]), index, stress)
         bulk.append((factor * grid.corner_distance, float(sizes[0])))
     return tuple(bulk)
 
 
 def stress_map(design: Design, grid: Grid, loads: PartLoads, index: int, distance: float | None = None) -> StressMap:
-    """Compute the fields on a part at the crank angle of an index; bulk begins at a distance [m], or at the grid's.
+    """Compute the fields on a part at one crank angle: displacement, stress components, von Mises and principal stress.
 
     Parameters
     ----------
     design, grid, loads
         The design, the grid of one of its parts, and the loads on that part.
     index
-        Which of the angles of the loads.
+        Index of the crank angle in the loads.
     distance
-        From contacts and sharp corners on which stress counts as bulk [m]; by default the grid's.
+        Distance from contacts and sharp corners beyond which stress counts as bulk [m]; by default the grid's.
 
     Raises
     ------
@@ -273,7 +290,7 @@ def evaluate_map(part: LoadedPart, index: int, distance: float | None = None) ->
     grid = part.grid
     moved = part.case.response(np.array([index])).moved
     stress = part.components(moved)[..., 0]
-    distances = part.distances.at(index, np.arange(len(grid.points)))
+    distances = part.distances.from_patches(index, np.arange(len(grid.points)))
     return StressMap(
         part=grid.part,
         angle=float(part.loads.angle[index]),

@@ -93,7 +93,7 @@ def wind_up_by_part(reducer: Reducer, mounts: Mounts | None = None) -> dict[str,
     return compute_part_compliance(run, ran, mounts=mounts)
 
 
-def of_study(findings: StressFindings) -> Mapping[str, Quantity]:
+def study_quantities(findings: StressFindings) -> Mapping[str, Quantity]:
     """Return the catalogue's figures of the findings of a study, by their keys."""
     figures = {}
     for kind in KINDS:

@@ -221,7 +221,7 @@ class PartFindings:
         return 2.0 * np.abs(waves @ (self.bulk - self.bulk.mean())) / self.bulk.size
 
     def as_json(self) -> dict[str, Any]:
-        """Convert the findings to dicts, lists, numbers and text."""
+        """Convert the findings to dicts, lists, numbers and text, in MPa, mm and degrees."""
         return {
             "part": self.part,
             "unknowns": self.unknowns,

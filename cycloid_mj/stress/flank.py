@@ -10,9 +10,13 @@ from cycloid_mj.geometry.profile import CycloidGear
 
 
 def lobe_lines(gear: CycloidGear, crank_angle: Array) -> tuple[Array, Array]:
-    """Compute parameter t [rad] and relative curvature [1/m] of every ideal contact line, each (k, N, 3).
+    """Compute the ideal contact lines of each lobe at crank angles [rad], shape (k,).
 
-    The three lines of a lobe: its arc, and the flanks Sigma on its two sides, nan where one does not touch.
+    Returns
+    -------
+    t, curvature
+        Parameter of the outline [rad] and relative curvature [1/m], each (k, N, 3). The three lines of a lobe are its
+        arc, and the flanks Sigma on its two sides; NaN where one does not touch.
     """
     count = gear.ring_teeth
     t, curvature = np.full((2, crank_angle.size, count, 3), np.nan)
@@ -29,10 +33,10 @@ def lobe_lines(gear: CycloidGear, crank_angle: Array) -> tuple[Array, Array]:
 def lobe_contact_point(
     gear: CycloidGear,
     foot: Array,
-    along: Array,
+    direction: Array,
     lines: Array,
     curvature: Array,
-    turn: Array,
+    rotation_error: Array,
     offset: float,
 ) -> tuple[Array, Array]:
     """Compute the position of a lobe's force on the flank [m] (k, 2), and the relative curvature there [1/m] (k,).
@@ -42,28 +46,30 @@ def lobe_contact_point(
 
     Parameters
     ----------
-    foot, along
+    gear
+        Profile of the disc.
+    foot, direction
         A point of the force's line of action [m], and the unit vector along the force, gear frame, (k, 2).
     lines, curvature
         Ideal contact lines of this lobe, from `lobe_lines`, (k, 3).
-    turn
+    rotation_error
         Small angle [rad] (k,) by which the disc is ahead of the closed form.
     offset
         Offset of the flank from the trochoid [m].
     """
-    starts = lines + turn[:, np.newaxis]
-    missed = np.abs(_miss(gear, starts, foot[:, np.newaxis], along[:, np.newaxis], offset))
-    facing = np.sum(profile.normals(gear, starts) * along[:, np.newaxis], axis=-1) < 0.0
-    missed = np.where(facing & np.isfinite(missed), missed, np.inf)
-    rows, chosen = np.arange(len(starts)), np.argmin(missed, axis=1)
-    start = np.where(np.isfinite(missed[rows, chosen]), starts[rows, chosen], np.nan)
+    start_values = lines + rotation_error[:, np.newaxis]
+    distances = np.abs(_miss(gear, start_values, foot[:, np.newaxis], direction[:, np.newaxis], offset))
+    faces_force = np.sum(profile.normals(gear, start_values) * direction[:, np.newaxis], axis=-1) < 0.0
+    distances = np.where(faces_force & np.isfinite(distances), distances, np.inf)
+    rows, chosen = np.arange(len(start_values)), np.argmin(distances, axis=1)
+    start = np.where(np.isfinite(distances[rows, chosen]), start_values[rows, chosen], np.nan)
     t = start
-    reach = math.pi / gear.lobes  # half a lobe
+    half_lobe = math.pi / gear.lobes  # half a lobe
     for _ in range(30):
         tangent = profile.arc_rate(gear, t, offset)[:, np.newaxis] * _ahead(gear, t)
-        slope = cross(tangent, along)
-        step = np.divide(_miss(gear, t, foot, along, offset), slope, out=np.zeros_like(t), where=slope != 0.0)
-        t = np.clip(t - step, start - reach, start + reach)
+        slope = cross(tangent, direction)
+        step = np.divide(_miss(gear, t, foot, direction, offset), slope, out=np.zeros_like(t), where=slope != 0.0)
+        t = np.clip(t - step, start - half_lobe, start + half_lobe)
     return profile.outline(gear, t, offset), curvature[rows, chosen]
 
 

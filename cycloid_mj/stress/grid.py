@@ -11,8 +11,8 @@ from scipy.sparse import csgraph
 from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.units import MILLIMETRES
-from cycloid_mj.stress.outline import QuadraticOutline, Sizing, divide
-from cycloid_mj.stress.packages import mesher, package
+from cycloid_mj.stress.outline import QuadraticOutline, Sizing, divide_outline
+from cycloid_mj.stress.packages import import_package, open_mesher
 from cycloid_mj.stress.region import Region
 
 BULK_DISTANCE = 0.5
@@ -26,6 +26,7 @@ class FoldedError(CycloidError):
     """Curved edges fold elements: `folds` (k, d + 1) [m] are their middles and longest edges."""
 
     def __init__(self, part: str, corners: Array) -> None:
+        """Compute the middles and longest edges of the folded elements from their corners (k, d + 1, d) [m]."""
         super().__init__(
             f"cannot generate a finite-element mesh of the {part}: a curved edge folds its element; increase the "
             "refinement"
@@ -73,6 +74,7 @@ class GridSettings:
     solid: bool = False
 
     def __post_init__(self) -> None:
+        """Raise UsageError for a setting that is not positive."""
         for name, value in vars(self).items():
             if name != "solid" and not value > 0.0:
                 raise UsageError(
@@ -161,40 +163,43 @@ def planar_grid(
 ) -> Grid:
     """Build the grid of a planar region; lengths of the settings are shares of ``length`` [m].
 
-    Where curved edges of an outline fold elements next to them, shorter edges are used. A section that is extruded
-    keeps the mesher's order of vertices, by which its prisms are divided.
+    `focus` are rows (x, y, edge length) [m] of places with short edges. Where curved edges of an outline fold elements
+    next to them, shorter edges are added. A `section` that is extruded keeps the mesher's order of vertices, by which
+    its prisms are divided.
 
     Raises
     ------
     CycloidError
         The region does not mesh, or a package of the extra ``fem`` is missing.
     """
-    folds = np.zeros((0, 3)) if focus is None else np.asarray(focus, float).reshape(-1, 3)
-    folds = np.concatenate([folds, _clamped_circles(region)])
+    short_edges = np.zeros((0, 3)) if focus is None else np.asarray(focus, float).reshape(-1, 3)
+    short_edges = np.concatenate([short_edges, _clamped_circles(region)])
     for _ in range(MAX_REMESHES):
         try:
-            return _planar_grid(region, settings, length, folds, section)
+            return _mesh_region(region, settings, length, short_edges, section)
         except FoldedError as folded:
-            folds = np.concatenate([folds, folded.folds * (1.0, 1.0, 0.5)])
-    return _planar_grid(region, settings, length, folds, section)
+            short_edges = np.concatenate([short_edges, folded.folds * (1.0, 1.0, 0.5)])
+    return _mesh_region(region, settings, length, short_edges, section)
 
 
-def _planar_grid(region: Region, settings: GridSettings, length: float, folds: Array, section: bool) -> Grid:
-    """Build a grid with short edges of outlines at some folds, rows (x, y, edge) [m]."""
+def _mesh_region(region: Region, settings: GridSettings, length: float, short_edges: Array, section: bool) -> Grid:
+    """Mesh a region by quadratic triangles; `short_edges` are rows (x, y, edge length) [m]."""
     unit = length / settings.refinement
     loops = []
     for boundary in region.boundaries:
         edge = (
             unit * {"line": settings.contact_edge, "wide": settings.wide_edge, "": settings.free_edge}[boundary.touched]
         )
-        loops.append(divide(boundary.polygon, Sizing(edge, settings.turn / settings.refinement, edge / 10, folds)))
+        loops.append(
+            divide_outline(boundary.polygon, Sizing(edge, settings.turn / settings.refinement, edge / 10, short_edges))
+        )
     points, triangles = _triangulate(region, loops, unit * settings.inner_edge, settings.growth)
-    first = np.cumsum([0, *(len(loop.nodes) for loop in loops)])
-    rings = [start + np.arange(len(loop.nodes)) for start, loop in zip(first, loops, strict=False)]
-    ends = np.concatenate([np.column_stack([ring, np.roll(ring, -1)]) for ring in rings])
+    first_nodes = np.cumsum([0, *(len(loop.nodes) for loop in loops)])
+    loop_nodes = [start + np.arange(len(loop.nodes)) for start, loop in zip(first_nodes, loops, strict=False)]
+    ends = np.concatenate([np.column_stack([ring, np.roll(ring, -1)]) for ring in loop_nodes])
     middles = np.concatenate([loop.middles for loop in loops])
-    mesh, vertex, middle = quadratic(points, triangles, ends, middles, region.part, section)
-    tables = [np.column_stack([vertex[ring], middle[ring], vertex[np.roll(ring, -1)]]) for ring in rings]
+    mesh, vertex, middle = quadratic_mesh(points, triangles, ends, middles, region.part, section)
+    tables = [np.column_stack([vertex[ring], middle[ring], vertex[np.roll(ring, -1)]]) for ring in loop_nodes]
     pairs = list(zip(region.boundaries, tables, strict=True))
     clamped = [table[:, :2].ravel() for boundary, table in pairs if boundary.is_fixed]
     return Grid(
@@ -216,13 +221,26 @@ def _clamped_circles(region: Region) -> Array:
     return np.array(rows).reshape(-1, 3)
 
 
-def quadratic(
-    points: Array, cells: Integers, ends: Integers, middles: Array, part: str, in_order: bool = False
+def quadratic_mesh(
+    points: Array, cells: Integers, edge_ends: Integers, middles: Array, part: str, keep_order: bool = False
 ) -> tuple[Any, Integers, Integers]:
-    """Make a quadratic scikit-fem mesh whose edges ``ends`` (e, 2) pass through ``middles`` (e, d) [m].
+    """Return a quadratic scikit-fem mesh whose given edges pass through given middles.
 
-    Return the mesh, the node at each of the points, and that in the middle of each of these edges. Unless the points
-    are to keep their order, they are numbered such that neighbours are near each other.
+    Parameters
+    ----------
+    points, cells
+        Vertices (p, d) [m], and the corners of each triangle or tetrahedron.
+    edge_ends, middles
+        Vertices at both ends of e edges, (e, 2), and the points in their middles, (e, d) [m].
+    part
+        Name of the part, for errors.
+    keep_order
+        Whether the vertices keep their order; else neighbours are numbered near each other.
+
+    Returns
+    -------
+    mesh, vertices, middle_nodes
+        The mesh, its node at each point (p,), and its node in the middle of each of the edges (e,).
 
     Raises
     ------
@@ -231,26 +249,26 @@ def quadratic(
     CycloidError
         An edge of the outline is missing.
     """
-    skfem = package("skfem")
+    skfem = import_package("skfem")
     planar = points.shape[1] == 2
-    at = np.arange(len(points)) if in_order else _near_together(len(points), cells)
-    cells = at[cells]
+    new_numbers = np.arange(len(points)) if keep_order else _reverse_cuthill_mckee(len(points), cells)
+    cells = new_numbers[cells]
     cells = cells[np.argsort(cells.min(axis=1), kind="stable")]
-    points = points[np.argsort(at)]
+    points = points[np.argsort(new_numbers)]
     straight = (skfem.MeshTri1 if planar else skfem.MeshTet1)(points.T.copy(), cells.T.copy())
     mesh = (skfem.MeshTri2 if planar else skfem.MeshTet2).from_mesh(straight)
-    nodes = middles_of(mesh, at[ends])
+    nodes = find_edge_nodes(mesh, new_numbers[edge_ends])
     if nodes.min(initial=0) < 0:
         raise CycloidError(
             f"cannot generate a finite-element mesh of the {part}: an edge of its outline is missing. Use another "
             "refinement (without --quick, or GridSettings.refinement in Python)"
         )
     mesh.doflocs[:, nodes] = middles.T
-    shape = mapping_of(mesh).detDF(np.eye(mesh.dim(), mesh.dim() + 1, 1))
-    folded = np.any(shape * np.sign(shape[:, :1]) <= 0.0, axis=1)
+    determinants = mapping_of(mesh).detDF(np.eye(mesh.dim(), mesh.dim() + 1, 1))
+    folded = np.any(determinants * np.sign(determinants[:, :1]) <= 0.0, axis=1)
     if folded.any():
         raise FoldedError(part, points[cells[folded]])
-    return mesh, at, nodes
+    return mesh, new_numbers, nodes
 
 
 def mapping_of(mesh: Any) -> Any:
@@ -259,35 +277,39 @@ def mapping_of(mesh: Any) -> Any:
     The mesh's own mapping caches its derivatives at all quadrature points, which is 75 MB of the peak memory for the
     finer output of the preset.
     """
-    return package("skfem").MappingIsoparametric(mesh, mesh.elem(), mesh.bndelem)
+    return import_package("skfem").MappingIsoparametric(mesh, mesh.elem(), mesh.bndelem)
 
 
-def _near_together(count: int, cells: Integers) -> Integers:
-    """Compute new numbers of points (count,), such that neighbours are near each other.
+def _reverse_cuthill_mckee(count: int, cells: Integers) -> Integers:
+    """Return new numbers of points (count,) by the reverse Cuthill-McKee method.
 
-    Sparse products with fields of a grid then find what they need in the processor's cache, and take half the time.
+    Neighbours are then near each other: sparse products with fields of a grid find what they need in the processor's
+    cache, and take half the time.
     """
     rows = np.repeat(np.arange(len(cells)), cells.shape[1])
     corners = sparse.csr_matrix((np.ones(cells.size), (rows, cells.ravel())), shape=(len(cells), count))
-    at = np.empty(count, np.int64)
-    at[csgraph.reverse_cuthill_mckee((corners.T @ corners).tocsr(), symmetric_mode=True)] = np.arange(count)
-    return at
+    new_numbers = np.empty(count, np.int64)
+    new_numbers[csgraph.reverse_cuthill_mckee((corners.T @ corners).tocsr(), symmetric_mode=True)] = np.arange(count)
+    return new_numbers
 
 
-def middles_of(mesh: Any, ends: Integers) -> Integers:
-    """Compute the node in the middle of each edge (..., 2) of a quadratic mesh; -1 where there is no such edge."""
+def find_edge_nodes(mesh: Any, edge_ends: Integers) -> Integers:
+    """Return the node in the middle of each edge of a quadratic mesh, by its end vertices (..., 2); -1 for none."""
     known = np.sort(mesh.facets if mesh.dim() == 2 else mesh.edges, axis=0).astype(np.int64)
-    key, wanted = known[0] * mesh.nvertices + known[1], np.sort(ends, axis=-1) @ np.array([mesh.nvertices, 1])
+    key, wanted_key = known[0] * mesh.nvertices + known[1], np.sort(edge_ends, axis=-1) @ np.array([mesh.nvertices, 1])
     order = np.argsort(key)
-    folds = order[np.searchsorted(key[order], wanted).clip(max=len(order) - 1)]
-    return np.where(key[folds] == wanted, mesh.nvertices + folds, -1)
+    candidates = order[np.searchsorted(key[order], wanted_key).clip(max=len(order) - 1)]
+    return np.where(key[candidates] == wanted_key, mesh.nvertices + candidates, -1)
 
 
 def _triangulate(
     region: Region, loops: list[QuadraticOutline], inner_edge: float, growth: float
 ) -> tuple[Array, Integers]:
-    """Mesh the region with gmsh; the nodes of the loops come first, in order."""
-    with mesher(region.part, inner_edge) as gmsh:
+    """Mesh a region with gmsh; return points (p, 2) [m] and corners of triangles (m, 3).
+
+    The nodes of the loops come first, in order. Edges grow from the outlines to `inner_edge` [m].
+    """
+    with open_mesher(region.part, inner_edge) as gmsh:
         geo = gmsh.model.geo
         curves, edges = [], []
         for loop in loops:
@@ -305,7 +327,7 @@ def _triangulate(
             if boundary.role == "inset":
                 geo.addPlaneSurface([curve])
         geo.synchronize()
-        _grow_inwards(gmsh.model.mesh.field, edges, inner_edge * MILLIMETRES, growth)
+        _set_edge_growth(gmsh.model.mesh.field, edges, inner_edge * MILLIMETRES, growth)
         gmsh.model.mesh.generate(2)
         tags, coordinates, _ = gmsh.model.mesh.getNodes()
         _, corners = gmsh.model.mesh.getElementsByType(2)
@@ -323,7 +345,7 @@ def _triangulate(
     return points, index[corners.astype(np.int64)].reshape(-1, 3)
 
 
-def _grow_inwards(field: Any, edges: list[int], longest: float, growth: float) -> None:
+def _set_edge_growth(field: Any, edges: list[int], longest: float, growth: float) -> None:
     """Set the size field: edges grow with the distance from the outlines, up to the longest [mm]."""
     extend = field.add("Extend")
     field.setNumbers(extend, "CurvesList", edges)

@@ -13,8 +13,8 @@ from cycloid_mj.base.names import GEAR, family, gears
 from cycloid_mj.base.record import Run
 from cycloid_mj.parts import MassProperties, body_solids, mass_properties
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.stress.contacts import Action, contacts, part_frame, rotate_vectors, total
-from cycloid_mj.stress.turn import DEGREES, Turn, turn
+from cycloid_mj.stress.contacts import Action, list_contacts, part_frame, rotate_vectors, total
+from cycloid_mj.stress.turn import DEGREES, Turn, select_turn
 
 PARTS = ("shaft", "gear", "ring", "output", "pin_1")
 """Parts in their order; each of several discs is a part: gear_1, gear_2, ..."""
@@ -72,7 +72,7 @@ def part_names(reducer: Reducer) -> tuple[str, ...]:
 
 
 def part_loads(run: Run, reducer: Reducer, part: str, angles: npt.ArrayLike = DEGREES) -> PartLoads:
-    """Compute the loads on a part at crank angles [rad], shape (k,), from the forces that a run logged.
+    """Compute the loads on a part at crank angles from the forces that a run logged.
 
     The samples nearest to the angles in the last turn of the settled hold are used. Each force, including friction,
     acts where its line of action intersects the surface on which it presses; on a wide patch, so that its tractions
@@ -96,8 +96,8 @@ def part_loads(run: Run, reducer: Reducer, part: str, angles: npt.ArrayLike = DE
         The run contains no design or no forces, or its hold is too short or too coarse.
     """
     require_part(reducer, part)
-    sampled = turn(run, reducer, angles)
-    touching = contacts(sampled, part)
+    sampled = select_turn(run, reducer, angles)
+    touching = list_contacts(sampled, part)
     return PartLoads(
         part=part,
         angle=sampled.angle,
@@ -108,7 +108,7 @@ def part_loads(run: Run, reducer: Reducer, part: str, angles: npt.ArrayLike = DE
         strip=np.stack([contact.line.half_width for contact in touching], axis=1),
         hertz=np.stack([contact.line.valid for contact in touching], axis=1),
         labels=tuple(contact.name for contact in touching),
-        **_motion(sampled, part, total(touching)),
+        **_motion_loads(sampled, part, total(touching)),
     )
 
 
@@ -117,39 +117,39 @@ def of_contacts(loads: PartLoads, chosen: Mask) -> PartLoads:
     return replace(loads, force=np.where(chosen[:, np.newaxis], loads.force, 0.0))
 
 
-def _motion(turn: Turn, part: str, pushed: Action) -> dict[str, Array]:
-    """Compute gravity, inertia and the moment that is carried elsewhere, as `PartLoads` has them.
+def _motion_loads(select_turn: Turn, part: str, contact_sum: Action) -> dict[str, Array]:
+    """Compute gravity, inertia and the moment that is carried elsewhere, as fields of `PartLoads` by name.
 
-    `pushed` is the sum of the contacts' forces, which accelerate a part that is free to move.
+    `contact_sum` is the sum of the contacts' forces, which accelerate a part that is free to move.
     """
-    still = np.zeros_like(turn.angle)
-    environment = turn.reducer.design.environment
-    world = np.broadcast_to([environment.gravity_x, environment.gravity_y], (turn.angle.size, 2))
+    zeros = np.zeros_like(select_turn.angle)
+    environment = select_turn.reducer.design.environment
+    world = np.broadcast_to([environment.gravity_x, environment.gravity_y], (select_turn.angle.size, 2))
     # all is seen from the ring, where the world turns back
-    world, about = rotate_vectors(world, -turn.ring_angle), -turn.ring_speed
-    moved = {
-        "body_force": rotate_vectors(world, -part_frame(turn, part).angle),
-        "spin": still,
-        "spin_rate": still,
-        "torque": still,
+    world, frame_speed = rotate_vectors(world, -select_turn.ring_angle), -select_turn.ring_speed
+    result = {
+        "body_force": rotate_vectors(world, -part_frame(select_turn, part).angle),
+        "spin": zeros,
+        "spin_rate": zeros,
+        "torque": zeros,
     }
     if part == "ring":
-        return moved
-    body = mass_properties(body_solids(turn.reducer)[{"pin_1": "pin"}.get(part, part)])
+        return result
+    body = mass_properties(body_solids(select_turn.reducer)[{"pin_1": "pin"}.get(part, part)])
     if part == "pin_1" or family(part) == GEAR:  # their centroid is the origin of their frame
-        moves = part != "pin_1" or turn.reducer.design.ring.has_pin_bodies
-        spin = turn[f"{part}_speed"] - about * (part != "pin_1") if moves else still
-        spin_rate = pushed.moment / float(body.inertia[2, 2])
-        return moved | {"body_force": -pushed.force / body.mass, "spin": spin, "spin_rate": spin_rate}
+        moves = part != "pin_1" or select_turn.reducer.design.ring.has_pin_bodies
+        spin = select_turn[f"{part}_speed"] - frame_speed * (part != "pin_1") if moves else zeros
+        spin_rate = contact_sum.moment / float(body.inertia[2, 2])
+        return result | {"body_force": -contact_sum.force / body.mass, "spin": spin, "spin_rate": spin_rate}
     if part == "shaft":
-        rotor = turn.reducer.design.drive.rotor_inertia
-        spin_rate = (pushed.moment + turn["crank_torque"]) / (_inertia_about_axis(body) + rotor)
-        torque = turn["crank_torque"] - rotor * spin_rate
-        return moved | {"spin": turn["crank_speed"] - about, "spin_rate": spin_rate, "torque": torque}
-    if not turn.reducer.mechanism.body(part).joints:  # it is fixed
-        return moved | {"torque": -pushed.moment}
-    spin_rate = (pushed.moment + turn["load_torque"]) / _inertia_about_axis(body)
-    return moved | {"spin": turn["output_speed"], "spin_rate": spin_rate, "torque": turn["load_torque"]}
+        rotor = select_turn.reducer.design.drive.rotor_inertia
+        spin_rate = (contact_sum.moment + select_turn["crank_torque"]) / (_inertia_about_axis(body) + rotor)
+        torque = select_turn["crank_torque"] - rotor * spin_rate
+        return result | {"spin": select_turn["crank_speed"] - frame_speed, "spin_rate": spin_rate, "torque": torque}
+    if not select_turn.reducer.mechanism.body(part).joints:  # it is fixed
+        return result | {"torque": -contact_sum.moment}
+    spin_rate = (contact_sum.moment + select_turn["load_torque"]) / _inertia_about_axis(body)
+    return result | {"spin": select_turn["output_speed"], "spin_rate": spin_rate, "torque": select_turn["load_torque"]}
 
 
 def _inertia_about_axis(body: MassProperties) -> float:
@@ -158,7 +158,7 @@ def _inertia_about_axis(body: MassProperties) -> float:
 
 
 def require_part(reducer: Reducer, part: str) -> None:
-    """Raise UsageError unless a design has a part."""
+    """Raise UsageError unless a design has a part whose stress can be computed."""
     if part not in part_names(reducer):
         reason = ""
         if reducer.design.ring.has_sleeves and part in ("ring", "pin_1"):

@@ -105,7 +105,7 @@ def read_mounts(path: Path) -> Mounts:
     return record(Mounts, tables, str(path))
 
 
-def printed_of(reducer: Reducer, modulus: float) -> Reducer:
+def with_modulus(reducer: Reducer, modulus: float) -> Reducer:
     """Return a reducer whose parts of the housing's material have another Young's modulus [Pa]."""
     design = reducer.design
     housing_parts = [part for part in PARTS if design.material_of(part) == design.material_of("housing")]
@@ -137,7 +137,7 @@ def studs_compliance(reducer: Reducer, studs: StudSeats, loads: PartLoads) -> di
             f'gear.discs = {design.gear.discs} and output.support = "{output.support}". Remove [studs], or set '
             'gear.discs = 1 and output.support = "both_ends"'
         )
-    compliance, share, lateral_stiffness = stud_stiffness(reducer, studs)
+    compliance, share, lateral_stiffness = solve_stud_beam(reducer, studs)
     work = compliance * np.mean(np.sum(loads.force**2, axis=(1, 2))) / design.load.torque**2
     rotation = (
         share**2 / (output.pins * lateral_stiffness * output.pin_circle_radius**2) if studs.far_plate_free else 0.0
@@ -145,10 +145,10 @@ def studs_compliance(reducer: Reducer, studs: StudSeats, loads: PartLoads) -> di
     return {"studs": float(work), "far_plate": rotation}
 
 
-def stud_stiffness(reducer: Reducer, studs: StudSeats) -> tuple[float, float, float]:
-    """Compute compliance, far-plate share and lateral stiffness of an output pin in its plates.
+def solve_stud_beam(reducer: Reducer, studs: StudSeats) -> tuple[float, float, float]:
+    """Solve an output pin in both plates as a Timoshenko beam on elastic foundations, by finite elements.
 
-    The pin is a Timoshenko beam on the foundations of both plates, under a uniform load over the disc's width.
+    The disc's force is uniform over its width.
 
     Returns
     -------
@@ -158,45 +158,53 @@ def stud_stiffness(reducer: Reducer, studs: StudSeats) -> tuple[float, float, fl
     """
     design, width = reducer.design, reducer.design.gear.face_width
     # along the pin: seat, gap, disc, gap, seat; supported, and loaded
-    steps = np.repeat(np.array([studs.far_seat, AXIAL_GAP, width, AXIAL_GAP, studs.near_seat]) / SLICES, SLICES)
-    supported, loaded = (np.repeat(where, SLICES) * steps for where in ((1, 0, 0, 0, 1), (0, 0, 1, 0, 0)))
-    nodes = steps.size + 1
+    lengths = np.repeat(np.array([studs.far_seat, AXIAL_GAP, width, AXIAL_GAP, studs.near_seat]) / SLICES, SLICES)
+    supported, loaded = (np.repeat(where, SLICES) * lengths for where in ((1, 0, 0, 0, 1), (0, 0, 1, 0, 0)))
+    nodes = lengths.size + 1
     stiffness = np.zeros((2 * nodes, 2 * nodes))
-    for position, step in enumerate(steps):
+    for position, length in enumerate(lengths):
         rows = slice(2 * position, 2 * position + 4)
-        stiffness[rows, rows] += _beam_element(reducer, step)
+        stiffness[rows, rows] += _beam_element(reducer, length)
     modulus = design.material_of("housing").youngs_modulus
     spring, load = (_to_nodes(item) for item in (modulus * supported, loaded / width))
     stiffness[np.arange(0, 2 * nodes, 2), np.arange(0, 2 * nodes, 2)] += spring
-    far = np.where(np.arange(nodes) <= SLICES, spring, 0.0)
-    loads = np.stack([_displacement_loads(load), _displacement_loads(far)], axis=1)
-    by_load, by_far_plate = np.linalg.solve(stiffness, loads)[::2].T
-    return float(load @ by_load), float(far @ by_load), float(np.sum(far) - far @ by_far_plate)
+    far_spring = np.where(np.arange(nodes) <= SLICES, spring, 0.0)
+    loads = np.stack([_displacement_loads(load), _displacement_loads(far_spring)], axis=1)
+    by_load, by_plate_motion = np.linalg.solve(stiffness, loads)[::2].T
+    return float(load @ by_load), float(far_spring @ by_load), float(np.sum(far_spring) - far_spring @ by_plate_motion)
 
 
 def crank_compliance(reducer: Reducer, crank: CrankSeats) -> float:
-    """Compute the lateral displacement of the cam per force [m/N]: seats, and the post as a Timoshenko beam.
+    """Compute the lateral displacement of the cam per force [m/N]: seats, and the thin post as a Timoshenko beam.
 
-    Each bearing has the compliance 2/(E w), of its bore and on the shaft, the cam's ring 1/(E w). Both bearings allow
-    the crank to tilt.
+    Each bearing has the compliance 2/(E w), in its bore and on the shaft, the cam's ring 1/(E w), with widths w. Both
+    bearings allow the crank to tilt.
     """
     material, span = reducer.design.material_of("housing"), crank.to_hub + crank.to_housing
     on_hub, on_housing = crank.to_housing / span, crank.to_hub / span
     seats = 2.0 * on_hub**2 / crank.hub_seat + 2.0 * on_housing**2 / crank.housing_seat + 1.0 / crank.cam_seat
-    near = crank.to_housing - crank.cam_seat / 2.0
+    lever = crank.to_housing - crank.cam_seat / 2.0
     bending, shearing = round_beam(material, crank.post_diameter / 2.0)
-    post = (near**3 - (near - crank.post) ** 3) / (3.0 * bending) + crank.post / shearing
+    post = (lever**3 - (lever - crank.post) ** 3) / (3.0 * bending) + crank.post / shearing
     return seats / material.youngs_modulus + on_housing**2 * post
 
 
 def _beam_element(reducer: Reducer, length: float) -> Array:
-    """Compute the stiffness of a Timoshenko element of an output pin, (4, 4): displacement and slope of both ends."""
+    """Compute the stiffness (4, 4) of a Timoshenko element of an output pin of a length [m].
+
+    Unknowns are displacement and slope of the first end, then of the second.
+    """
     design = reducer.design
     bending, shearing = round_beam(design.material_of("output"), design.output.root_radius)
-    soft = 12.0 * bending / (shearing * length**2)
-    six, four, two = 6.0 * length, (4.0 + soft) * length**2, (2.0 - soft) * length**2
-    rows = [[12.0, six, -12.0, six], [six, four, -six, two], [-12.0, -six, 12.0, -six], [six, two, -six, four]]
-    return np.array(rows) * bending / ((1.0 + soft) * length**3)
+    shear_factor = 12.0 * bending / (shearing * length**2)
+    coupling, near_term, far_term = 6.0 * length, (4.0 + shear_factor) * length**2, (2.0 - shear_factor) * length**2
+    rows = [
+        [12.0, coupling, -12.0, coupling],
+        [coupling, near_term, -coupling, far_term],
+        [-12.0, -coupling, 12.0, -coupling],
+        [coupling, far_term, -coupling, near_term],
+    ]
+    return np.array(rows) * bending / ((1.0 + shear_factor) * length**3)
 
 
 def _to_nodes(of_elements: Array) -> Array:

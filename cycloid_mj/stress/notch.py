@@ -76,9 +76,10 @@ class Notch:
 
 
 def output_roots(reducer: Reducer, loads: "PartLoads") -> tuple[Notch, ...]:
-    """Return the most loaded root of the output's pins, as a tuple of one; forces are uniform over a disc's width.
+    """Return the most loaded root of the output's pins, as a tuple of one notch.
 
-    The nominal bending stress is 4 M/(pi R^3), with M by `root_arms` and the core radius R under a roller.
+    Forces are uniform over a disc's width. The nominal bending stress is 4 M/(pi R^3), with M by `root_arms` and the
+    core radius R under a roller.
     """
     design = reducer.design
     discs = np.array([disc_of(label) for label in loads.labels])
@@ -107,9 +108,9 @@ def output_roots(reducer: Reducer, loads: "PartLoads") -> tuple[Notch, ...]:
 
 
 def shaft_shoulders(reducer: Reducer, shaft: ShaftDimensions, moments: Array, angle: Array) -> tuple[Notch, ...]:
-    """List the shoulders of the shaft, and first the journal's section of the largest nominal stress, without a notch.
+    """Return the notches of the shaft: first the journal's most stressed section without a notch, then each shoulder.
 
-    `moments` (k, s, 3) [N m] about x, y and z are those at the shaft's stations, at crank angles (k,) [rad].
+    `moments` (k, s, 3) [N m] about x, y and z are those at the shaft's stations, at crank angles `angle` (k,) [rad].
     """
     bending = 4.0 * np.hypot(moments[..., 0], moments[..., 1]) / (np.pi * shaft.radius**3)
     torsion = 2.0 * np.abs(moments[..., 2]) / (np.pi * shaft.radius**3)
@@ -122,10 +123,10 @@ def shaft_shoulders(reducer: Reducer, shaft: ShaftDimensions, moments: Array, an
         return Notch(name, shaft.radius, fillet, float(angle[row]), *sizes, *factors)
 
     nominal = np.hypot(bending, np.sqrt(3.0) * torsion)
-    largest = int(np.unravel_index(int(nominal.argmax()), nominal.shape)[1])
-    position = f"journal at z = {shaft.stations[largest] / MILLIMETRE:.1f} mm"
+    largest_station = int(np.unravel_index(int(nominal.argmax()), nominal.shape)[1])
+    position = f"journal at z = {shaft.stations[largest_station] / MILLIMETRE:.1f} mm"
     return (
-        notch(position, largest, math.inf, (1.0, 1.0)),
+        notch(position, largest_station, math.inf, (1.0, 1.0)),
         *(
             notch(
                 *(shoulder.name, station, fillet),

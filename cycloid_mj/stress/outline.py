@@ -11,22 +11,21 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, Mask
 
-GROWTH = 0.25
-"""Growth of edges along the outline and away from a focus, per length."""
-
 
 @dataclass(frozen=True)
 class Sizing:
     """Wanted edge lengths of an outline.
 
     `edge` the longest [m], `turn` the longest as a share of the radius of curvature, `finest` the shortest that
-    curvature may ask for [m], `focus` rows (x, y, edge) [m] (n, 3): places where edges are that short.
+    curvature may request [m], `focus` rows (x, y, edge) [m] (n, 3): places where edges are that short, and `growth`
+    that of edges along the outline and away from a focus, per length.
     """
 
     edge: float
     turn: float
     finest: float
     focus: Array
+    growth: float = 0.25
 
 
 @dataclass(frozen=True)
@@ -41,23 +40,25 @@ class QuadraticOutline:
     sizes: Array
 
 
-def divide(polygon: Array, sizing: Sizing) -> QuadraticOutline:
-    """Divide a closed polygon (n, 2) [m] into edges of the wanted lengths; each of its corners becomes a node."""
+def divide_outline(polygon: Array, sizing: Sizing) -> QuadraticOutline:
+    """Divide a closed polygon (n, 2) [m] into quadratic edges of the target lengths, with nodes at its corners."""
     points, corner, radius = _subdivide(polygon, sizing)
     arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1))])
-    size = _limit_growth(_target_edges(points, radius, sizing), arc)
+    size = _limit_growth(_target_edges(points, radius, sizing), arc, sizing.growth)
     closed = np.append(size, size[0])
-    share = np.concatenate([[0.0], np.cumsum((1 / closed[1:] + 1 / closed[:-1]) / 2 * np.diff(arc))])
+    edge_count = np.concatenate([[0.0], np.cumsum((1 / closed[1:] + 1 / closed[:-1]) / 2 * np.diff(arc))])
     ends = np.flatnonzero(corner) if corner.any() else np.array([0])
-    stretches = zip(share[ends], np.append(share[ends[1:]], share[ends[0]] + share[-1]), strict=True)
-    least = max(1, math.ceil(12 / len(ends)))
-    marks = np.concatenate([np.linspace(a, b, max(least, math.ceil(b - a)) + 1)[:-1] for a, b in stretches])
-    at = np.interp(np.append(marks, marks[0] + share[-1]) % share[-1], share, arc)
-    following = np.where(at[1:] > at[:-1], at[1:], at[1:] + arc[-1])
+    stretches = zip(
+        edge_count[ends], np.append(edge_count[ends[1:]], edge_count[ends[0]] + edge_count[-1]), strict=True
+    )
+    min_edges = max(1, math.ceil(12 / len(ends)))
+    node_counts = np.concatenate([np.linspace(a, b, max(min_edges, math.ceil(b - a)) + 1)[:-1] for a, b in stretches])
+    node_arcs = np.interp(np.append(node_counts, node_counts[0] + edge_count[-1]) % edge_count[-1], edge_count, arc)
+    following = np.where(node_arcs[1:] > node_arcs[:-1], node_arcs[1:], node_arcs[1:] + arc[-1])
     return QuadraticOutline(
-        nodes=_along(points, arc, at[:-1]),
-        middles=_along(points, arc, (at[:-1] + following) / 2 % arc[-1]),
-        sizes=np.interp(at[:-1], arc, closed),
+        nodes=_along(points, arc, node_arcs[:-1]),
+        middles=_along(points, arc, (node_arcs[:-1] + following) / 2 % arc[-1]),
+        sizes=np.interp(node_arcs[:-1], arc, closed),
     )
 
 
@@ -65,12 +66,18 @@ def _target_edges(points: Array, radius: Array, sizing: Sizing) -> Array:
     """Compute the target edge length at each point, before grading."""
     size = np.minimum(sizing.edge, np.maximum(sizing.turn * radius, sizing.finest))
     for x, y, edge in sizing.focus:
-        size = np.minimum(size, edge + GROWTH * np.hypot(points[:, 0] - x, points[:, 1] - y))
+        size = np.minimum(size, edge + sizing.growth * np.hypot(points[:, 0] - x, points[:, 1] - y))
     return size
 
 
 def _subdivide(polygon: Array, sizing: Sizing) -> tuple[Array, Mask, Array]:
-    """Halve the polygon's edges until each is below half the target length; return corners and curvature as well."""
+    """Halve the polygon's edges until each is below half the target length.
+
+    Returns
+    -------
+    points, corner, radius
+        Points (n, 2) [m], whether each is a corner, and the radius of curvature [m] there, inf at corners.
+    """
     before, after = polygon - np.roll(polygon, 1, axis=0), np.roll(polygon, -1, axis=0) - polygon
     cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     turn = np.abs(np.arctan2(cross, np.sum(before * after, axis=1)))
@@ -91,12 +98,15 @@ def _subdivide(polygon: Array, sizing: Sizing) -> tuple[Array, Mask, Array]:
         radius = np.insert(radius, position, beyond[coarse])
 
 
-def _limit_growth(size: Array, arc: Array) -> Array:
-    """Limit the growth of edges along the closed outline to GROWTH in both directions."""
-    twice, s = np.tile(size, 2), np.concatenate([arc[:-1], arc[:-1] + arc[-1]])
-    ahead = np.minimum.accumulate(twice - GROWTH * s) + GROWTH * s
-    back = np.minimum.accumulate((twice + GROWTH * s)[::-1])[::-1] - GROWTH * s
-    return np.minimum(ahead[len(size) :], back[: len(size)])
+def _limit_growth(size: Array, arc: Array, growth: float) -> Array:
+    """Limit the growth of edge lengths (n,) [m] along the closed outline in both directions.
+
+    `arc` is the arc length at each point, then of the whole outline, (n + 1,) [m]; `growth` is per length [1].
+    """
+    doubled, doubled_arc = np.tile(size, 2), np.concatenate([arc[:-1], arc[:-1] + arc[-1]])
+    from_before = np.minimum.accumulate(doubled - growth * doubled_arc) + growth * doubled_arc
+    from_after = np.minimum.accumulate((doubled + growth * doubled_arc)[::-1])[::-1] - growth * doubled_arc
+    return np.minimum(from_before[len(size) :], from_after[: len(size)])
 
 
 def _along(points: Array, arc: Array, at: Array) -> Array:

@@ -33,8 +33,8 @@ _MESHER_OPTIONS = {
 }
 
 
-def package(name: str) -> Any:
-    """Import a package of the extra ``fem``.
+def import_package(name: str) -> Any:
+    """Import and return a package of the extra ``fem``.
 
     Raises
     ------
@@ -51,27 +51,25 @@ def package(name: str) -> Any:
 
 
 @contextmanager
-def mesher(part: str, coarsest: float) -> Iterator[Any]:
-    """Yield gmsh with an empty model and fixed options, so that grids are reproducible.
+def open_mesher(part: str, longest_edge: float) -> Iterator[Any]:
+    """Yield gmsh with an empty model and fixed options, so that grids are reproducible; restore its options afterwards.
 
     The user's options file is not read, and a single thread is used, since the order of several would change the
-    tetrahedra.
-
-    ``coarsest`` is the longest edge [m].
+    tetrahedra. ``longest_edge`` is in [m].
 
     Raises
     ------
     CycloidError
         gmsh is not installed, or the part does not mesh.
     """
-    gmsh = package("gmsh")
-    fresh = not gmsh.isInitialized()
-    if fresh:
+    gmsh = import_package("gmsh")
+    is_first = not gmsh.isInitialized()
+    if is_first:
         with signals_kept():
             gmsh.initialize(readConfigFiles=False, interruptible=False)
-    kept = {name: gmsh.option.getNumber(name) for name in (*_MESHER_OPTIONS, "Mesh.MeshSizeMax")}
+    old_options = {name: gmsh.option.getNumber(name) for name in (*_MESHER_OPTIONS, "Mesh.MeshSizeMax")}
     # gmsh works in mm: its tolerances are absolute
-    for name, value in {**_MESHER_OPTIONS, "Mesh.MeshSizeMax": coarsest * MILLIMETRES}.items():
+    for name, value in {**_MESHER_OPTIONS, "Mesh.MeshSizeMax": longest_edge * MILLIMETRES}.items():
         gmsh.option.setNumber(name, value)
     gmsh.model.add(part)
     try:
@@ -85,7 +83,7 @@ def mesher(part: str, coarsest: float) -> Iterator[Any]:
         ) from error
     finally:
         gmsh.model.remove()
-        for name, value in kept.items():
+        for name, value in old_options.items():
             gmsh.option.setNumber(name, value)
-        if fresh:
+        if is_first:
             gmsh.finalize()

@@ -23,8 +23,9 @@ def compute_part_compliance(
 ) -> dict[str, float]:
     """Compute the compliance of each part at the output [rad/(N m)], as the mean over a turn of the crank.
 
-    In addition to the parts there are ``bearing_seats`` of the shaft in the housing, and with mounts ``studs`` and
-    ``far_plate`` (`mounts.studs_compliance`), and ``crank`` instead of shaft and seats (`mounts.crank_compliance`).
+    By Castigliano, the work of the forces on a part over the torque squared. In addition to the parts there are
+    ``bearing_seats`` of the shaft in the housing, and with mounts ``studs`` and ``far_plate``
+    (`mounts.studs_compliance`), and ``crank`` instead of shaft and seats (`mounts.crank_compliance`).
 
     Parameters
     ----------
@@ -47,29 +48,29 @@ def compute_part_compliance(
     mounts = mounts or Mounts()
     torque = reducer.design.load.torque
     crank = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
-    shares = {}
+    compliance = {}
     for part in part_names(reducer):
         loads = part_loads(run, reducer, part, crank)
         if part == "shaft" and mounts.crank:
             squared = np.mean(np.sum(np.sum(loads.force, axis=1) ** 2, axis=1))
-            shares["crank"] = crank_compliance(reducer, mounts.crank) * float(squared) / torque**2
+            compliance["crank"] = crank_compliance(reducer, mounts.crank) * float(squared) / torque**2
             continue
         if part == "output" and mounts.studs:
-            shares |= studs_compliance(reducer, mounts.studs, loads)
-        answer = part_case(reducer, part_grid(reducer.design, part, settings.grid(part)), loads).response(
+            compliance |= studs_compliance(reducer, mounts.studs, loads)
+        response = part_case(reducer, part_grid(reducer.design, part, settings.grid(part)), loads).response(
             np.arange(crank.size)
         )
-        work = np.sum(answer.forces * answer.moved, axis=0)
+        work = np.sum(response.forces * response.moved, axis=0)
         # the study has one pin of the ring: the others carry in turn
         equal_parts = reducer.design.ring.teeth if part == "pin_1" else 1
-        shares[part] = equal_parts * float(np.mean(work)) / torque**2
+        compliance[part] = equal_parts * float(np.mean(work)) / torque**2
         if part == "shaft":
-            shares["bearing_seats"] = float(np.mean(_seats_work(reducer, loads))) / torque**2
-    return shares
+            compliance["bearing_seats"] = float(np.mean(_seats_work(reducer, loads))) / torque**2
+    return compliance
 
 
 def _seats_work(reducer: Reducer, loads: PartLoads) -> Array:
-    """Compute the work of the bearings' forces on their seats [J], shape (k,).
+    """Compute the work of the shaft's bearing forces on their seats in the housing [J], shape (k,).
 
     A seat of width w has the compliance 1/(E w) of a round part in the bore of a plate (Tate and Rosenfeld, NACA TN
     1051, 1946), with E of the housing. The forces of both bearings are by statics.

@@ -53,8 +53,8 @@ class _Edges:
     length_of_loop: Array
 
 
-def patches(grid: Grid, loads: PartLoads) -> Patches:
-    """Distribute the contact forces of a part on its grid.
+def distribute_contacts(grid: Grid, loads: PartLoads) -> Patches:
+    """Distribute the contact forces of a part at all angles over the nodes of its planar grid.
 
     Raises
     ------
@@ -62,7 +62,7 @@ def patches(grid: Grid, loads: PartLoads) -> Patches:
         The loads are those of another part, or a contact is not on the part's surface.
     """
     _require_match(grid, loads)
-    edges = _edges(grid)
+    edges = _collect_edges(grid)
     tree, tree_edge, tree_xi = _sample_edges(edges)
     size = np.linalg.norm(loads.force, axis=2)
     active = np.isfinite(loads.position).all(axis=2) & (size > 1e-12 * np.nanmax(size, initial=0.0))
@@ -71,8 +71,8 @@ def patches(grid: Grid, loads: PartLoads) -> Patches:
         acting = np.flatnonzero(active[:, contact])
         if not len(acting):
             continue
-        covered: Any = tree.query(loads.position[acting, contact])
-        distance, nearest = covered
+        query: Any = tree.query(loads.position[acting, contact])
+        distance, nearest = query
         if distance.max() > grid.bulk_distance:
             raise CycloidError(
                 f"contact {name} of the {grid.part} lies {distance.max() * 1e3:.3g} mm off its surface, so the loads "
@@ -82,7 +82,7 @@ def patches(grid: Grid, loads: PartLoads) -> Patches:
         centre = _nearest_arc(edges, edge, tree_xi[nearest], loads.position[acting, contact])
         # a nearly conformal patch covers at most half of the outline
         half_width = np.minimum(loads.half_width[acting, contact], 0.25 * edges.length_of_loop[edge])
-        nodes, forces = _spread(edges, edge, centre, half_width, loads.force[acting, contact])
+        nodes, forces = _distribute_pressure(edges, edge, centre, half_width, loads.force[acting, contact])
         rows.append(2 * nodes[..., np.newaxis] + np.arange(2))
         columns.append(np.broadcast_to(acting[:, np.newaxis, np.newaxis, np.newaxis], rows[-1].shape))
         values.append(forces)
@@ -99,34 +99,44 @@ def patches(grid: Grid, loads: PartLoads) -> Patches:
     )
 
 
-def _spread(edges: _Edges, edge: Integers, centre: Array, half_width: Array, force: Array) -> tuple[Integers, Array]:
-    """Distribute forces (a, 2) [N] over patches about arc lengths ``centre`` (a,) [m] of their outlines.
+def _distribute_pressure(
+    edges: _Edges, edge: Integers, centre: Array, half_width: Array, force: Array
+) -> tuple[Integers, Array]:
+    """Distribute forces (a, 2) [N] as elliptical pressure over patches, by Gauss-Chebyshev quadrature with q points.
 
-    Return the nodes (a, q, 3) of the edges under the q points of each patch, and forces (a, q, 3, 2) [N] on them.
+    Plane vectors are complex numbers here. The direction of the pressure follows the outline's normal, as in a bearing;
+    on a narrow patch it is that of the force.
 
-    The direction of the pressure follows the outline's normal, as that of a bearing does; on a narrow patch it is that
-    of the force. Plane vectors are complex numbers here.
+    Parameters
+    ----------
+    edge, centre, half_width
+        Index of the edge, arc length of the centre [m] and half width [m] of each patch, (a,).
+
+    Returns
+    -------
+    nodes, forces
+        Nodes (a, q, 3) of the edges under the points of each patch, and forces on them (a, q, 3, 2) [N].
     """
     finest = float(np.min(edges.length[edge]))
     count = 8 + 4 * int(np.ceil(half_width.max() / finest))
     node = np.arange(1, count + 1) * np.pi / (count + 1)
     weight = 2 / (count + 1) * np.sin(node) ** 2
     first, total = edges.first[edge][:, np.newaxis], edges.length_of_loop[edge][:, np.newaxis]
-    along = first + np.mod(centre[:, np.newaxis] + half_width[:, np.newaxis] * np.cos(node) - first, total)
-    at = np.searchsorted(edges.start, along, side="right") - 1
-    xi = (along - edges.start[at]) / edges.length[at]
+    arc = first + np.mod(centre[:, np.newaxis] + half_width[:, np.newaxis] * np.cos(node) - first, total)
+    edge_at_arc = np.searchsorted(edges.start, arc, side="right") - 1
+    xi = (arc - edges.start[edge_at_arc]) / edges.length[edge_at_arc]
     shape, slope = _shape(xi), _slope(xi)
-    tangent = _complex(np.einsum("aqi,aqix->aqx", slope, edges.positions[at]))
-    middle = _shape_slope_at(edges, edge, centre)
-    turn = tangent / np.abs(tangent) * np.conj(middle)[:, np.newaxis]
-    total_turn = turn @ weight
-    pressure = weight * turn * (_complex(force) / total_turn)[:, np.newaxis]
+    tangent = _complex(np.einsum("aqi,aqix->aqx", slope, edges.positions[edge_at_arc]))
+    centre_tangent = _unit_tangent(edges, edge, centre)
+    turned = tangent / np.abs(tangent) * np.conj(centre_tangent)[:, np.newaxis]
+    resultant = turned @ weight
+    pressure = weight * turned * (_complex(force) / resultant)[:, np.newaxis]
     vector = np.stack([pressure.real, pressure.imag], axis=-1)
-    return edges.nodes[at], shape[..., np.newaxis] * vector[:, :, np.newaxis, :]
+    return edges.nodes[edge_at_arc], shape[..., np.newaxis] * vector[:, :, np.newaxis, :]
 
 
-def _shape_slope_at(edges: _Edges, edge: Integers, centre: Array) -> npt.NDArray[np.complex128]:
-    """Compute the unit tangent at an arc length of an edge, as a complex number."""
+def _unit_tangent(edges: _Edges, edge: Integers, centre: Array) -> npt.NDArray[np.complex128]:
+    """Compute the unit tangent of the outline at an arc length [m] of an edge, as a complex number, shape (a,)."""
     xi = (centre - edges.start[edge]) / edges.length[edge]
     tangent = _complex(np.einsum("ai,aix->ax", _slope(xi), edges.positions[edge]))
     return tangent / np.abs(tangent)
@@ -140,8 +150,8 @@ def _nearest_arc(edges: _Edges, edge: Integers, xi: Array, position: Array) -> A
     return edges.start[edge] + edges.length[edge] * np.clip(xi + ahead, 0.0, 1.0)
 
 
-def _edges(grid: Grid) -> _Edges:
-    """Collect the edges of all outlines with contacts, with their arc lengths."""
+def _collect_edges(grid: Grid) -> _Edges:
+    """Collect the edges of all outlines with contacts, with their arc lengths by Gauss quadrature."""
     nodes = np.concatenate(grid.loops)
     positions = grid.points[nodes]
     gauss, weight = np.polynomial.legendre.leggauss(4)

@@ -45,8 +45,8 @@ class Recovery:
     points: Array
 
 
-def recovery(grid: Grid) -> Recovery:
-    """Return the recovery operators of a grid."""
+def build_recovery(grid: Grid) -> Recovery:
+    """Build the recovery operators of a grid: derivatives at the quadrature points, and their fit at the nodes."""
     # 3 Gauss points per triangle, 4 per tetrahedron: those with superconvergent stress
     basis = elastic.basis_of(grid, vector=False, order=2)
     points = np.asarray(basis.global_coordinates()).transpose(1, 2, 0).reshape(-1, grid.dimension)
@@ -55,11 +55,11 @@ def recovery(grid: Grid) -> Recovery:
     count = slopes.shape[1] * grid.dimension
     operators = []
     for first in range(0, len(slopes), CHUNK_ELEMENTS):
-        some = slopes[first : first + CHUNK_ELEMENTS]
+        chunk = slopes[first : first + CHUNK_ELEMENTS]
         columns = np.repeat(grid.cells[first : first + CHUNK_ELEMENTS], count, axis=0)
         starts = np.arange(0, columns.size + 1, columns.shape[1])
         shape = (len(columns), len(grid.points))
-        operators.append(sparse.csr_matrix((some.ravel(), columns.ravel(), starts), shape=shape))
+        operators.append(sparse.csr_matrix((chunk.ravel(), columns.ravel(), starts), shape=shape))
     return Recovery(tuple(operators), _nodal_fit(grid, points), points)
 
 
@@ -72,20 +72,23 @@ def stresses_at_points(operators: Recovery, displacements: Array, material: Mate
 
 
 def _point_stresses(operators: Recovery, displacements: Array, material: Material, precision: type) -> Array:
-    """Compute the stress components (p, components, c) at the quadrature points."""
+    """Compute the stress components (p, components, c) [Pa] at the quadrature points by Hooke's law.
+
+    `displacements` are those of c load cases (n d, c) [m], `precision` the type of the result.
+    """
     dimension, columns = operators.points.shape[1], displacements.shape[1]
-    moved = displacements.reshape(-1, dimension * columns)
+    nodal = displacements.reshape(-1, dimension * columns)
     lame, shear = elastic.lame_parameters(material, dimension)
     pairs = PLANE if dimension == 2 else SPACE
     stress: Array = np.empty((len(operators.points), len(pairs), columns), precision)
     first = 0
-    for some in operators.slopes:
-        slope = (some @ moved).reshape(-1, dimension, dimension, columns)
-        chosen = stress[first : first + len(slope)]
-        pressure = lame * sum(slope[:, axis, axis] for axis in range(dimension))
+    for operator in operators.slopes:
+        gradient = (operator @ nodal).reshape(-1, dimension, dimension, columns)
+        target = stress[first : first + len(gradient)]
+        pressure = lame * sum(gradient[:, axis, axis] for axis in range(dimension))
         for component, (i, j) in enumerate(pairs):
-            chosen[:, component] = shear * (slope[:, i, j] + slope[:, j, i]) + (pressure if i == j else 0.0)
-        first += len(slope)
+            target[:, component] = shear * (gradient[:, i, j] + gradient[:, j, i]) + (pressure if i == j else 0.0)
+        first += len(gradient)
     return stress
 
 
@@ -120,24 +123,31 @@ def principal(stress: Array) -> Array:
 
 
 def _nodal_fit(grid: Grid, points: Array) -> Any:
-    """Return the operator, sparse (n, p), from quadrature points (p, d) [m], element by element, to nodes.
+    """Return the sparse operator (n, p) from values at the quadrature points (p, d) [m], element by element, to nodes.
 
-    A vertex has the value of its own polynomial, the middle of an edge the mean of those of its ends.
+    A vertex has the value of its own fitted polynomial, the middle of an edge the mean of those of its ends
+    (Zienkiewicz and Zhu 1992).
     """
-    table, used = _points_round(grid, len(points))
+    table, used = _points_around_vertices(grid, len(points))
     size = np.zeros(len(table))
     polynomials = []
     for first in range(0, len(table), CHUNK_ELEMENTS):
-        some = slice(first, first + CHUNK_ELEMENTS)
-        rows, size[some] = _polynomials(points, grid.points[: len(table)][some], table[some], used[some])
+        chunk = slice(first, first + CHUNK_ELEMENTS)
+        rows, size[chunk] = _fit_polynomials(points, grid.points[: len(table)][chunk], table[chunk], used[chunk])
         polynomials.append(rows)
     return (_evaluation_operator(grid, size) @ sparse.vstack(polynomials, "csr")).tocsr().astype(np.float32)
 
 
-def _polynomials(points: Array, vertices: Array, table: Integers, used: Mask) -> tuple[Any, Array]:
-    """Fit a polynomial of t terms round each of some vertices (v, d) [m] to values at the quadrature points.
+def _fit_polynomials(points: Array, vertices: Array, table: Integers, used: Mask) -> tuple[Any, Array]:
+    """Fit a polynomial of t terms around each of some vertices (v, d) [m] to values at the quadrature points.
 
-    Return the operator, sparse (v t, p), to their coefficients, and the lengths [m] (v,) that places are divided by.
+    `table` and `used` (v, w) are the points around each vertex and which of them are no padding. Least squares, with a
+    small ridge on the quadratic terms.
+
+    Returns
+    -------
+    operator, size
+        Sparse operator (v t, p) from values to coefficients, and the lengths [m] (v,) by which offsets are divided.
     """
     offsets = np.where(used[..., np.newaxis], points[table] - vertices[:, np.newaxis], 0.0)
     size = np.linalg.norm(offsets, axis=2).max(axis=1)
@@ -152,7 +162,10 @@ def _polynomials(points: Array, vertices: Array, table: Integers, used: Mask) ->
 
 
 def _evaluation_operator(grid: Grid, size: Array) -> Any:
-    """Return the operator, sparse (n, v t), from the t coefficients of each vertex's polynomial to nodes."""
+    """Return the sparse operator (n, v t) that evaluates the t coefficients of each vertex's polynomial at the nodes.
+
+    `size` are the lengths by which offsets from the vertices are divided [m], (v,).
+    """
     vertices = np.arange(grid.mesh.nvertices)
     ends = np.asarray(grid.mesh.facets if grid.dimension == 2 else grid.mesh.edges)
     middles = len(vertices) + np.arange(ends.shape[1])
@@ -165,17 +178,17 @@ def _evaluation_operator(grid: Grid, size: Array) -> Any:
     return sparse.csr_matrix(entries, shape=(len(grid.points), count * len(vertices)))
 
 
-def _points_round(grid: Grid, count: int) -> tuple[Integers, Mask]:
-    """Compute the quadrature points (v, w) of the elements round each vertex, padded, and which are no padding."""
+def _points_around_vertices(grid: Grid, count: int) -> tuple[Integers, Mask]:
+    """Return the padded quadrature points (v, w) of the elements around each vertex, and which are no padding."""
     corners = grid.mesh.t.T
-    each = count // len(corners)
+    per_cell = count // len(corners)
     order = np.argsort(corners.ravel(), kind="stable")
     valence = np.bincount(corners.ravel(), minlength=grid.mesh.nvertices)
     slot = np.arange(corners.size) - np.repeat(np.cumsum(valence) - valence, valence)
     cells = np.full((grid.mesh.nvertices, valence.max()), -1, np.int64)
     cells[corners.ravel()[order], slot] = order // corners.shape[1]
-    table = (each * cells[..., np.newaxis] + np.arange(each)).reshape(len(cells), -1)
-    used = np.repeat(cells >= 0, each, axis=1)
+    table = (per_cell * cells[..., np.newaxis] + np.arange(per_cell)).reshape(len(cells), -1)
+    used = np.repeat(cells >= 0, per_cell, axis=1)
     return np.where(used, table, 0), used
 
 

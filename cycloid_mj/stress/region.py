@@ -76,16 +76,16 @@ def part_region(reducer: Reducer, part: str) -> Region:
         case "ring":
             prism = solids["housing"].prisms[0]
             rim = Boundary(prism.outline, "outline", is_fixed=design.housing.support == "rim")
-            return Region(part, (rim, Boundary(prism.holes[0], "hole", touched="line"), *_bolts(reducer)), width)
+            return Region(part, (rim, Boundary(prism.holes[0], "hole", touched="line"), *_bolt_circles(reducer)), width)
         case "pin_1" if design.ring.kind == "pin":
             return Region(part, (Boundary(solids["pin"].prisms[0].outline, "outline", touched="line"),), width)
         case "output":
-            return _output(reducer, solids["output"].prisms[0].outline)
+            return _output_region(reducer, solids["output"].prisms[0].outline)
     available = [name for name in PLANAR_PARTS if name != "pin_1" or design.ring.kind == "pin"]
     raise UsageError(f"the design {design.name!r} has no planar part {part!r}: choose one of {', '.join(available)}")
 
 
-def _bolts(reducer: Reducer) -> tuple[Boundary, ...]:
+def _bolt_circles(reducer: Reducer) -> tuple[Boundary, ...]:
     """Return the circles that the bolts of the housing clamp; none if its rim is fixed."""
     design = reducer.design
     housing = design.housing
@@ -97,8 +97,8 @@ def _bolts(reducer: Reducer) -> tuple[Boundary, ...]:
     return tuple(Boundary(clamped + centre, "inset", is_fixed=True) for centre in centres)
 
 
-def _output(reducer: Reducer, rim: Array) -> Region:
-    """Return the region of the output disc: rim, clamped hub, and insets of the pins."""
+def _output_region(reducer: Reducer, rim: Array) -> Region:
+    """Return the region of the output disc: rim, fixed hub and circles of the pins; raises as `part_region`."""
     output, hub = reducer.design.output, reducer.design.shaft.radius
     if not hub < output.pin_circle_radius - output.pin_radius:
         raise UsageError(

@@ -11,6 +11,7 @@ hundred pads. Bearings have no other reaction (assumed). The crank's torque ente
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -25,18 +26,31 @@ from cycloid_mj.stress import elastic
 from cycloid_mj.stress.case import LoadCase, Response, mass_coefficients
 from cycloid_mj.stress.grid import Grid
 from cycloid_mj.stress.loads import PartLoads
-from cycloid_mj.stress.surface import surface, traction_loads
+from cycloid_mj.stress.surface import select_surface, traction_loads
 
-HARMONICS = (0, 1, 2, 4, 6, 8)
-"""Orders of the pressure around the cam that are used; the remainder is 0.4 % of the peak."""
 
-BEARING_STIFFNESS = 0.1
-"""Radial stiffness of a bearing over Young's modulus times journal radius, assumed: that of rolling bearings.
+@dataclass(frozen=True)
+class ShaftModel:
+    """Model of the bearings on cams and journals.
 
-The softer they are, the closer their loads are to those of point supports in their middles."""
+    Attributes
+    ----------
+    harmonics
+        Orders of the pressure around the cam that are used; the remainder is 0.4 % of the peak.
+    bearing_stiffness
+        Radial stiffness of a bearing over Young's modulus times journal radius, assumed: that of rolling bearings. The
+        softer they are, the closer their loads are to those of point supports in their middles.
+    sectors, strips
+        Number of pads of a bearing around the journal and along it.
+    """
 
-SECTORS, STRIPS = 16, 4
-"""Pads of a bearing around the journal and along it."""
+    harmonics: tuple[int, ...] = (0, 1, 2, 4, 6, 8)
+    bearing_stiffness: float = 0.1
+    sectors: int = 16
+    strips: int = 4
+
+
+MODEL = ShaftModel()
 
 AXIS = np.zeros(2)
 """Position of the journals' axis [m]."""
@@ -65,7 +79,7 @@ class Pads:
 
 
 def bearing_pads(grid: Grid, shaft: ShaftDimensions, stiffness: float) -> Pads:
-    """Return the pads under a shaft, whose bearings have a radial stiffness [N/m] each.
+    """Return the spring-supported pads under a shaft, whose bearings have a radial stiffness [N/m] each.
 
     Half of a bearing presses: a bed of k per area takes k R w pi/2 as its force per radial displacement.
 
@@ -76,25 +90,25 @@ def bearing_pads(grid: Grid, shaft: ShaftDimensions, stiffness: float) -> Pads:
     """
     press, springs = [], []
     for z0, z1 in shaft.bearings:
-        face = surface(grid, lambda x, z0=z0, z1=z1: _on_cylinder(x, shaft.radius, AXIS) & (z0 < x[2]) & (x[2] < z1))  # type: ignore[misc]
+        face = select_surface(grid, partial(_on_seat, shaft, (z0, z1)))
         if not len(face.nodes):
             raise CycloidError(
                 "the finite-element mesh of the shaft is too coarse: no element lies on the bearing seat from z = "
                 f"{1e3 * z0:.4g} to {1e3 * z1:.4g} mm. Increase the refinement (without --quick, or "
                 "GridSettings.refinement in Python)"
             )
-        bed = stiffness / (np.pi / 2 * shaft.radius * (z1 - z0))
+        bed_stiffness = stiffness / (np.pi / 2 * shaft.radius * (z1 - z0))
         x, y, z = face.points[..., 0], face.points[..., 1], face.points[..., 2]
-        sector = np.floor(np.arctan2(y, x) / (2 * np.pi) * SECTORS).astype(int) % SECTORS
-        strip = np.clip(((z - z0) / (z1 - z0) * STRIPS).astype(int), 0, STRIPS - 1)
-        outwards = face.points * np.array([1.0, 1.0, 0.0]) / np.hypot(x, y)[..., np.newaxis]  # no moment about the axis
-        for pad in range(SECTORS * STRIPS):
-            chosen = sector * STRIPS + strip == pad
+        sector = np.floor(np.arctan2(y, x) / (2 * np.pi) * MODEL.sectors).astype(int) % MODEL.sectors
+        strip = np.clip(((z - z0) / (z1 - z0) * MODEL.strips).astype(int), 0, MODEL.strips - 1)
+        outward = face.points * np.array([1.0, 1.0, 0.0]) / np.hypot(x, y)[..., np.newaxis]  # no moment about the axis
+        for pad in range(MODEL.sectors * MODEL.strips):
+            chosen = sector * MODEL.strips + strip == pad
             area = float(face.area[chosen].sum())
             if area > 0.0:
-                push = traction_loads(face, outwards * chosen[..., np.newaxis] / area)
-                press.append(sparse.csc_matrix(push[:, np.newaxis]))
-                springs.append(bed * area)
+                pad_load = traction_loads(face, outward * chosen[..., np.newaxis] / area)
+                press.append(sparse.csc_matrix(pad_load[:, np.newaxis]))
+                springs.append(bed_stiffness * area)
     return Pads(sparse.hstack(press).tocsc(), np.array(springs))
 
 
@@ -118,17 +132,19 @@ def solve_open_pads(pads: Pads, compliance: Array, pressed: Array) -> Array:
     CycloidError
         The active set does not converge: the bearings do not support the shaft.
     """
-    freed, displaced = np.zeros_like(pressed), pressed
+    forces, displaced = np.zeros_like(pressed), pressed
     is_open: Mask = np.zeros(len(pressed), bool)
     for _ in range(60):  # about five are usual
-        pulls = displaced < 0.0
-        if np.array_equal(pulls, is_open):
-            return freed
-        is_open = pulls
-        at = np.flatnonzero(is_open)
-        freed = np.zeros_like(pressed)
-        freed[at] = np.linalg.solve(np.diag(1.0 / pads.stiffness[at]) - compliance[np.ix_(at, at)], pressed[at])
-        displaced = pressed + compliance[:, at] @ freed[at]
+        in_tension = displaced < 0.0
+        if np.array_equal(in_tension, is_open):
+            return forces
+        is_open = in_tension
+        open_pads = np.flatnonzero(is_open)
+        forces = np.zeros_like(pressed)
+        forces[open_pads] = np.linalg.solve(
+            np.diag(1.0 / pads.stiffness[open_pads]) - compliance[np.ix_(open_pads, open_pads)], pressed[open_pads]
+        )
+        displaced = pressed + compliance[:, open_pads] @ forces[open_pads]
     raise CycloidError(
         "the bearings cannot support the shaft under these loads: no distribution of bearing forces is in equilibrium. "
         "Check the bearings of the shaft (shaft.* in the design)"
@@ -136,12 +152,12 @@ def solve_open_pads(pads: Pads, compliance: Array, pressed: Array) -> Array:
 
 
 def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
-    """Solve the unit loads of the shaft; each angle is a sum of them.
+    """Solve the unit loads of the shaft, and return its load case, in which each angle is a sum of them.
 
     Raises
     ------
     CycloidError
-        A load acts elsewhere than on the cam.
+        The loads are not those of the cams of the shaft.
     """
     shaft = shaft_measures(reducer)
     cams = tuple(names.of_disc(names.CAM, disc, len(shaft.cams)) for disc in range(len(shaft.cams)))
@@ -151,48 +167,51 @@ def shaft_case(reducer: Reducer, grid: Grid, loads: PartLoads) -> LoadCase:
             f"on the {loads.part}: use the loads of the shaft"
         )
     steel = reducer.design.material_of("shaft")
-    pads = bearing_pads(grid, shaft, BEARING_STIFFNESS * steel.youngs_modulus * shaft.radius)
-    part = elastic.body(grid, steel, springs=pads.springs, loose=(2, 5))
-    on_cams = [unit for cam in range(len(cams)) for unit in _on_cam_units(grid, shaft, cam)]
-    units = np.hstack([*on_cams, _torsion(grid, shaft), elastic.mass_loads(part, grid.points)])
-    units, imbalances = elastic.balance_loads(part, units)
-    moved = elastic.displacements(part, units)
-    on_cams = [share for cam in range(len(cams)) for share in _cam_shares(shaft, loads, cam)]
-    shares = np.vstack([*on_cams, loads.torque, mass_coefficients(loads)])
+    pads = bearing_pads(grid, shaft, MODEL.bearing_stiffness * steel.youngs_modulus * shaft.radius)
+    part = elastic.assemble_body(grid, steel, springs=pads.springs, loose=(2, 5))
+    cam_loads = [unit for cam in range(len(cams)) for unit in _cam_unit_loads(grid, shaft, cam)]
+    unit_loads = np.hstack([*cam_loads, _torsion_load(grid, shaft), elastic.mass_loads(part, grid.points)])
+    unit_loads, imbalances = elastic.balance_loads(part, unit_loads)
+    unit_displacements = elastic.displacements(part, unit_loads)
+    cam_loads = [share for cam in range(len(cams)) for share in _cam_shares(shaft, loads, cam)]
+    shares = np.vstack([*cam_loads, loads.torque, mass_coefficients(loads)])
     relief, compliance = _pad_compliance(part, pads)
-    turns = section_turns(grid.points, shaft.stations)
+    turns = section_moment_weights(grid.points, shaft.stations)
 
-    def response(block: Integers) -> Response:
-        """Sum the unit loads at some angles, and open the pads in tension."""
-        some = shares[:, block]
-        freed = np.column_stack(
-            [solve_open_pads(pads, compliance, pressed) for pressed in (pads.press.T @ (moved @ some)).T]
+    def solve_response(angles: Integers) -> Response:
+        """Sum the unit loads at some angles, given by their indices, and open the pads in tension."""
+        weights = shares[:, angles]
+        open_forces = np.column_stack(
+            [
+                solve_open_pads(pads, compliance, pressed)
+                for pressed in (pads.press.T @ (unit_displacements @ weights)).T
+            ]
         )
-        given, relieved = units @ some, pads.press @ freed
-        displaced = moved @ some + relief @ freed
-        on_pads = relieved - pads.springs @ displaced
+        applied, relief_forces = unit_loads @ weights, pads.press @ open_forces
+        displaced = unit_displacements @ weights + relief @ open_forces
+        pad_forces = relief_forces - pads.springs @ displaced
         return Response(
-            forces=given + relieved,
+            forces=applied + relief_forces,
             moved=displaced,
-            imbalance=some.T @ imbalances,
-            reaction=on_pads.T @ part.motions,
-            moments=np.tensordot(given + on_pads, turns, (0, 0)),
+            imbalance=weights.T @ imbalances,
+            reaction=pad_forces.T @ part.motions,
+            moments=np.tensordot(applied + pad_forces, turns, (0, 0)),
         )
 
-    return LoadCase(part, response, len(loads.angle), np.zeros(0, np.int64), np.zeros((0, 2)))
+    return LoadCase(part, solve_response, len(loads.angle), np.zeros(0, np.int64), np.zeros((0, 2)))
 
 
 def _cam_shares(shaft: ShaftDimensions, loads: PartLoads, cam: int) -> Iterator[Array]:
-    """Yield the shares (k,) of the pressures on a cam, then of its couple, in the loads."""
+    """Yield the factors (k,) of the unit pressures on a cam by harmonic, then of its couple, at k angles."""
     position = loads.position[:, cam]
     force = np.where(np.isfinite(position), loads.force[:, cam], 0.0)
     arm = np.nan_to_num(position) - shaft.cam_centres[cam]
-    size, middle = np.hypot(force[..., 0], force[..., 1]), np.arctan2(-force[..., 1], -force[..., 0])
-    for order in HARMONICS:
-        weight = _half_cosine(order) / _half_cosine(1) * size
-        yield weight * np.cos(order * middle)
+    magnitude, direction = np.hypot(force[..., 0], force[..., 1]), np.arctan2(-force[..., 1], -force[..., 0])
+    for order in MODEL.harmonics:
+        weight = _half_cosine(order) / _half_cosine(1) * magnitude
+        yield weight * np.cos(order * direction)
         if order:
-            yield weight * np.sin(order * middle)
+            yield weight * np.sin(order * direction)
     yield cross(arm, force)
 
 
@@ -203,30 +222,31 @@ def _half_cosine(order: int) -> float:
     return 0.5 if order == 1 else 2 / np.pi * (-1) ** (order // 2 + 1) / (order**2 - 1)
 
 
-def _on_cam_units(grid: Grid, shaft: ShaftDimensions, number: int) -> tuple[Array, Array]:
-    """Compute the unit loads on a cam: (n, 11) of pressures cos and sin (m phi) round it, and (n, 1) of a couple.
+def _cam_unit_loads(grid: Grid, shaft: ShaftDimensions, cam_index: int) -> tuple[Array, Array]:
+    """Compute the nodal unit loads on a cam: harmonic pressures (n, 11), and a couple (n, 1).
 
-    The pressures of order 1 have a resultant of -1 N, the others none; what the grid leaves of it is taken away with
-    those of order 1. The couple of 1 N m about the axis is shear round the cam.
+    The pressures vary as cos and sin (m phi) around the cam. Those of order 1 have a resultant of -1 N, the others
+    none: the remainder of the grid is balanced by those of order 1. The couple of 1 N m about the axis is shear around
+    the cam.
     """
-    cam = surface(grid, lambda x: _on_cam(x, shaft, number))
-    x, y = shaft.cam_centres[number]
+    cam = select_surface(grid, lambda x: _on_cam(x, shaft, cam_index))
+    x, y = shaft.cam_centres[cam_index]
     phi = np.arctan2(cam.points[..., 1] - y, cam.points[..., 0] - x)
-    waves = [wave(order * phi) for order in HARMONICS for wave in ((np.cos, np.sin) if order else (np.cos,))]
+    waves = [wave(order * phi) for order in MODEL.harmonics for wave in ((np.cos, np.sin) if order else (np.cos,))]
     loads = np.column_stack([traction_loads(cam, -wave[..., np.newaxis] * _radial(cam.normals)) for wave in waves])
-    first = -loads[:, 1:3] @ np.linalg.inv(_resultant(loads[:, 1:3]))
-    z0, z1 = shaft.cams[number]
+    unit_forces = -loads[:, 1:3] @ np.linalg.inv(_resultant(loads[:, 1:3]))
+    z0, z1 = shaft.cams[cam_index]
     loads = loads / (np.pi * shaft.cam_radius * (z1 - z0))
-    loads = loads + first @ _resultant(loads)
-    loads[:, 1:3] = first
+    loads = loads + unit_forces @ _resultant(loads)
+    loads[:, 1:3] = unit_forces
     couple = traction_loads(cam, _rotate_quarter(cam.normals))[:, np.newaxis]
-    return loads, _of_unit_moment(grid, couple + first @ _resultant(couple))  # a couple has no resultant
+    return loads, _of_unit_moment(grid, couple + unit_forces @ _resultant(couple))  # a couple has no resultant
 
 
-def _torsion(grid: Grid, shaft: ShaftDimensions) -> Array:
-    """Compute the load (n, 1) of 1 N m about z as the shear of torsion on the input end."""
-    end = surface(grid, lambda x: _at_end(x, shaft))
-    first = _on_cam_units(grid, shaft, 0)[0][:, 1:3]
+def _torsion_load(grid: Grid, shaft: ShaftDimensions) -> Array:
+    """Compute the nodal load (n, 1) of 1 N m about z as shear of torsion on the input end."""
+    end = select_surface(grid, lambda x: _at_end(x, shaft))
+    first = _cam_unit_loads(grid, shaft, 0)[0][:, 1:3]
     load = traction_loads(end, _rotate_quarter(end.points))[:, np.newaxis]
     return _of_unit_moment(grid, load + first @ _resultant(load))
 
@@ -244,11 +264,18 @@ def _pad_compliance(part: elastic.ElasticBody, pads: Pads) -> tuple[Array, Array
     return moved, np.asarray(pads.press.T @ moved)
 
 
-def section_turns(points: Array, positions: Array) -> Array:
-    """Return the weights (3 n, s, 3) [m] of forces on nodes (n, 3) [m] in the moments of sections at places z (s,).
+def section_moment_weights(points: Array, positions: Array) -> Array:
+    """Return the weights (3 n, s, 3) [m] by which nodal forces contribute to the moments in sections.
 
-    The moments about x, y, z, about the axis in the section at each place, are those that the forces on nodes before it
-    hand on; they are in balance with what comes after it.
+    Parameters
+    ----------
+    points
+        Nodes (n, 3) [m].
+    positions
+        z of the sections (s,) [m].
+
+    The moments about x, y, z, with the origin on the axis in each section, are those of the forces on the nodes before
+    the section.
     """
     before = points[:, 2, np.newaxis] < positions - 1e-6
     turns = [elastic.rigid_motions(points - (0.0, 0.0, height))[:, 3:] for height in positions]
@@ -258,6 +285,10 @@ def section_turns(points: Array, positions: Array) -> Array:
 def _on_cylinder(x: Array, radius: float, centre: Array) -> Mask:
     """Return which middles (3, f) [m] of faces belong to a cylinder, with chords below it, and not to an end face."""
     return np.abs(np.hypot(x[0] - centre[0], x[1] - centre[1]) - radius) < 0.05 * radius
+
+
+def _on_seat(shaft: ShaftDimensions, ends: tuple[float, float], x: Array) -> Mask:
+    return _on_cylinder(x, shaft.radius, AXIS) & (ends[0] < x[2]) & (x[2] < ends[1])
 
 
 def _on_cam(x: Array, shaft: ShaftDimensions, number: int) -> Mask:

@@ -11,20 +11,20 @@ from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.parts.crank import ShaftDimensions, shaft_measures
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.stress.grid import Grid, GridSettings, quadratic
-from cycloid_mj.stress.packages import mesher
+from cycloid_mj.stress.grid import Grid, GridSettings, quadratic_mesh
+from cycloid_mj.stress.packages import open_mesher
 
 CORNER_DISTANCE = 0.15
 """Distance from sharp inner corners that the bulk excludes, over the shaft's radius; real shafts have fillets."""
 
 
 def shaft_grid(reducer: Reducer, settings: GridSettings) -> Grid:
-    """Build the grid of the shaft in the frame of its solid: the reducer axis, cam towards +y."""
+    """Build the tetrahedral grid of the shaft in the frame of its solid: the reducer's axis, cam towards +y."""
     shaft = shaft_measures(reducer)
     edge = settings.solid_edge * shaft.radius / settings.refinement
     return Grid(
         part="shaft",
-        mesh=_tetrahedra(shaft, edge),
+        mesh=_mesh_shaft(shaft, edge),
         thickness=1.0,
         loops=(),
         fixed_nodes=np.zeros(0, np.int64),
@@ -35,42 +35,50 @@ def shaft_grid(reducer: Reducer, settings: GridSettings) -> Grid:
 
 
 def _inner_corners(shaft: ShaftDimensions) -> Array:
-    """List points along the sharp inner edges: both faces and the flats of the counterweight, and the cam's faces."""
-    step = CORNER_DISTANCE * shaft.radius / 8
-    turn = np.linspace(0, 2 * np.pi, int(np.ceil(2 * np.pi * shaft.radius / step)))
-    x, y = shaft.radius * np.cos(turn), shaft.radius * np.sin(turn)
+    """Return points (n, 3) [m] along the sharp inner edges, which the bulk excludes.
+
+    They are both faces and the flats of the counterweight, and the cams' faces.
+    """
+    spacing = CORNER_DISTANCE * shaft.radius / 8
+    angles = np.linspace(0, 2 * np.pi, int(np.ceil(2 * np.pi * shaft.radius / spacing)))
+    x, y = shaft.radius * np.cos(angles), shaft.radius * np.sin(angles)
     z0, z1 = shaft.counterweight
     faces = [face for cam in shaft.cams for face in cam]
     solid = faces if shaft.straddles else faces[:-1]
-    half = [(z0, y <= 0), (z1, y <= 0)] if shaft.weighted else []
+    half_circles = [(z0, y <= 0), (z1, y <= 0)] if shaft.weighted else []
     rings = [
         np.column_stack([x[keep], y[keep], np.full(keep.sum(), z)])
-        for z, keep in (*half, *((z, y < np.inf) for z in solid))
+        for z, keep in (*half_circles, *((z, y < np.inf) for z in solid))
     ]
     if not shaft.weighted:
         return np.concatenate(rings)
-    z = np.linspace(z0, z1, int(np.ceil((z1 - z0) / step)) + 1)
+    z = np.linspace(z0, z1, int(np.ceil((z1 - z0) / spacing)) + 1)
     flats = [np.column_stack([np.full(len(z), side * shaft.radius), np.zeros(len(z)), z]) for side in (-1, 1)]
     return np.concatenate([*rings, *flats])
 
 
-def _tetrahedra(shaft: ShaftDimensions, edge: float) -> Any:
-    """Merge the shaft's cylinders with OpenCASCADE and mesh them with gmsh; edges are finer at the inner corners."""
-    with mesher("shaft", edge) as gmsh:
+def _mesh_shaft(shaft: ShaftDimensions, edge: float) -> Any:
+    """Merge the shaft's cylinders with OpenCASCADE and mesh them with gmsh; edges are shorter at the inner corners.
+
+    `edge` is the longest edge [m]. Returns a quadratic mesh.
+    """
+    with open_mesher("shaft", edge) as gmsh:
         occ = gmsh.model.occ
         middle = (0.0, 0.0)
-        first = _cylinder(occ, middle, shaft.radius, shaft.end, shaft.cams[0][0])
-        joined = []
+        journal = _cylinder(occ, middle, shaft.radius, shaft.end, shaft.cams[0][0])
+        sections = []
         if shaft.weighted:
-            weight = _cylinder(occ, middle, shaft.counterweight_radius, *shaft.counterweight, angle=np.pi)
-            occ.rotate([(3, weight)], 0, 0, 0, 0, 0, 1, np.pi)
-            joined.append(weight)
+            counterweight = _cylinder(occ, middle, shaft.counterweight_radius, *shaft.counterweight, angle=np.pi)
+            occ.rotate([(3, counterweight)], 0, 0, 0, 0, 0, 1, np.pi)
+            sections.append(counterweight)
         for centre, cam in zip(shaft.cam_centres.tolist(), shaft.cams, strict=True):
-            joined.append(_cylinder(occ, centre, shaft.cam_radius, *cam))
-        joined += [_cylinder(occ, middle, shaft.radius, item[1], two[0]) for item, two in pairwise(shaft.cams)]
+            sections.append(_cylinder(occ, centre, shaft.cam_radius, *cam))
+        sections += [
+            _cylinder(occ, middle, shaft.radius, before[1], after[0]) for before, after in pairwise(shaft.cams)
+        ]
         if shaft.straddles:
-            joined.append(_cylinder(occ, middle, shaft.radius, shaft.cams[-1][1], shaft.far_end))
-        solids, _ = occ.fuse([(3, first)], [(3, item) for item in joined])
+            sections.append(_cylinder(occ, middle, shaft.radius, shaft.cams[-1][1], shaft.far_end))
+        solids, _ = occ.fuse([(3, journal)], [(3, before) for before in sections])
         occ.synchronize()
         if len(solids) != 1:
             raise CycloidError(
@@ -82,7 +90,7 @@ def _tetrahedra(shaft: ShaftDimensions, edge: float) -> Any:
         gmsh.model.mesh.setOrder(2)
         tags, coordinates, _ = gmsh.model.mesh.getNodes()
         _, nodes = gmsh.model.mesh.getElementsByType(11)
-    return _from_gmsh(tags, coordinates.reshape(-1, 3) / MILLIMETRES, nodes.reshape(-1, 10))
+    return _convert_mesh(tags, coordinates.reshape(-1, 3) / MILLIMETRES, nodes.reshape(-1, 10))
 
 
 def _cylinder(occ: Any, centre: Sequence[float], radius: float, z0: float, z1: float, angle: float = 2 * np.pi) -> int:
@@ -92,32 +100,32 @@ def _cylinder(occ: Any, centre: Sequence[float], radius: float, z0: float, z1: f
 
 
 def _refine_near(gmsh: Any, positions: Array, edge: float) -> None:
-    """Set the size field: edges grow from a share of the longest near points to the longest at that distance."""
+    """Set gmsh's size field near positions (n, 3) [m]: edges grow from a third of `edge` [m] to all of it."""
     field, longest = gmsh.model.mesh.field, edge * MILLIMETRES
-    near = field.add("Distance")
+    distance = field.add("Distance")
     points = [gmsh.model.geo.addPoint(*position) for position in positions[::8] * MILLIMETRES]
     gmsh.model.geo.synchronize()
-    field.setNumbers(near, "PointsList", points)
-    grow = field.add("Threshold")
+    field.setNumbers(distance, "PointsList", points)
+    threshold = field.add("Threshold")
     for name, value in (
-        ("InField", near),
+        ("InField", distance),
         ("SizeMin", 1 / 3 * longest),
         ("SizeMax", longest),
         ("DistMin", 0.0),
         ("DistMax", 2 * longest),
     ):
-        field.setNumber(grow, name, value)
-    field.setAsBackgroundMesh(grow)
+        field.setNumber(threshold, name, value)
+    field.setAsBackgroundMesh(threshold)
 
 
-def _from_gmsh(tags: Any, points: Array, nodes: Any) -> Any:
-    """Make the quadratic mesh from gmsh's tetrahedra of ten nodes."""
+def _convert_mesh(tags: Any, points: Array, nodes: Any) -> Any:
+    """Convert gmsh's tetrahedra of ten nodes to a quadratic mesh."""
     position = np.zeros(int(tags.max()) + 1, np.int64)
     position[tags.astype(np.int64)] = np.arange(len(tags))
     cells = position[nodes.astype(np.int64)]
     corners, index = np.unique(cells[:, :4], return_inverse=True)
-    cell = index.reshape(-1, 4)
+    cell_corners = index.reshape(-1, 4)
     pairs = [(0, 1), (1, 2), (2, 0), (3, 0), (3, 2), (3, 1)]
-    ends = np.concatenate([cell[:, list(pair)] for pair in pairs])
-    mesh, _, _ = quadratic(points[corners], cell, ends, points[cells[:, 4:].T.ravel()], "shaft")
+    ends = np.concatenate([cell_corners[:, list(pair)] for pair in pairs])
+    mesh, _, _ = quadratic_mesh(points[corners], cell_corners, ends, points[cells[:, 4:].T.ravel()], "shaft")
     return mesh

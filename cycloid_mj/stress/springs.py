@@ -16,9 +16,9 @@ from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.springs import turn_evenly
 from cycloid_mj.statics.structure import TWISTING, twisting_compliance, twisting_stiffness, wind_up
-from cycloid_mj.statics.windup import windups
+from cycloid_mj.statics.windup import solve_windups
 from cycloid_mj.stress.figures import wind_up_by_part
-from cycloid_mj.stress.mounts import Mounts, printed_of
+from cycloid_mj.stress.mounts import Mounts, with_modulus
 
 SPRING_OF_PART = {
     "gear": "carrier",
@@ -73,7 +73,7 @@ class PartSprings:
         return f"{self.stiffness:.4g} N m/rad{between}"
 
     def table(self) -> Table:
-        """Tabulate the compliance of each part, and the spring that includes it."""
+        """Return a table of the compliance of each part, and the spring that includes it."""
         rows = [
             (part, 1e3 * item, f"springs.{SPRING_OF_PART[_kind(part)]}_nm_per_rad")
             for part, item in self.compliance.items()
@@ -86,7 +86,7 @@ class PartSprings:
         )
 
     def as_json(self) -> dict[str, Any]:
-        """Convert all of it to JSON values."""
+        """Convert design name, stiffness, compliances and springs to JSON values."""
         springs = self.design.springs
         return {
             "design": self.design.name,
@@ -101,24 +101,26 @@ class PartSprings:
 def part_springs(reducer: Reducer, mounts: Mounts | None = None) -> PartSprings:
     """Compute the springs of a reducer by finite elements of its parts; raises as `stress.figures.wind_up_by_part`.
 
-    Carrier and shaft twist in addition, by their shapes. Mounts are the seats of output pins and crank by a drawing;
-    each limit of their modulus needs a run and a set of finite elements.
+    Each spring contains the compliance of its parts less that of the contacts, which statics computes. Carrier and
+    shaft twist in addition, by their shapes. Mounts are the seats of output pins and crank by a drawing; each limit of
+    their modulus needs a run and a set of finite elements.
     """
     parts = wind_up_by_part(reducer, mounts)
     moduli = mounts.material.modulus if mounts and mounts.material else ()
-    limits = tuple(wind_up_by_part(printed_of(reducer, modulus), mounts) for modulus in moduli)
-    still = reducer.but(structure="springs", springs=dict.fromkeys(TWISTING, 0.0))
-    series = [
-        sum(item.series(still).values()) for item in windups(still, turn_evenly(still), still.design.rated_torque)
+    limits = tuple(wind_up_by_part(with_modulus(reducer, modulus), mounts) for modulus in moduli)
+    without_springs = reducer.but(structure="springs", springs=dict.fromkeys(TWISTING, 0.0))
+    turns = [
+        sum(item.series(without_springs).values())
+        for item in solve_windups(without_springs, turn_evenly(without_springs), without_springs.design.rated_torque)
     ]
-    contacts = float(np.mean(series)) - wind_up(still)
-    twist, stiffness = twisting_compliance(still), twisting_stiffness(still)
-    compliance = {"carrier": twist["carrier"], "shaft": twist["shaft"], "housing": 0.0}
+    contacts = float(np.mean(turns)) - wind_up(without_springs)
+    twisting, stiffness = twisting_compliance(without_springs), twisting_stiffness(without_springs)
+    compliance = {"carrier": twisting["carrier"], "shaft": twisting["shaft"], "housing": 0.0}
     for part, item in parts.items():
         compliance[SPRING_OF_PART[_kind(part)]] += item
-    compliance["carrier"] = max(compliance["carrier"] - contacts, twist["carrier"])
-    springs = {part: stiffness[part] * twist[part] / compliance[part] for part in TWISTING}
-    design = still.design.but(name=f"{still.design.name}-springs"[:64], springs=springs)
+    compliance["carrier"] = max(compliance["carrier"] - contacts, twisting["carrier"])
+    springs = {part: stiffness[part] * twisting[part] / compliance[part] for part in TWISTING}
+    design = without_springs.design.but(name=f"{without_springs.design.name}-springs"[:64], springs=springs)
     return PartSprings(design, parts, contacts, limits)
 
 

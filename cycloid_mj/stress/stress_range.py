@@ -46,44 +46,47 @@ def sample_angles(angles: int) -> Integers:
 def critical_stress_range(part: LoadedPart, states: Mapping[int, Array], distance: float) -> StressRange:
     """Compute the stress range at a part's critical node, beyond a distance [m] from narrow patches.
 
-    `states` are the stress components (components, n) [Pa] at the `sample_angles` angles, by index. The critical node
-    has the largest 2 amplitude + mean: Goodman's criterion with an endurance limit of half the tensile strength.
+    `states` are the stress components (components, n) [Pa] at the angles of `sample_angles`, by index. The critical
+    node has the largest 2 amplitude + mean: Goodman's criterion with an endurance limit of half the tensile strength.
     """
-    every = np.arange(len(part.grid.points))
-    beyond = [np.where(part.distances.at(angle, every) < distance, np.nan, state) for angle, state in states.items()]
-    amplitude, mean, nodes = worst_nodes(np.stack(beyond))
+    all_nodes = np.arange(len(part.grid.points))
+    beyond = [
+        np.where(part.distances.from_patches(angle, all_nodes) < distance, np.nan, state)
+        for angle, state in states.items()
+    ]
+    amplitude, mean, candidates = worst_nodes(np.stack(beyond))
     worst = int(np.argmax(2.0 * amplitude + np.maximum(mean, 0.0)))
-    return StressRange(float(amplitude[worst]), float(mean[worst]), part.grid.points[nodes[worst]])
+    return StressRange(float(amplitude[worst]), float(mean[worst]), part.grid.points[candidates[worst]])
 
 
 def worst_nodes(states: Array) -> tuple[Array, Array, Integers]:
     """Compute amplitude and mean [Pa] of the nodes with the largest stress ranges, and their indices.
 
-    `states` are the stress components at each instant (c, components, n) [Pa], NaN outside the bulk. A node that is
-    never in the bulk has none.
+    `states` are the stress components at each instant (c, components, n) [Pa], NaN outside the bulk. A range is the
+    largest von Mises stress of the difference of two instants. A node that is never in the bulk has none.
     """
     in_bulk = np.flatnonzero(np.isfinite(states[:, 0]).any(axis=0))
-    bound = von_mises_bound(states[:, :, in_bulk])
+    bound = rank_by_range(states[:, :, in_bulk])
     chosen = in_bulk[np.argsort(bound)[-1500:]]  # the others cannot be critical
-    some = states[:, :, chosen].astype(np.float64)
+    histories = states[:, :, chosen].astype(np.float64)
     largest_range, first, second = (np.zeros(len(chosen)), *(np.zeros(len(chosen), int) for _ in range(2)))
-    for item in range(len(some)):
-        distance = np.nan_to_num(von_mises(np.moveaxis(some - some[item], 1, 0)), nan=-1.0)
+    for instant in range(len(histories)):
+        distance = np.nan_to_num(von_mises(np.moveaxis(histories - histories[instant], 1, 0)), nan=-1.0)
         farthest = distance.argmax(axis=0)
-        its_range = distance[farthest, np.arange(len(chosen))]
-        better = its_range > largest_range
-        largest_range = np.where(better, its_range, largest_range)
-        first, second = np.where(better, item, first), np.where(better, farthest, second)
+        farthest_range = distance[farthest, np.arange(len(chosen))]
+        is_larger = farthest_range > largest_range
+        largest_range = np.where(is_larger, farthest_range, largest_range)
+        first, second = np.where(is_larger, instant, first), np.where(is_larger, farthest, second)
     positions = np.arange(len(chosen))
-    middle = 0.5 * (some[first, :, positions] + some[second, :, positions]).T
+    middle = 0.5 * (histories[first, :, positions] + histories[second, :, positions]).T
     # a node that is in the bulk at one instant, or never moves, stands still at what it has
-    still = np.nan_to_num(some[0]) if len(some) == 1 else np.nanmean(some, axis=0)
-    middle = np.where(largest_range > 0.0, middle, still)
+    mean_state = np.nan_to_num(histories[0]) if len(histories) == 1 else np.nanmean(histories, axis=0)
+    middle = np.where(largest_range > 0.0, middle, mean_state)
     trace = middle[: 2 if len(middle) == 3 else 3].sum(axis=0)
     return 0.5 * largest_range, np.copysign(von_mises(middle), trace), chosen
 
 
-def von_mises_bound(states: Array) -> Array:
+def rank_by_range(states: Array) -> Array:
     """Compute a bound by which nodes are chosen: by range and level of each component, of states (c, components, n)."""
     largest, smallest = np.fmax.reduce(states, axis=0), np.fmin.reduce(states, axis=0)  # no numbers are passed over
     level = np.maximum(np.abs(largest), np.abs(smallest))

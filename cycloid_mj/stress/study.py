@@ -19,9 +19,17 @@ from cycloid_mj.design import Design, override
 from cycloid_mj.design.materials import SHAKEDOWN_PRESSURE
 from cycloid_mj.parts.crank import shaft_measures
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.stress.bulk import RUNGS_PER_OCTAVE, fall, plateau
+from cycloid_mj.stress.bulk import RUNGS_PER_OCTAVE, find_plateau, relative_drop
 from cycloid_mj.stress.closed import LineStress, line_stress
-from cycloid_mj.stress.field import PartStress, StressMap, assemble_part, by_corner, evaluate_map, maxima, solve
+from cycloid_mj.stress.field import (
+    PartStress,
+    StressMap,
+    assemble_part,
+    evaluate_map,
+    solve,
+    solve_maxima,
+    vary_corner_distance,
+)
 from cycloid_mj.stress.findings import PartFindings, Peak, Reference, Refinement, StressFindings
 from cycloid_mj.stress.grid import BULK_DISTANCE, Grid, GridSettings
 from cycloid_mj.stress.loads import PartLoads, part_loads, part_names, require_part
@@ -153,7 +161,7 @@ def stress_study(
     parts: Sequence[str] = (),
     settings: StudySettings | None = None,
     log: str | None = None,
-    on_part: OnProgress = lambda part, done, of: None,
+    on_part: OnProgress = lambda part, done, total: None,
     grids: Mapping[str, Grid] | None = None,
     references: Mapping[str, Reference] | None = None,
 ) -> StressStudy:
@@ -191,8 +199,8 @@ def stress_study(
     for part in names:
         require_part(reducer, part)
     start, unordered = time.perf_counter(), []
-    for number, part in enumerate(in_order(names)):
-        on_part(part, number, len(names))
+    for index, part in enumerate(in_order(names)):
+        on_part(part, index, len(names))
         unordered.append(part_study(run, reducer, part, settings, (grids or {}).get(part)))
     order = part_names(reducer)
     studies = tuple(sorted(unordered, key=lambda study: order.index(study.findings.part)))
@@ -220,7 +228,10 @@ def in_order(parts: Sequence[str]) -> list[str]:
 
 
 def part_study(run: Run, reducer: Reducer, part: str, settings: StudySettings, grid: Grid | None = None) -> PartStudy:
-    """Compute the stress of one part, on a grid that may be there already; raises as `stress_study`."""
+    """Compute the stress of one part over the turn: grid, loads, maxima, map and findings; raises as `stress_study`.
+
+    An existing `grid` is used if it is given.
+    """
     start = time.perf_counter()
     loads = part_loads(run, reducer, part, settings.turn)
     grid = grid or part_grid(reducer.design, part, settings.grid(part))
@@ -253,7 +264,7 @@ def part_study(run: Run, reducer: Reducer, part: str, settings: StudySettings, g
         stress_range=stress_range,
         variants=_stress_with_other_supports(reducer, part, settings, loads, stress),
         yield_strength=material.yield_strength,
-        refinement=_converge(reducer, grid, settings, loads, stress),
+        refinement=_check_convergence(reducer, grid, settings, loads, stress),
         wall=time.perf_counter() - start,
         by_corner=corners,
     )
@@ -265,43 +276,44 @@ def _solve_part(
 ) -> tuple[PartStress, StressMap, StressRange | None, tuple[tuple[float, float], ...]]:
     """Return the maxima of a part, its map, its stress range and its bulk stress by the distance from corners.
 
-    The factorisation is freed before other grids are factorised.
+    `map_angle` is the crank angle of the map [rad]; None: that of the largest bulk stress. The factorisation is freed
+    before other grids are factorised.
     """
     part = assemble_part(reducer, grid, loads)
-    swinging = names.family(grid.part) in RANGE_PARTS
-    states = dict.fromkeys(sample_angles(len(loads.angle)).tolist() if swinging else (), np.zeros(0))
+    has_range = names.family(grid.part) in RANGE_PARTS
+    states = dict.fromkeys(sample_angles(len(loads.angle)).tolist() if has_range else (), np.zeros(0))
 
     def keep(index: int, state: Array) -> None:
         if index in states:
             states[index] = state.copy()
 
-    stress = maxima(part, on_state=keep)
+    stress = solve_maxima(part, on_state=keep)
     angle = loads.angle[stress.bulk_stress.argmax()] if map_angle is None else map_angle
     row = int(np.argmax(np.cos(loads.angle - angle)))
-    stress_range = critical_stress_range(part, states, stress.bulk_distance) if swinging else None
-    corners = by_corner(part, int(stress.bulk_stress.argmax()), stress.bulk_distance)
+    stress_range = critical_stress_range(part, states, stress.bulk_distance) if has_range else None
+    corners = vary_corner_distance(part, int(stress.bulk_stress.argmax()), stress.bulk_distance)
     return stress, evaluate_map(part, row, stress.bulk_distance), stress_range, corners
 
 
-def at_angles(loads: PartLoads, rows: npt.ArrayLike) -> PartLoads:
-    """Compute the loads at some of their crank angles."""
-    indices = np.asarray(rows)
+def select_angles(loads: PartLoads, requested: npt.ArrayLike) -> PartLoads:
+    """Return the loads at some of their crank angles, given by their indices."""
+    chosen = np.asarray(requested)
     count = len(loads.angle)
     selected: dict[str, Any] = {
-        field.name: getattr(loads, field.name)[indices]
+        field.name: getattr(loads, field.name)[chosen]
         for field in fields(loads)
         if isinstance(getattr(loads, field.name), np.ndarray) and len(getattr(loads, field.name)) == count
     }
     return replace(loads, **selected)
 
 
-def _converge(
+def _check_convergence(
     reducer: Reducer, grid: Grid, settings: StudySettings, loads: PartLoads, stress: PartStress
 ) -> Refinement:
-    """Compute the convergence study: some crank angles on a finer grid."""
+    """Solve some crank angles on a finer grid, and return the stresses of both grids."""
     rows = _checked_rows(stress.bulk_stress, settings.checked)
     finer = part_grid(reducer.design, grid.part, settings.grid(grid.part, settings.finer(grid)))
-    finer_stress = solve(reducer.design, finer, at_angles(loads, rows), distance=stress.bulk_distance)
+    finer_stress = solve(reducer.design, finer, select_angles(loads, rows), distance=stress.bulk_distance)
     return Refinement(
         unknowns=(stress.unknowns, finer_stress.unknowns),
         angle=loads.angle[rows],
@@ -310,7 +322,7 @@ def _converge(
 
 
 def _checked_rows(stress: Array, count: int) -> npt.NDArray[np.intp]:
-    """Return the index of the largest stress, and others at equal distances around the turn."""
+    """Return `count` indices of crank angles at equal distances around the turn, that of the largest stress first."""
     steps = np.arange(min(count, stress.size)) * stress.size // max(min(count, stress.size), 1)
     return (int(np.argmax(stress)) + steps) % stress.size
 
@@ -325,12 +337,12 @@ def notches_of(reducer: Reducer, loads: PartLoads, stress: PartStress) -> tuple[
 def _stress_with_other_supports(
     reducer: Reducer, part: str, settings: StudySettings, loads: PartLoads, stress: PartStress
 ) -> tuple[tuple[str, float], ...]:
-    """Compute the largest bulk stress [Pa] of a part with its other supports, by name, at some crank angles."""
+    """Return the name of each other support of a part, and the largest bulk stress [Pa] with it at five angles."""
     if part not in SUPPORTS:
         return ()
     key, choices = SUPPORTS[part]
     table, name = key.split(".")
-    checked_loads = at_angles(loads, _checked_rows(stress.bulk_stress, 5))
+    checked_loads = select_angles(loads, _checked_rows(stress.bulk_stress, 5))
     variants = []
     for choice in choices:
         if choice != getattr(getattr(reducer.design, table), name):
@@ -341,7 +353,7 @@ def _stress_with_other_supports(
 
 
 def _bulk_peak(loads: PartLoads, stress: PartStress, reducer: Reducer) -> Peak:
-    """Return the maximum of the bulk stress over the turn."""
+    """Return the maximum of the bulk stress over the turn, with angle, position and safety factor."""
     row = int(np.argmax(stress.bulk_stress))
     size = float(stress.bulk_stress[row])
     return Peak(
@@ -357,13 +369,15 @@ def _sensitivity(stress: PartStress, grid: Grid) -> tuple[tuple[float, float], .
     """Return other start distances [m] of the search for the bulk, and the bulk stress [Pa] of each."""
     sizes = stress.stress_by_distance.max(axis=1)
     return tuple(
-        (factor * grid.bulk_distance, float(sizes[plateau(sizes, rung)])) for factor, rung in SENSITIVITY.items()
+        (factor * grid.bulk_distance, float(sizes[find_plateau(sizes, rung)])) for factor, rung in SENSITIVITY.items()
     )
 
 
 def _choice(stress: PartStress) -> float:
     """Compute what the distance may change, as a share: how far the plateau falls to twice its distance."""
-    return fall(stress.stress_by_distance.max(axis=1), int(np.argmin(np.abs(stress.distances - stress.bulk_distance))))
+    return relative_drop(
+        stress.stress_by_distance.max(axis=1), int(np.argmin(np.abs(stress.distances - stress.bulk_distance)))
+    )
 
 
 def corner_choice(corners: Sequence[tuple[float, float]]) -> float:
@@ -380,7 +394,7 @@ def _largest(values: Array) -> Array:
 
 
 def _contact_peak(loads: PartLoads, lines: LineStress, reducer: Reducer) -> Peak:
-    """Compute the largest stress below a contact; not a number where all are conformal."""
+    """Return the largest von Mises stress below a contact over the turn; NaN if all contacts are conformal."""
     stresses = np.where(np.isnan(lines.von_mises), -1.0, lines.von_mises)
     row, contact = np.unravel_index(int(np.argmax(stresses)), stresses.shape)
     size = float(lines.von_mises[row, contact])

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cycloid_mj.base.array import Array, Integers, Mask
-from cycloid_mj.stress.grid import Grid, middles_of
-from cycloid_mj.stress.packages import package
+from cycloid_mj.stress.grid import Grid, find_edge_nodes
+from cycloid_mj.stress.packages import import_package
 
 
 @dataclass(frozen=True)
@@ -40,14 +40,17 @@ class SolidSurface:
     unknowns: int
 
 
-def surface(grid: Grid, test: Callable[[Array], Mask]) -> SolidSurface:
-    """Build the faces on the surface of a grid whose middles (3, f) [m] pass a test."""
-    skfem, quadrature = package("skfem"), package("skfem.quadrature")
+def select_surface(grid: Grid, select: Callable[[Array], Mask]) -> SolidSurface:
+    """Return the faces on the surface of a solid grid that are selected by the middles of their corners.
+
+    `select` maps the middles (3, f) [m] of all surface faces to a mask (f,).
+    """
+    skfem, quadrature = import_package("skfem"), import_package("skfem.quadrature")
     mesh = grid.mesh
     faces = mesh.boundary_facets()
-    faces = faces[test(mesh.doflocs[:, mesh.facets[:, faces]].mean(axis=1))]
+    faces = faces[select(mesh.doflocs[:, mesh.facets[:, faces]].mean(axis=1))]
     corners = mesh.facets[:, faces].T.astype(np.int64)
-    nodes = np.hstack([corners, middles_of(mesh, corners[:, [[0, 1], [1, 2], [0, 2]]])])
+    nodes = np.hstack([corners, find_edge_nodes(mesh, corners[:, [[0, 1], [1, 2], [0, 2]]])])
     positions = grid.points[nodes]
     points, weight = quadrature.get_quadrature(skfem.refdom.RefTri, 6)  # exact on a flat face
     terms = [skfem.ElementTriP2().lbasis(points, number) for number in range(nodes.shape[1])]
@@ -58,13 +61,13 @@ def surface(grid: Grid, test: Callable[[Array], Mask]) -> SolidSurface:
     normal = np.cross(along, across)
     inside = mesh.doflocs[:, mesh.t[:, mesh.f2t[0, faces]]].mean(axis=1).T
     outward = np.sign(np.sum(normal.mean(axis=1) * (positions[:, :3].mean(axis=1) - inside), axis=1))
-    size = np.linalg.norm(normal, axis=2)
+    normal_length = np.linalg.norm(normal, axis=2)
     return SolidSurface(
         nodes=nodes,
         shape=shape,
         points=np.einsum("qa,fax->fqx", shape, positions),
-        normals=normal * (outward[:, np.newaxis] / size)[..., np.newaxis],
-        area=size * weight,
+        normals=normal * (outward[:, np.newaxis] / normal_length)[..., np.newaxis],
+        area=normal_length * weight,
         unknowns=grid.unknowns,
     )
 

@@ -25,16 +25,16 @@ def bulk_table(findings: StressFindings) -> list[list[str]]:
     to twice that distance, or its change with half or twice the distance from sharp corners. The safety is that of the
     larger of bulk and fillet stress. `refined` is the change with a finer grid.
     """
-    return [_bulk(part) for part in findings.parts]
+    return [_bulk_row(part) for part in findings.parts]
 
 
 def contact_table(findings: StressFindings) -> list[list[str]]:
     """Return a row for each part; columns as in `CONTACT_HEADER`; `shakedown` is the safety of the contact pressure."""
-    return [[part.part, *_contact(part)] for part in findings.parts]
+    return [[part.part, *_contact_row(part)] for part in findings.parts]
 
 
 def part_notes(part: PartFindings) -> list[str]:
-    """Return notes on a part: stress at fillets, its range for fatigue, and with other supports."""
+    """Return notes on a part: stress at fillets, its range for fatigue, and the bulk stress with other supports."""
     lines = []
     for notch in part.notches:
         nominal = f"{part.part}, {notch.name}: nominal stress {notch.nominal / MEGAPASCAL:.3g} MPa"
@@ -53,7 +53,7 @@ def part_notes(part: PartFindings) -> list[str]:
     return lines
 
 
-def _bulk(part: PartFindings) -> list[str]:
+def _bulk_row(part: PartFindings) -> list[str]:
     bulk = part.bulk_peak
     position = ", ".join(f"{value / MILLIMETRE:.1f}" for value in bulk.position)
     return [
@@ -72,7 +72,7 @@ def _stress(peak: Peak) -> str:
     return f"{peak.stress / MEGAPASCAL:.3g}"
 
 
-def _contact(part: PartFindings) -> list[str]:
+def _contact_row(part: PartFindings) -> list[str]:
     peak = part.contact_peak
     if not np.isfinite(peak.stress):
         return ["-", "-", "conformal", "-", "-"]

@@ -66,8 +66,10 @@ class Turn:
         return np.stack([self[x], self[y]], axis=-1)
 
 
-def turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike = DEGREES) -> Turn:
-    """Choose the samples nearest to crank angles [rad], shape (k,), in the last turn of the settled hold.
+def select_turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike = DEGREES) -> Turn:
+    """Select the samples nearest to crank angles [rad], shape (k,), in the last turn of the settled hold of a run.
+
+    Without a reducer the run may be of any design.
 
     Raises
     ------
@@ -76,42 +78,49 @@ def turn(run: Run, reducer: Reducer | None = None, angles: npt.ArrayLike = DEGRE
     UsageError
         The design is not the one that ran.
     """
-    run_design = design_of(run)
+    logged_design = design_of(run)
     if reducer is not None:
-        require_same(reducer, Reducer(run_design))
-    column = cam_force(Reducer(run_design))
+        require_same(reducer, Reducer(logged_design))
+    column = cam_force(Reducer(logged_design))
     if column not in run.columns:
         raise LogError(
             f"{run.label} lacks the contact forces (column {column!r}) from which stress is computed. Run `cycloid-mj "
             "simulate` again: it logs all contact forces"
         )
     run = run.usable()
-    member = Reducer(run_design).member
+    member = Reducer(logged_design).member
     (angle, _), (speed, _) = (member.ring_and_carrier(run[f"output_{rate}"]) for rate in ("angle", "speed"))
-    run = replace(run, columns=columns_from_ring(Reducer(run_design), run.columns))
-    wanted = np.atleast_1d(np.asarray(angles, dtype=np.float64))
-    rows = _last_turn(run, in_hold(Reducer(run_design), run.time) & np.isfinite(run[cam_force(Reducer(run_design))]))
+    run = replace(run, columns=columns_from_ring(Reducer(logged_design), run.columns))
+    requested = np.atleast_1d(np.asarray(angles, dtype=np.float64))
+    rows = _last_turn(
+        run, in_hold(Reducer(logged_design), run.time) & np.isfinite(run[cam_force(Reducer(logged_design))])
+    )
     crank = run["crank_angle"][rows]
-    _require_fine(crank, wanted, run, rows)
-    nearest = np.array([np.argmin(np.abs(_wrap_angles(crank - angle))) for angle in wanted])
+    _require_resolution(crank, requested, run, rows)
+    nearest = np.array([np.argmin(np.abs(_wrap_angles(crank - angle))) for angle in requested])
     chosen = rows[nearest]
     return Turn(
-        Reducer(run_design), wanted + _wrap_angles(crank[nearest] - wanted), run, chosen, angle[chosen], speed[chosen]
+        Reducer(logged_design),
+        requested + _wrap_angles(crank[nearest] - requested),
+        run,
+        chosen,
+        angle[chosen],
+        speed[chosen],
     )
 
 
 def require_same(reducer: Reducer, ran: Reducer) -> None:
-    """Raise UsageError unless a design is the one that ran, but for load, speed, environment and settings."""
-    if differing := differences(reducer, ran):
+    """Raise UsageError unless a design is the one that ran, apart from load, speed, environment and settings."""
+    if differing := list_differences(reducer, ran):
         raise UsageError(
             f"the log belongs to another design than {reducer.design.name!r}: it differs in {'; '.join(differing[:3])} "
             "(SI units). Use the design of the run, or omit --design"
         )
 
 
-def differences(reducer: Reducer, ran: Reducer) -> list[str]:
-    """List where a design differs from one that ran, load and settings aside."""
-    requested, logged = _values(reducer), _values(ran)
+def list_differences(reducer: Reducer, ran: Reducer) -> list[str]:
+    """List where a design differs from the one that ran, apart from load, speed, environment and settings, in words."""
+    requested, logged = _compared_values(reducer), _compared_values(ran)
     return [
         f"{key} ({requested.get(key)} in the design, {logged.get(key)} in the log)"
         for key in {**requested, **logged}
@@ -119,8 +128,8 @@ def differences(reducer: Reducer, ran: Reducer) -> list[str]:
     ]
 
 
-def _values(reducer: Reducer) -> dict[str, Any]:
-    """Collect the values of a design by ``table.key``, but for those that it may run under; none of no table."""
+def _compared_values(reducer: Reducer) -> dict[str, Any]:
+    """Collect the values of a design that must agree with those of a log, by ``table.key``."""
     free = {"name": True} | {table: keys or True for table, keys in FREE.items()}
     tables = {table: value for table, value in reducer.design.model_dump(exclude=free).items() if value is not None}
     single = {table: value for table, value in tables.items() if not isinstance(value, dict)}
@@ -131,13 +140,16 @@ def _values(reducer: Reducer) -> dict[str, Any]:
 def _last_turn(run: Run, hold: Mask) -> npt.NDArray[np.intp]:
     """Return the rows of the last full crank turn of the samples in `hold`, both ends included.
 
-    Raises LogError if they cover less than a turn.
+    Raises
+    ------
+    LogError
+        They cover less than a turn.
     """
     rows = np.flatnonzero(hold)
     crank = run["crank_angle"][rows]
     swept = abs(crank[-1] - crank[0]) if rows.size else 0.0
-    step = swept / max(rows.size - 1, 1)
-    if swept < 2 * np.pi - step:
+    sample_step = swept / max(rows.size - 1, 1)
+    if swept < 2 * np.pi - sample_step:
         span = float(np.ptp(run.time[rows])) if rows.size else 0.0
         raise LogError(
             f"{run.label}: at constant speed and load the run lasts {span:.4g} s, {swept / (2 * np.pi):.3f} crank "
@@ -146,16 +158,24 @@ def _last_turn(run: Run, hold: Mask) -> npt.NDArray[np.intp]:
     return rows[np.abs(crank[-1] - crank) <= 2 * np.pi + 1e-9]
 
 
-def _require_fine(crank: Array, wanted: Array, run: Run, rows: npt.NDArray[np.intp]) -> None:
-    """Raise LogError if the samples of a run are too coarse for the step between angles [rad]."""
-    step = float(np.median(np.abs(np.diff(crank))))
-    largest = 2 * np.pi / max(wanted.size, 1)
-    if wanted.size > 1 and step > 1.5 * largest:  # no sample is used for more than two angles
+def _require_resolution(crank_angles: Array, requested: Array, run: Run, rows: npt.NDArray[np.intp]) -> None:
+    """Check that the samples are not much coarser than the step between the requested angles.
+
+    `crank_angles` [rad] are those of the `rows` of the run, `requested` the angles [rad].
+
+    Raises
+    ------
+    LogError
+        A sample would be used for more than two angles.
+    """
+    sample_step = float(np.median(np.abs(np.diff(crank_angles))))
+    requested_step = 2 * np.pi / max(requested.size, 1)
+    if requested.size > 1 and sample_step > 1.5 * requested_step:  # no sample is used for more than two angles
         rate = (rows.size - 1) / float(np.ptp(run.time[rows]))
         raise LogError(
-            f"the log has one sample per {np.degrees(step):.3g} deg of crank rotation, but one per "
-            f"{np.degrees(largest):.3g} deg is needed. Simulate the design again with settings.log_rate_hz of "
-            f"{rate * step / largest:.0f} or more"
+            f"the log has one sample per {np.degrees(sample_step):.3g} deg of crank rotation, but one per "
+            f"{np.degrees(requested_step):.3g} deg is needed. Simulate the design again with settings.log_rate_hz of "
+            f"{rate * sample_step / requested_step:.0f} or more"
         )
 
 

@@ -18,7 +18,7 @@ _TYPES = {"f4": "Float32", "f8": "Float64", "i8": "Int64", "i1": "Int8", "u1": "
 
 
 def as_vtu(stress_map: StressMap) -> bytes:
-    """Encode a stress map as VTU: quadratic cells, displacement [m], stresses [Pa], and whether it is bulk.
+    """Encode a stress map as VTU: quadratic cells, displacement [m], stresses [Pa], and whether nodes are bulk.
 
     Parameters
     ----------
@@ -26,8 +26,8 @@ def as_vtu(stress_map: StressMap) -> bytes:
         Fields on a part at one crank angle.
     """
     dimension = stress_map.points.shape[1]
-    cells = _outward(stress_map)
-    flat = np.zeros((len(stress_map.points), 3 - dimension))
+    cells = _orient_cells(stress_map)
+    padding = np.zeros((len(stress_map.points), 3 - dimension))
     components = dict(zip(NAMES[stress_map.stress.shape[1]], stress_map.stress.T, strict=True))
 
     root = ElementTree.Element(
@@ -40,40 +40,43 @@ def as_vtu(stress_map: StressMap) -> bytes:
     )
     counts = {"NumberOfPoints": str(len(stress_map.points)), "NumberOfCells": str(len(cells))}
     piece = ElementTree.SubElement(ElementTree.SubElement(root, "UnstructuredGrid"), "Piece", counts)
-    _group(piece, "Points", {"points": np.hstack([stress_map.points, flat])})
+    _add_arrays(piece, "Points", {"points": np.hstack([stress_map.points, padding])})
     corners = {
         "connectivity": cells.ravel().astype(np.int64),
         "offsets": np.arange(1, len(cells) + 1, dtype=np.int64) * cells.shape[1],
         "types": np.full(len(cells), _QUADRATIC[dimension], np.uint8),
     }
-    _group(piece, "Cells", corners)
+    _add_arrays(piece, "Cells", corners)
     values = {
-        "displacement": np.hstack([stress_map.displacement, flat]),
+        "displacement": np.hstack([stress_map.displacement, padding]),
         "von_mises": stress_map.von_mises,
         **{f"principal_{i + 1}": values for i, values in enumerate(stress_map.principal.T)},
         **{f"stress_{name}": values for name, values in components.items()},
         "bulk": stress_map.bulk.astype(np.int8),
     }
-    _group(piece, "PointData", values)
+    _add_arrays(piece, "PointData", values)
     return ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)
 
 
-def _group(piece: ElementTree.Element, tag: str, arrays: dict[str, Array]) -> None:
-    """Add a group of arrays: one block each, deflated, behind a header of the blocks' number and sizes [bytes]."""
+def _add_arrays(piece: ElementTree.Element, tag: str, arrays: dict[str, Array]) -> None:
+    """Add a group of arrays below a piece of the XML: one block each, deflated, in base 64.
+
+    Each block has a header with its number of blocks and sizes [bytes].
+    """
     group = ElementTree.SubElement(piece, tag)
     for name, values in arrays.items():
-        little = np.ascontiguousarray(values, values.dtype.newbyteorder("<"))
-        about = {"type": _TYPES[little.dtype.str[1:]], "Name": name, "format": "binary"}
-        if little.ndim == 2:
-            about["NumberOfComponents"] = str(little.shape[1])
-        packed = zlib.compress(little.tobytes())
-        header = np.array([1, little.nbytes, little.nbytes, len(packed)], "<u8")
-        encoded = b64encode(header.tobytes()) + b64encode(packed)
-        ElementTree.SubElement(group, "DataArray", about).text = encoded.decode()
+        little_endian = np.ascontiguousarray(values, values.dtype.newbyteorder("<"))
+        attributes = {"type": _TYPES[little_endian.dtype.str[1:]], "Name": name, "format": "binary"}
+        if little_endian.ndim == 2:
+            attributes["NumberOfComponents"] = str(little_endian.shape[1])
+        compressed = zlib.compress(little_endian.tobytes())
+        header = np.array([1, little_endian.nbytes, little_endian.nbytes, len(compressed)], "<u8")
+        encoded = b64encode(header.tobytes()) + b64encode(compressed)
+        ElementTree.SubElement(group, "DataArray", attributes).text = encoded.decode()
 
 
-def _outward(stress_map: StressMap) -> np.ndarray:
-    """Order the nodes of each cell as VTK wants them: with a positive area or volume."""
+def _orient_cells(stress_map: StressMap) -> np.ndarray:
+    """Return the nodes of each cell in VTK's order: with a positive area or volume."""
     cells = stress_map.cells.copy()
     dimension = stress_map.points.shape[1]
     corners = stress_map.points[cells[:, : dimension + 1]]

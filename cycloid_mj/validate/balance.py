@@ -15,8 +15,8 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import arc_gaps
 from cycloid_mj.statics import loads, springs_of
-from cycloid_mj.statics.friction_path import Losses, rubbing_of
-from cycloid_mj.statics.kernel import KernelSprings, Rubbing, follow_path, state, state_after
+from cycloid_mj.statics.friction_path import Losses, build_friction_elements
+from cycloid_mj.statics.kernel import KernelSprings, Rubbing, assemble_after, follow_path, state
 from cycloid_mj.statics.samples import identical_samples, solve_samples
 from cycloid_mj.validate import rig
 from cycloid_mj.validate.displaced import DisplacedSprings, cam_offsets, slip_force
@@ -165,7 +165,7 @@ def springs_with_friction(layout: str) -> tuple[KernelSprings, DisplacedSprings,
     reducer = Reducer(design)
     springs, exact = springs_and_reference(reducer)
     losses = Losses(drag=1.0, travel=1e-4, material=0.1)
-    return springs, exact, rubbing_of(reducer, springs, BALANCE.crank, losses, "crank")
+    return springs, exact, build_friction_elements(reducer, springs, BALANCE.crank, losses, "crank")
 
 
 def step_rows(layout: str) -> list[ValidationRow]:
@@ -178,7 +178,7 @@ def step_rows(layout: str) -> list[ValidationRow]:
     before, load = random_pose(number, BALANCE.near), 100.0 * random_pose(number, 1.0)
     z = before + random_pose(number, BALANCE.slip)[::-1]
     *_, push = _pushes(exact, rubbing, np.array([before, z]))
-    ours = state_after(springs, rubbing, before, load, z, False).residual
+    ours = assemble_after(springs, rubbing, before, load, z, False).residual
     return [deviation(f"forces after a step, {layout}", ours, load + push, "N", SOURCE, 0.02)]
 
 

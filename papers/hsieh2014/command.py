@@ -109,7 +109,7 @@ def reproduce(
     If a stage fails, the page states the error and shows the other stages;
     the exit code is 1. Stress needs the extra `fem`.
     """
-    from cycloid_mj.stress.packages import package
+    from cycloid_mj.stress.packages import import_package
     from hsieh2014.logs import Logs
     from hsieh2014.plan import FULL, QUICK
     from hsieh2014.run import AUTHORS, STEPS, STRESS, run_steps
@@ -120,7 +120,7 @@ def reproduce(
         raise UsageError(f"unknown stage {unknown!r}; available: {', '.join(keys)}")
     if STRESS in only:  # before the runs, of which it is the last to know
         for name in ("gmsh", "skfem"):
-            package(name)
+            import_package(name)
     place = claim_destination(delivery, STEM, usual=OUT, paged=True)
     into = place.folder or Path(OUT)
     logs = Logs(folder(str(into / LOGS), "the logs", (), delivery.force), fresh, delivery.quiet)

@@ -212,14 +212,14 @@ def _with_pins(other: Reducer, settings: "StudySettings", of_starts: "Sequence[P
 
 def heaviest(loads: "PartLoads", count: int) -> "PartLoads":
     """Return the loads at the crank angles of the largest single force, and of the largest sum, half of each."""
-    from cycloid_mj.stress.study import at_angles
+    from cycloid_mj.stress.study import select_angles
 
     size = np.nan_to_num(np.linalg.norm(loads.force, axis=2))
     rows: list[int] = []
     for weight in (size.max(axis=1), size.sum(axis=1)):
         later = [int(row) for row in np.argsort(weight)[::-1] if row not in rows]
         rows += later[: count // 2]
-    return at_angles(loads, rows)
+    return select_angles(loads, rows)
 
 
 def largest_forces(loads: "PartLoads") -> Array:

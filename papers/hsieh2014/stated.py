@@ -59,9 +59,9 @@ OURS = ("pin", "nonpin")
 
 def is_ours(design: Design) -> bool:
     """Return whether a design is one of the paper's two, apart from load, speed, environment and settings."""
-    from cycloid_mj.stress.turn import differences
+    from cycloid_mj.stress.turn import list_differences
 
-    return not all(differences(Reducer(design), Reducer(PRESETS[kind])) for kind in OURS)
+    return not all(list_differences(Reducer(design), Reducer(PRESETS[kind])) for kind in OURS)
 
 
 def stress_references(design: Design) -> "dict[str, Reference]":

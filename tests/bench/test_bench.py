@@ -32,7 +32,7 @@ from cycloid_mj.bench import (
     read_te,
 )
 from cycloid_mj.bench.calibration import STOPPED, CalibrationStopped
-from cycloid_mj.bench.fit import Fitted, evaluate_fit, fit, widen_intervals
+from cycloid_mj.bench.fit import Fitted, evaluate_fit, fit_loops, widen_intervals
 from cycloid_mj.bench.loop_figures import loop_figures
 from cycloid_mj.bench.model_selection import compare_fits
 from cycloid_mj.bench.overlay import LoopCondition, apply_values, model_branches
@@ -49,8 +49,8 @@ from cycloid_mj.report.results import calibration_page
 from cycloid_mj.robot import ReducedJoint, reduce
 from cycloid_mj.robot.trial import trial_scene as bench_scene
 from cycloid_mj.statics import loads, springs_of
-from cycloid_mj.statics.friction_path import Held, Losses, course_along
-from cycloid_mj.statics.locked import locked_course, locked_curve, slip_elements
+from cycloid_mj.statics.friction_path import Held, Losses, follow_torque_path
+from cycloid_mj.statics.locked import follow_locked_path, slip_elements, solve_locked_curve
 from cycloid_mj.statics.sheet import sheet
 
 DATA = Path(__file__).parents[1] / "data" / "bench"
@@ -72,7 +72,7 @@ def soft() -> Design:
 
 
 def turn_along(reducer: Reducer, torque: Array, crank: float, losses: Losses, held: Held = "crank") -> Array:
-    return course_along(reducer, torque, crank, losses, held)[1]
+    return follow_torque_path(reducer, torque, crank, losses, held)[1]
 
 
 @pytest.mark.parametrize("name", ["pin", "nonpin", "printed", *UNLIKE])
@@ -118,7 +118,7 @@ def test_a_turned_crank_finds_its_way_across_the_play(stiffness: float) -> None:
     reducer = Reducer(soft().but(stiffness={"pin_gear": stiffness}))
     low, high = stops(reducer, 0.0)
     reach = 0.02 * (high - low)
-    when, turn = course_along(reducer, torque, 0.0, Losses(drag, 1e-3), "output", reach)
+    when, turn = follow_torque_path(reducer, torque, 0.0, Losses(drag, 1e-3), "output", reach)
     along = np.interp(when, np.arange(len(torque)), torque)
     for way in (1.0, -1.0):
         across = along[(turn > low) & (turn < high) & (way * along > 0.0)]
@@ -257,7 +257,9 @@ def locked_loops(contacts: float, off: float, seed: int) -> list[MeasuredLoop]:
     draw, model, loops = np.random.default_rng(seed), locked_model(contacts), []
     for most in (4.0, 25.0):
         torque = course(0.0, most, -most, most, -most, 0.3 * most, count=80)
-        turn = locked_course(locked_curve(model.reducer, most, 0.0), slip_elements(model.reducer), torque)[80:]
+        turn = follow_locked_path(solve_locked_curve(model.reducer, most, 0.0), slip_elements(model.reducer), torque)[
+            80:
+        ]
         wave = np.sin(np.linspace(0.0, 2.0 * math.pi * draw.uniform(0.5, 3.0), len(turn)) + draw.uniform(0.0, 6.3))
         turn = turn + np.ptp(turn) * (0.005 * draw.standard_normal(len(turn)) + off * math.sqrt(2.0) * wave)
         loops.append(measured_loop(f"loop-{most:g}", torque[80:], turn / DEGREE))
@@ -452,7 +454,7 @@ def test_the_loop_is_repeated_best_within_the_intervals() -> None:
     start = np.concatenate([known, np.zeros(4)])
     low, high = np.clip([start - 3.0, start + 3.0], *search.bounds)
     low[0] = high[0] = start[0]
-    found = search.nearest_deflections(start, low, high)
+    found = search.fit_deflections(start, low, high)
     assert np.all((found >= low) & (found <= high))
     assert found[0] == start[0]
     missed = [float(np.sum(search.deflection_errors(places) ** 2)) for places in (found, start)]
@@ -675,7 +677,7 @@ def bench() -> Fitted:
     loops, design = [read_loop(path) for path in BENCH], resolve("printed")
     chosen = fit_parameters(Reducer(design), FIVE, loops)
     near = [one.to_scale(value) for one, value in zip(chosen, NEAR, strict=True)]
-    return fit(
+    return fit_loops(
         Model(Reducer(design), Losses()),
         chosen,
         loops,
@@ -701,7 +703,7 @@ def test_friction_of_contacts_explains_what_constant_friction_does_not() -> None
     so_far: list[int] = []
     loops = [read_loop(path) for path in BENCH]
     found = compare_losses(
-        calibrate(resolve("printed"), loops, FIVE), done=lambda one: so_far.append(len(one.variants))
+        calibrate(resolve("printed"), loops, FIVE), on_fit=lambda one: so_far.append(len(one.variants))
     )
     assert so_far == [1, 2, 3, 4]
     shares = {one.key: one.shares[1] for one in found.variants}

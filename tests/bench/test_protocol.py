@@ -10,14 +10,14 @@ import pytest
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.units import ARCMINUTE, DEGREE
 from cycloid_mj.bench import MeasuredLoop, measured_loop, read_loop
-from cycloid_mj.bench.loop_figures import coulomb_of, hysteresis_of, lost_motion_of, stiffness_between
+from cycloid_mj.bench.loop_figures import loop_coulomb_torque, loop_hysteresis, loop_lost_motion, stiffness_between
 from cycloid_mj.bench.protocol import (
     CRANK_TORQUE,
     INTERVALS,
     LINES,
     OUTPUT_TORQUE,
     BenchFiles,
-    model_loop,
+    compute_model_loop,
     protocol,
     read_breakaway_torque,
 )
@@ -49,8 +49,8 @@ def test_a_made_loop_has_the_figures_that_it_was_made_of(coulomb: float) -> None
     """Friction above 3 % of the rated torque hides the play from the lost motion; let go, the branches show it."""
     loop, level = loop_of(coulomb), LOST_MOTION_SHARE * RATED
     shown = PLAY if coulomb < level else 0.0
-    assert lost_motion_of(loop, RATED).value == pytest.approx(shown + 2.0 * level / STIFFNESS, rel=1e-6)
-    assert hysteresis_of(loop, RATED).value == pytest.approx(PLAY + 2.0 * coulomb / STIFFNESS, rel=1e-6)
+    assert loop_lost_motion(loop, RATED).value == pytest.approx(shown + 2.0 * level / STIFFNESS, rel=1e-6)
+    assert loop_hysteresis(loop, RATED).value == pytest.approx(PLAY + 2.0 * coulomb / STIFFNESS, rel=1e-6)
     for low, high in INTERVALS.values():
         assert stiffness_between(loop, low * RATED, high * RATED).value == pytest.approx(STIFFNESS, rel=1e-3)
 
@@ -58,8 +58,8 @@ def test_a_made_loop_has_the_figures_that_it_was_made_of(coulomb: float) -> None
 def test_intervals_hold_the_truth_in_noise() -> None:
     loop, level = loop_of(0.3, noise=2e-5), LOST_MOTION_SHARE * RATED
     for found, truth in (
-        (lost_motion_of(loop, RATED), PLAY + 2.0 * level / STIFFNESS),
-        (hysteresis_of(loop, RATED), PLAY + 0.6 / STIFFNESS),
+        (loop_lost_motion(loop, RATED), PLAY + 2.0 * level / STIFFNESS),
+        (loop_hysteresis(loop, RATED), PLAY + 0.6 / STIFFNESS),
         (stiffness_between(loop, 0.5 * RATED, RATED), STIFFNESS),
     ):
         assert found.low < truth < found.high
@@ -71,7 +71,7 @@ def test_what_a_loop_does_not_reach_has_no_number() -> None:
     assert math.isnan(stiffness_between(loop, 0.5 * RATED, RATED).value)
     assert math.isnan(stiffness_between(loop, 0.15 * RATED, 0.5 * RATED).value)
     assert stiffness_between(loop, 0.03 * RATED, 0.15 * RATED).value == pytest.approx(STIFFNESS, rel=1e-3)
-    assert math.isnan(lost_motion_of(loop_of(0.3, most=0.02 * RATED), RATED).value)
+    assert math.isnan(loop_lost_motion(loop_of(0.3, most=0.02 * RATED), RATED).value)
 
 
 def test_the_models_loop_has_the_lost_motion_that_is_measured() -> None:
@@ -80,24 +80,24 @@ def test_the_models_loop_has_the_lost_motion_that_is_measured() -> None:
     reducer = Reducer(design).working_at(design.rated_torque)
     rated = design.rated_torque
     run = hysteresis.loop(reducer, 0.0, rated, hysteresis.slow_period(reducer, rated))
-    found = model_loop(reducer, rated, 0.0)
-    assert lost_motion_of(found, rated).value == pytest.approx(run.lost_motion, rel=1e-3)
+    found = compute_model_loop(reducer, rated, 0.0)
+    assert loop_lost_motion(found, rated).value == pytest.approx(run.lost_motion, rel=1e-3)
     # to zero by a line through other points
-    assert hysteresis_of(found, rated).value == pytest.approx(run.backlash, rel=0.03)
+    assert loop_hysteresis(found, rated).value == pytest.approx(run.backlash, rel=0.03)
 
 
 def test_friction_of_the_wind_up_is_in_the_models_loop() -> None:
     design = PRESETS["printed"]
     reducer = Reducer(design).but(springs={"friction": 2.0, "friction_travel": 1e-4})
-    loop = model_loop(reducer, design.rated_torque, 0.0)
-    assert coulomb_of(loop).value == pytest.approx(2.0, rel=0.02)
+    loop = compute_model_loop(reducer, design.rated_torque, 0.0)
+    assert loop_coulomb_torque(loop).value == pytest.approx(2.0, rel=0.02)
 
 
 def test_a_bench_that_recorded_the_model_agrees_with_it(tmp_path: Path) -> None:
     """Files written of the model's own loop give the model's figures, through the command."""
     design = PRESETS["pin"]
     rated = design.rated_torque
-    loop = model_loop(Reducer(design).working_at(rated), rated, 0.0)
+    loop = compute_model_loop(Reducer(design).working_at(rated), rated, 0.0)
     rows = zip(loop.torque.tolist(), (loop.deflection / DEGREE).tolist(), strict=True)
     file, run = tmp_path / "loop.csv", tmp_path / "run.csv"
     file.write_text("torque_output_Nm,deflection_deg\n" + "".join(f"{one!r},{other!r}\n" for one, other in rows))

@@ -15,7 +15,7 @@ from cycloid_mj.life.accuracy_life import Course, WearLife, wear
 from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.wear_course import WearingDrive, WearSettings, lost_motion, wear_steps
 from cycloid_mj.life.wear_data import RUN_IN_FACTOR, wear_coefficient, wear_rate, worn_depth
-from cycloid_mj.life.wearing_surfaces import TABLE, dose_rate, slidings, spread
+from cycloid_mj.life.wearing_surfaces import TABLE, dose_rate, sliding_contacts, sum_over_cells
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.worn import WornGaps
 from cycloid_mj.statics import loads, springs_of
@@ -53,7 +53,7 @@ def test_spreading_keeps_the_sum_and_matches_single_strips() -> None:
     for shift in (-2.0, 0.0, 2.0):
         for place, width, weight in zip(places + shift, widths, weights, strict=True):
             expected += np.diff(np.clip((edges - place + width) / (2.0 * width), 0.0, 1.0)) * weight
-    assert spread(places, widths, weights, 2.0, 50) == pytest.approx(expected, abs=1e-12)
+    assert sum_over_cells(places, widths, weights, 2.0, 50) == pytest.approx(expected, abs=1e-12)
     assert expected.sum() == pytest.approx(weights.sum())
 
 
@@ -63,7 +63,7 @@ def test_worn_volume_is_k_times_force_times_distance(design: cm.Design) -> None:
     drive = drive_of(design)
     springs = springs_of(drive.reducer, drive.crank)
     contact_loads = loads(drive.reducer, springs, math.copysign(design.rated_torque, design.drive.speed))
-    sliding = slidings(drive.reducer, springs, contact_loads)
+    sliding = sliding_contacts(drive.reducer, springs, contact_loads)
     assert {surface.gap for surface in drive.surfaces} >= {"teeth"}
     for surface in drive.surfaces:
         rub = sliding[surface.gap]

@@ -12,7 +12,7 @@ from cycloid_mj.figures import figure
 from cycloid_mj.life import Duty, DutyPoint, rate, rolling
 from cycloid_mj.life.bearings import bearing_forces, bearing_load, bearing_losses, bearings_of
 from cycloid_mj.life.duty import constant_duty
-from cycloid_mj.life.figures import FULL_COMPLEMENT, SPEED_FACTOR
+from cycloid_mj.life.figures import SPEED_LIMITS
 from cycloid_mj.life.loading import solve_loading
 from cycloid_mj.parts.export import cam_bearing
 from cycloid_mj.reducer import Reducer
@@ -154,6 +154,6 @@ def test_speed_limit_of_a_cage_is_not_that_of_rollers_that_touch() -> None:
     """20 rollers fill the cam of `pin` on a circle of 15 mm: half of 300 000/(2 x 15) rpm, over 1 + 1/35."""
     reducer = Reducer(PIN)  # the shaft's own bearings allow more
     assert cam_bearing(reducer) is None
-    assert FULL_COMPLEMENT == 0.5
-    limit = FULL_COMPLEMENT * SPEED_FACTOR / 30e-3 / (1.0 + 1.0 / 35.0)
+    assert SPEED_LIMITS.full_complement_share == 0.5
+    limit = SPEED_LIMITS.full_complement_share * SPEED_LIMITS.caged / 30e-3 / (1.0 + 1.0 / 35.0)
     assert figure("largest_speed_rpm").value(reducer) == pytest.approx(limit)

@@ -88,7 +88,9 @@ def test_the_torque_of_the_bearings_goes_by_their_law(sheet) -> None:
 def test_a_longer_life_is_asked_of_a_smaller_torque() -> None:
     torques = [rated_torque(Reducer(PIN), PIN.drive.speed, life)[0] for life in (1000.0, 6000.0)]
     assert torques[0] / torques[1] > 1.15
-    assert rated_torque(Reducer(PIN), PIN.drive.speed, 6000.0, guess=50.0)[0] == pytest.approx(torques[1], rel=2e-3)
+    assert rated_torque(Reducer(PIN), PIN.drive.speed, 6000.0, start_torque=50.0)[0] == pytest.approx(
+        torques[1], rel=2e-3
+    )
 
 
 def test_what_bears_nothing_for_so_long_says_so() -> None:

@@ -11,8 +11,7 @@ from cycloid_mj.life import rate
 from cycloid_mj.life.bearings import oil_viscosity
 from cycloid_mj.life.modified_life import (
     BALLS,
-    MAX_FACTOR,
-    MIN_FACTOR,
+    LIMITS,
     ROLLERS,
     LifeCurve,
     fatigue_load_limit,
@@ -38,10 +37,10 @@ def test_branches_meet(curve: LifeCurve, kappa: float) -> None:
 
 
 def test_factor_stays_in_its_range() -> None:
-    assert life_factor(10.0, 1.0, 1.0, 1.0, BALLS) == MAX_FACTOR
+    assert life_factor(10.0, 1.0, 1.0, 1.0, BALLS) == LIMITS.max_factor
     assert life_factor(9.0, 0.5, 0.2, 1.0, ROLLERS) == life_factor(4.0, 0.5, 0.2, 1.0, ROLLERS)
-    assert life_factor(0.05, 1.0, 1.0, 1.0, ROLLERS) == MIN_FACTOR
-    assert life_factor(1.0, 0.0, 1.0, 1.0, ROLLERS) == pytest.approx(MIN_FACTOR)
+    assert life_factor(0.05, 1.0, 1.0, 1.0, ROLLERS) == LIMITS.min_factor
+    assert life_factor(1.0, 0.0, 1.0, 1.0, ROLLERS) == pytest.approx(LIMITS.min_factor)
 
 
 def test_reference_viscosity_and_load_limit() -> None:

@@ -11,7 +11,7 @@ from cycloid_mj.figures import figure
 from cycloid_mj.life import rate
 from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.loading import FAR, solve_loading
-from cycloid_mj.life.output_bearing import USUAL_CLEARANCE, output_bearing_forces, output_bearings
+from cycloid_mj.life.output_bearing import DEEP_GROOVE, output_bearing_forces, output_bearings
 from cycloid_mj.parts.export import casing
 from cycloid_mj.reducer import Reducer
 
@@ -47,7 +47,7 @@ def test_a_hub_tilts_by_what_the_balls_give() -> None:
     ball = 4.37 * force / found.row.balls
     approach = 0.00044e-3 * (ball**2 / (1e3 * found.row.diameter)) ** (1.0 / 3.0)
     assert found.tilting_stiffness() == pytest.approx(0.5 * found.moment / (2.0 * approach / found.spacing))
-    assert found.tilting_stiffness(USUAL_CLEARANCE) == pytest.approx(
+    assert found.tilting_stiffness(DEEP_GROOVE.usual_clearance) == pytest.approx(
         found.tilting_stiffness() * (4.37 / 5.0) ** (2.0 / 3.0)
     )
     assert replace(found, own=(1e6, 0.0)).tilting_stiffness() == 0.0

@@ -27,8 +27,8 @@ from cycloid_mj.life.fatigue import Fatigue, endurance_limit, notch_factor, size
 from cycloid_mj.life.heat import clearance_growth, cooling_area
 from cycloid_mj.life.loading import Sliding, bending_moment, solve_loading
 from cycloid_mj.life.ranges import read_ranges
-from cycloid_mj.life.strength import output_pin, pin_moment
-from cycloid_mj.life.surfaces import MAX_PITTING_PRESSURE, pitting_cycles, pitting_pressure, upper_pitting_cycles
+from cycloid_mj.life.strength import pin_moment, rate_output_pin
+from cycloid_mj.life.surfaces import AGMA_2001, pitting_cycles, pitting_pressure, upper_pitting_cycles
 from cycloid_mj.parts.export import bill, casing
 from cycloid_mj.parts.export.drive import has_casing
 from cycloid_mj.reducer import Reducer
@@ -60,7 +60,7 @@ KUBAKOS = PIN.but(
 )
 def test_the_geometry_factor_is_that_of_the_table(gamma: float, published: float) -> None:
     """ISO 281:2007, Table 7: f_c of radial roller bearings; one roller of 1 mm by 1 mm leaves b_m f_c."""
-    assert rolling.dynamic_capacity(1, 1e-3, 1e-3, 1e-3 / gamma) / rolling.MACHINED_FACTOR == pytest.approx(
+    assert rolling.dynamic_capacity(1, 1e-3, 1e-3, 1e-3 / gamma) / rolling.ISO_281.roller_steel == pytest.approx(
         published, rel=2e-3
     )
 
@@ -159,7 +159,7 @@ def test_a_mean_load_weighs_by_its_power() -> None:
 def test_output_pins_at_909_newtons(core: float, safety: float) -> None:
     """Notch factor 1.6, endurance limit 260 MPa: 108 and 257 MPa."""
     known = override(PIN, {"service.notch_factor": 1.6, "service.endurance_limit_mpa": 260.0})
-    item = output_pin(Reducer(known.but(output={"core_radius": core})), np.array([[909.0]]))
+    item = rate_output_pin(Reducer(known.but(output={"core_radius": core})), np.array([[909.0]]))
     assert item.value == pytest.approx({4e-3: 108.0, 3e-3: 257.0}[core], rel=0.01)
     assert item.safety == pytest.approx(safety, rel=0.05)
 
@@ -287,7 +287,7 @@ def test_loads_are_counted_by_the_crank_against_gear_and_ring() -> None:
 
 def test_harder_steel_than_the_curve_has_is_not_credited() -> None:
     assert pitting_pressure(3.45e6 * 200) == pytest.approx(644e6)
-    assert pitting_pressure(2241e6) == MAX_PITTING_PRESSURE
+    assert pitting_pressure(2241e6) == AGMA_2001.max_pressure
 
 
 def test_pitting_life_is_ten_million_cycles_at_the_allowable_pressure() -> None:
@@ -303,11 +303,13 @@ def found():
 def test_the_rated_design_of_the_paper(found) -> None:
     """Its mean cam force, rating and life beside those of a peer (184 000 h at about 26 kN, which takes b_m = 1)."""
     item = found.items["cam_bearing"]
-    assert item.limit / rolling.MACHINED_FACTOR == pytest.approx(26.4e3, rel=0.01)
+    assert item.limit / rolling.ISO_281.roller_steel == pytest.approx(26.4e3, rel=0.01)
     # theirs counts the turns of the crank alone
-    at_crank = rolling.life_hours(item.limit / rolling.MACHINED_FACTOR, item.value, PIN.drive.speed)
+    at_crank = rolling.life_hours(item.limit / rolling.ISO_281.roller_steel, item.value, PIN.drive.speed)
     assert at_crank == pytest.approx(184_000.0, rel=0.02)
-    assert item.life / at_crank == pytest.approx(rolling.MACHINED_FACTOR ** (10 / 3) / (1.0 + 1.0 / 35.0), rel=1e-6)
+    assert item.life / at_crank == pytest.approx(
+        rolling.ISO_281.roller_steel ** (10 / 3) / (1.0 + 1.0 / 35.0), rel=1e-6
+    )
     assert "b_m 1.1 (C 26398 N with b_m 1" in item.note
     assert list(found.items.values()) == sorted(found.items.values(), key=lambda one: one.margin(found.life))
     decisive = [item for item in found.items.values() if item.decisive]

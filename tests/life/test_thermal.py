@@ -13,7 +13,7 @@ from cycloid_mj.design.materials import MATERIALS
 from cycloid_mj.geometry.expansion import jam_difference, tooth_play
 from cycloid_mj.life import datasheet
 from cycloid_mj.life.duty import Duty, DutyPoint
-from cycloid_mj.life.heat import case_film, cooling_area
+from cycloid_mj.life.heat import cooling_area, still_air_coefficient
 from cycloid_mj.life.thermal import conductance_between, thermal
 from cycloid_mj.life.thermal_network import Conductance, Network, line_contact_conductance
 from cycloid_mj.reducer import Reducer
@@ -37,13 +37,13 @@ def test_radiation_matches_stefan_boltzmann(wall: float) -> None:
     """The cubic of ISO/TR 14179-2 is 4 eps sigma T^3 at the mean temperature: within 2 % of sigma (T^4 - T0^4)/dT."""
     hot, cold = wall + 273.15, 293.15
     exact = 0.9 * 5.670374e-8 * (hot**4 - cold**4) / (hot - cold)
-    radiation = case_film(0.1, wall, 20.0, 0.9) - case_film(0.1, wall, 20.0, 1e-12)
+    radiation = still_air_coefficient(0.1, wall, 20.0, 0.9) - still_air_coefficient(0.1, wall, 20.0, 1e-12)
     assert radiation == pytest.approx(exact, rel=0.03)
 
 
 def test_a_housing_at_60_degrees_has_the_film_of_the_standard() -> None:
-    assert case_film(0.1, 60.0, 20.0, 1e-12) == pytest.approx(18.0 * (40.0 / 293.15) ** 0.3, rel=1e-9)
-    assert case_film(0.1, 60.0, 20.0, 0.9) == pytest.approx(9.9 + 6.4, abs=0.1)
+    assert still_air_coefficient(0.1, 60.0, 20.0, 1e-12) == pytest.approx(18.0 * (40.0 / 293.15) ** 0.3, rel=1e-9)
+    assert still_air_coefficient(0.1, 60.0, 20.0, 0.9) == pytest.approx(9.9 + 6.4, abs=0.1)
 
 
 def test_a_network_of_two_nodes_matches_a_hand_solution() -> None:
@@ -162,7 +162,7 @@ def test_rate_warns_of_the_jam_difference_and_takes_a_computed_film() -> None:
     assert item not in rating.failing
     computed = cm.rate(override(PRESETS["pin"], ["service.film_coefficient_w_m2_k=0"]), stops=False)
     rise, area = computed.items["temperature"].value - 20.0, cooling_area(Reducer(PRESETS["pin"]))
-    film = case_film(0.1, 20.0 + rise, 20.0, 0.9)
+    film = still_air_coefficient(0.1, 20.0 + rise, 20.0, 0.9)
     assert film * area * rise == pytest.approx(computed.items["power_lost"].value, rel=1e-6)
     assert "W/(m2 K)" in computed.items["temperature"].note
 
@@ -175,6 +175,6 @@ def test_a_rating_and_a_sheet_state_the_thermal_torque() -> None:
     assert item.safety == pytest.approx(state.torque / PRESETS["pin"].rated_torque)
     assert not item.decisive, "conductances are assumed"
     assert "closes the teeth" in item.source
-    rows = {row.key: row for row in datasheet._thermal_limit(Reducer(PRESETS["pin"]))}
+    rows = {row.key: row for row in datasheet._thermal_rows(Reducer(PRESETS["pin"]))}
     assert rows["thermal_torque"].value == pytest.approx(state.torque)
     assert rows["disc_over_ring"].value == pytest.approx(state.difference)

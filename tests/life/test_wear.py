@@ -19,7 +19,9 @@ PIN = PRESETS["pin"]
 
 def loaded(reducer: Reducer, poses: int = 181) -> Loading:
     design = reducer.design
-    return solve_loading(reducer, constant_duty(design.rated_torque, design.drive.speed).points[0], poses, stops=False)
+    return solve_loading(
+        reducer, constant_duty(design.rated_torque, design.drive.speed).points[0], poses, with_wind_up=False
+    )
 
 
 def test_flank_is_divided_as_long_as_it_is() -> None:

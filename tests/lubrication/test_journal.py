@@ -8,7 +8,7 @@ import pytest
 from scipy.linalg import solve_banded
 from scipy.optimize import brentq
 
-from cycloid_mj.lubrication.journal import ECCENTRICITY, PRESSURE, SHEAR, SOMMERFELD, journal
+from cycloid_mj.lubrication.journal import ECCENTRICITY, PRESSURE, SHEAR, SOMMERFELD, solve_journal
 
 Array = npt.NDArray[np.float64]
 PUBLISHED = (
@@ -64,7 +64,7 @@ def test_table_solves_reynolds_equation(row: int) -> None:
 def test_published_table(number: float, eccentricity: float, friction: float) -> None:
     radius, clearance, length, viscosity, speed = 2e-3, 2e-6, 1e-2, 0.1, 1.0
     force = viscosity * speed / (2.0 * math.pi * radius) * (radius / clearance) ** 2 * 2.0 * radius * length / number
-    bearing = journal(force, 0.5 * speed, speed, radius, clearance, length, viscosity)
+    bearing = solve_journal(force, 0.5 * speed, speed, radius, clearance, length, viscosity)
     assert bearing.sommerfeld == pytest.approx(number)
     assert bearing.eccentricity == pytest.approx(eccentricity, rel=0.01)
     # the published friction has two decimals
@@ -73,13 +73,13 @@ def test_published_table(number: float, eccentricity: float, friction: float) ->
 
 @pytest.mark.parametrize(("clearance", "friction"), [(1e-6, 0.0093), (5e-6, 0.0028)])
 def test_friction_of_a_pin_of_the_preset(clearance: float, friction: float) -> None:
-    bearing = journal(100.0, 0.075, 0.15, 2.25e-3, clearance, 0.01, 0.087)
+    bearing = solve_journal(100.0, 0.075, 0.15, 2.25e-3, clearance, 0.01, 0.087)
     assert bearing.friction == pytest.approx(friction, abs=0.01 * friction + 5e-5)
 
 
 def test_film_is_monotone_in_the_speed_and_bounded_by_the_clearance() -> None:
     speeds = np.geomspace(1e-9, 1e3, 200)
-    bearing = journal(100.0, speeds, 0.1, 2.25e-3, 1e-6, 0.01, 0.087)
+    bearing = solve_journal(100.0, speeds, 0.1, 2.25e-3, 1e-6, 0.01, 0.087)
     assert np.all(np.diff(bearing.film) >= 0.0)
     assert np.all((bearing.film > 0.0) & (bearing.film <= 1e-6))
 
@@ -88,5 +88,5 @@ def test_petroff_friction_of_a_light_load() -> None:
     """An unloaded half bearing shears a film of the thickness of the clearance over half of the circumference."""
     force, radius, clearance, length, viscosity, speed = 1e-3, 2e-3, 1e-6, 0.01, 0.1, 1.0
     drag = viscosity * speed / clearance * math.pi * radius * length
-    bearing = journal(force, 0.5 * speed, speed, radius, clearance, length, viscosity)
+    bearing = solve_journal(force, 0.5 * speed, speed, radius, clearance, length, viscosity)
     assert bearing.friction * force == pytest.approx(drag, rel=1e-3)

@@ -18,7 +18,7 @@ from cycloid_mj.measure.hysteresis import HysteresisLoop
 from cycloid_mj.measure.lost_motion import lost_motion
 from cycloid_mj.measure.lost_motion_table import loop_series
 from cycloid_mj.reducer import Reducer, limits
-from cycloid_mj.statics.windup import windups
+from cycloid_mj.statics.windup import solve_windups
 from cycloid_mj.validate import equilibrium
 
 FIXED = Reducer(override(PRESETS["pin"], ['ring.pins="fixed"'])).at_rated_load
@@ -60,7 +60,7 @@ def ideal_loop() -> HysteresisLoop:
 
 
 def test_loop_without_friction_is_the_static_balance(ideal_loop: HysteresisLoop):
-    solved = windups(FIXED, [CRANK], ideal_loop.rated)[0]
+    solved = solve_windups(FIXED, [CRANK], ideal_loop.rated)[0]
     # left: inertia, damping and the straight lines through the readings, 0.05 %, 0.07 %, and 0.26 % of the mesh
     assert ideal_loop.stiffness == pytest.approx(1.0 / solved.compliance(solved.turn), rel=0.0015)
     assert ideal_loop.lost_motion == pytest.approx(solved.lost_motion, rel=0.0022)
@@ -72,7 +72,7 @@ def test_loop_without_friction_is_the_static_balance(ideal_loop: HysteresisLoop)
 
 def test_balance_of_a_softer_cam_is_another(ideal_loop: HysteresisLoop):
     softer = override(FIXED.design, ["stiffness.cam_n_m=4.0e8"])
-    solved = windups(Reducer(softer), [CRANK], ideal_loop.rated)[0]
+    solved = solve_windups(Reducer(softer), [CRANK], ideal_loop.rated)[0]
     assert ideal_loop.stiffness != pytest.approx(1.0 / solved.compliance(solved.turn), rel=0.03)
 
 
@@ -92,14 +92,14 @@ def test_friction_makes_hysteresis_and_its_work_is_the_area():
 
 def test_series_of_clearances_and_closed_stiffness_are_of_the_size_of_the_balance():
     design = Reducer(PRESETS["pin"]).at_rated_load
-    solved = windups(design, [CRANK], 36.68)[0]
+    solved = solve_windups(design, [CRANK], 36.68)[0]
     # with clearance, fewer contacts are closed than the estimate takes
     assert 0.5 < 1.0 / solved.compliance(solved.turn) / closed_stiffness(design) < 1.05
 
 
 def test_lost_motion_is_the_backlash_and_a_little_give():
     crank = float(bench.crank_angles(Reducer(PRESETS["pin"]), 6)[1])
-    solved = windups(Reducer(PRESETS["pin"]), [crank], 36.68)[0]
+    solved = solve_windups(Reducer(PRESETS["pin"]), [crank], 36.68)[0]
     low, high = limits.stops(Reducer(PRESETS["pin"]), crank)
     assert high - low < solved.lost_motion < 1.1 * (high - low)
     shares = sorted(solved.turn)
@@ -120,7 +120,7 @@ def test_statics_of_parts_as_made_is_the_independent_balance(kind: str, changes:
     design = Reducer(
         override(bench.without_friction(Reducer(PRESETS["pin"])).design, [f'ring.pins="{kind}"', *changes])
     ).at_rated_load
-    solved = windups(design, [CRANK], 36.68)[0]
+    solved = solve_windups(design, [CRANK], 36.68)[0]
     stiffness = {pair: design.contacts[pair].stiffness for pair in design.design.pair_kinds}
     for share, turn in solved.turn.items():
         if abs(share) >= 0.5:

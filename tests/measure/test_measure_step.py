@@ -17,7 +17,7 @@ from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.measure import bench, hysteresis
 from cycloid_mj.measure.steady import REMEDY, run_steady, steady_design
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.friction_path import Losses, course_along
+from cycloid_mj.statics.friction_path import Losses, follow_torque_path
 
 TEETH21 = unlike("teeth21")
 CRANK = float(bench.crank_angles(Reducer(TEETH21), 2)[1])
@@ -53,7 +53,7 @@ def test_loops_of_soft_drives_are_those_of_statics_with_friction(name):
     loop = hysteresis.loop(reducer, crank, design.rated_torque, hysteresis.slow_period(reducer, design.rated_torque))
     course = np.linspace(0.0, 1.25, 1200)
     torque = design.rated_torque * np.sin(2.0 * np.pi * course) ** hysteresis.LOOP.power
-    when, turn = course_along(reducer, torque, crank, Losses())
+    when, turn = follow_torque_path(reducer, torque, crank, Losses())
     phase = np.interp(when, np.arange(len(course)), course)
     within = phase >= hysteresis.LOOP.lead
     statics = replace(

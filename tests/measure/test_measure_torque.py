@@ -26,7 +26,7 @@ from cycloid_mj.measure.efficiency_map import backward, forward, run_map
 from cycloid_mj.measure.steady import steady_design, whole_periods
 from cycloid_mj.measure.torque import held_efficiency, rated_test
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.sheet import back_driving
+from cycloid_mj.statics.sheet import solve_back_driving
 from cycloid_mj.validate import published, rig
 
 FIXED = override(PRESETS["pin"], ['ring.pins="fixed"'])
@@ -180,7 +180,7 @@ def test_an_output_that_crosses_wide_play_drives_the_crank_as_statics_has_it(nam
     found = backward(reducer, design.drive.torque, PERIODS, "planar").powers
     assert found.output > 0.0 > found.crank
     assert abs(found.crank) == pytest.approx(design.drive.torque * design.drive.speed, rel=0.02)
-    balanced, _ = back_driving(Reducer(unlike(name)), design.rated_torque)
+    balanced, _ = solve_back_driving(Reducer(unlike(name)), design.rated_torque)
     assert found.efficiency == pytest.approx(balanced.efficiency, abs=within)
 
 

@@ -32,7 +32,7 @@ from cycloid_mj.scene.force import contact_forces
 from cycloid_mj.scene.pose import poses
 from cycloid_mj.statics import loads, powers, springs_of, transmission_error
 from cycloid_mj.statics.structure import wind_up
-from cycloid_mj.statics.windup import in_series, windups
+from cycloid_mj.statics.windup import solve_windups, split_in_series
 from cycloid_mj.stress.loads import part_loads
 
 PIN, PRINTED = PRESETS["pin"], PRESETS["printed"]
@@ -133,7 +133,7 @@ def test_forces_stiffness_and_working_forces_are_those_of_the_mesh() -> None:
     assert own.output_turn == pytest.approx(same.output_turn / more, rel=1e-3)
     assert own.gear_turn == pytest.approx(same.output_turn - same.gear_turn, rel=1e-3)
     theta = float(Reducer(ring).member.against_ring(0.5))
-    wound = windups(Reducer(ring), [0.5], 30.0 * more)[0], windups(Reducer(carrier), [theta], 30.0)[0]
+    wound = solve_windups(Reducer(ring), [0.5], 30.0 * more)[0], solve_windups(Reducer(carrier), [theta], 30.0)[0]
     stiff = [1.0 / one.compliance(one.turn) for one in wound]
     assert stiff[0] == pytest.approx(more**2 * stiff[1], rel=1e-6)
 
@@ -237,7 +237,7 @@ def test_structural_twist_rotates_the_output_only(turning: str) -> None:
     soft = stiff.but(springs={"carrier": 1e5})
     more = wind_up(Reducer(soft)) - wind_up(Reducer(stiff))
     assert more > 5e-6
-    found = [windups(Reducer(one), [0.7], torque)[0] for one in (stiff, soft)]
+    found = [solve_windups(Reducer(one), [0.7], torque)[0] for one in (stiff, soft)]
     parts = [one.series(Reducer(design)) for one, design in zip(found, (stiff, soft), strict=True)]
     assert parts[1] == pytest.approx(parts[0] | {"output": parts[0]["output"] + more}, rel=1e-6)
     assert found[1].gear_turn == pytest.approx(found[0].gear_turn, rel=1e-9)
@@ -269,10 +269,10 @@ def test_the_loop_at_the_ring_has_the_slope_of_statics(at_the_ring) -> None:
     level = bench.without_friction(Reducer(at_the_ring)).working_at(at_the_ring.rated_torque)
     rated = level.design.rated_torque
     loop = hysteresis.loop(level, 0.7, rated, hysteresis.slow_period(level, rated), 1.0)
-    known = windups(level, [0.7], rated)[0]
+    known = solve_windups(level, [0.7], rated)[0]
     assert loop.lost_motion == pytest.approx(known.lost_motion, rel=0.005)
     assert loop.compliance() == pytest.approx(known.compliance(known.turn), rel=0.01)
-    seen = in_series(level, loop.compliance(), loop.compliance(loop.gear_turn), loop.compliance(loop.centre_lead))
+    seen = split_in_series(level, loop.compliance(), loop.compliance(loop.gear_turn), loop.compliance(loop.centre_lead))
     assert seen == pytest.approx(known.series(level), rel=0.02)
     assert sum(seen.values()) == pytest.approx(loop.compliance())
 

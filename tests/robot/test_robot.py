@@ -42,7 +42,7 @@ from cycloid_mj.robot.stability import (
     try_time_step,
 )
 from cycloid_mj.robot.trial import trial_scene
-from cycloid_mj.statics.locked import LockedCurve, SlipElements, locked_course
+from cycloid_mj.statics.locked import LockedCurve, SlipElements, follow_locked_path
 from cycloid_mj.statics.sheet import sheet
 
 KEYS = (
@@ -742,7 +742,7 @@ def test_what_slips_holds_the_wind_up_in_mujoco_alone(few: ReducedJoint) -> None
     low, high = reduced.stops
     curve = LockedCurve(np.concatenate([-carried[::-1], carried]), np.concatenate([low - knots[::-1], high + knots]))
     elements = SlipElements(*np.array([(one.limit, one.stiffness) for one in SLIPS]).T)
-    expected = locked_course(curve, elements, torque)
+    expected = follow_locked_path(curve, elements, torque)
     still = np.abs(np.diff(expected, prepend=0.0)) < 0.1 * np.ptp(expected)
     assert np.mean(still) > 0.9
     left = np.abs(turns - expected)[still] / np.ptp(expected)

@@ -16,7 +16,7 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import beam_flexibility
 from cycloid_mj.reducer.bodies import are_one_part
 from cycloid_mj.statics import Loads, loads, springs_of
-from cycloid_mj.statics.bearings import reactions
+from cycloid_mj.statics.bearings import compute_reactions
 from cycloid_mj.statics.samples import identical_samples, solve_samples
 from cycloid_mj.statics.sheet import sheet
 from cycloid_mj.statics.structure import crank_flexibility, structure_text, twisting_compliance
@@ -153,7 +153,7 @@ def test_bearings_balance_forces_and_moments() -> None:
     """The shaft hangs in two bearings: what they hold is opposite to the discs' forces and to their moments."""
     design = two(ideal(PRESETS["pin"], ring={"teeth": 37}, output={"pins": 7, "support": "both_ends"}))
     springs = springs_of(Reducer(design), np.linspace(0.0, 6.0, 7), friction=False)
-    held = reactions(Reducer(design), springs, loads(Reducer(design), springs, 36.0))
+    held = compute_reactions(Reducer(design), springs, loads(Reducer(design), springs, 36.0))
     far, near = (0.5 * sum(seat) for seat in bearing_seats(Reducer(design)))
     np.testing.assert_allclose(held.shaft_far + held.shaft_near, -held.shaft.net, atol=1e-9)
     lever = np.stack([-held.shaft.moment[:, 1], held.shaft.moment[:, 0]], axis=1)

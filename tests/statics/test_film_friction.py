@@ -10,14 +10,14 @@ from cycloid_mj.base.errors import DesignError, UsageError
 from cycloid_mj.design import resolve
 from cycloid_mj.design.lubricants import lubricant
 from cycloid_mj.figures import quantity, values_json
-from cycloid_mj.figures.film_map import film_map, map_tables
+from cycloid_mj.figures.film_map import compute_film_map, map_tables
 from cycloid_mj.geometry import profile
 from cycloid_mj.geometry.surface_speeds import entrainment_zeros
 from cycloid_mj.lubrication.mixed import FilmLaw, asperity_share, journal_friction, line_friction
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import film_spread
 from cycloid_mj.statics.balance import Loads, friction_losses, loads, powers
-from cycloid_mj.statics.film import DESIGN_INPUTS, FilmInputs, drag_torques, law_of
+from cycloid_mj.statics.film import DESIGN_INPUTS, FilmInputs, drag_torques, film_law
 from cycloid_mj.statics.springs import Springs, springs_of
 
 LOAD = 36.68
@@ -63,7 +63,7 @@ def test_where_entrainment_vanishes_lubrication_is_boundary() -> None:
     assert springs.film is not None
     phases = profile.pin_angles(reducer.tooth_profile) + zero
     there = int(np.argmin(np.abs(phases - zero)))
-    teeth = springs.film.at_working_forces().teeth
+    teeth = springs.film.friction_at_working_forces().teeth
     assert teeth.asperity_share[0, there] > 0.99
     assert teeth.coefficient[0, there] == pytest.approx(0.11, rel=0.01)
     assert np.min(teeth.asperity_share[0]) < 0.6
@@ -122,8 +122,8 @@ def test_power_balance_closes(name: str) -> None:
 def test_temperature_of_the_parts_is_that_of_the_lubricant() -> None:
     oil = lubricant("lithium grease 100")
     warm = lubricated("thermal.disc_c=62", "thermal.ring_c=60")
-    assert law_of(warm, "pin_gear").viscosity == pytest.approx(oil.viscosity(61.0))
-    assert law_of(warm, "output").viscosity == pytest.approx(oil.viscosity(0.5 * (62.0 + 20.0)))
+    assert film_law(warm, "pin_gear").viscosity == pytest.approx(oil.viscosity(61.0))
+    assert film_law(warm, "output").viscosity == pytest.approx(oil.viscosity(0.5 * (62.0 + 20.0)))
 
 
 def test_drag_of_the_design_replaces_that_of_the_seals() -> None:
@@ -151,7 +151,7 @@ def test_samples_at_fixed_forces_match_full_solutions() -> None:
 def outcomes_of(slopes: Sequence[float]) -> film_spread.Spread:
     """Return the spread of a linear function of the inputs."""
     places = film_spread.sample_inputs()[1]
-    return film_spread.spread_of(0.0, places @ np.array(slopes), places)
+    return film_spread.compute_spread(0.0, places @ np.array(slopes), places)
 
 
 def test_causes_are_the_inputs_of_the_largest_variance() -> None:
@@ -190,7 +190,7 @@ def test_starting_torque_has_an_interval() -> None:
 
 
 def test_map_covers_torque_speed_and_temperature() -> None:
-    points = film_map(lubricated(), shares=(0.5, 1.0), temperatures=(20.0, 60.0))
+    points = compute_film_map(lubricated(), shares=(0.5, 1.0), temperatures=(20.0, 60.0))
     efficiencies = [point for point in points if point.quantity == "efficiency"]
     assert len(efficiencies) == 8
     for point in points:
@@ -203,4 +203,4 @@ def test_map_covers_torque_speed_and_temperature() -> None:
 
 def test_map_requires_the_law_film() -> None:
     with pytest.raises(UsageError, match="--map needs"):
-        film_map(Reducer(resolve("pin")))
+        compute_film_map(Reducer(resolve("pin")))

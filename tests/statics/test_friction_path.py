@@ -8,7 +8,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.design import PRESETS
 from cycloid_mj.design.model import NO_FRICTION
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.friction_path import Losses, course_along
+from cycloid_mj.statics.friction_path import Losses, follow_torque_path
 
 COURSE = np.sin(2.0 * np.pi * np.linspace(0.0, 1.25, 250))
 WEIGHTLESS = {"gravity_x": 0.0, "gravity_y": 0.0}
@@ -26,7 +26,9 @@ LEAPS = [
 def turns(reducer: Reducer, crank: float) -> Array:
     """Compute the turn of the output [rad] along a loop of the rated torque."""
     course = reducer.design.rated_torque * COURSE
-    _, turn = course_along(reducer.working_at(reducer.design.rated_torque), course, crank, Losses(), "crank", 1e-4)
+    _, turn = follow_torque_path(
+        reducer.working_at(reducer.design.rated_torque), course, crank, Losses(), "crank", 1e-4
+    )
     return turn
 
 

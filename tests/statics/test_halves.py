@@ -20,7 +20,7 @@ from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.gaps import arc_gaps
 from cycloid_mj.robot.identification import solve_play
 from cycloid_mj.statics.balance import loads
-from cycloid_mj.statics.locked import locked_curve
+from cycloid_mj.statics.locked import solve_locked_curve
 from cycloid_mj.statics.preload import halves_torque, preloaded
 from cycloid_mj.statics.springs import springs_of, turn_evenly
 
@@ -105,7 +105,9 @@ def test_the_curve_of_a_locked_crank_has_the_preload() -> None:
     design = PRESETS["printed"]
     plays = [
         float(np.ptp(np.interp([-0.01, 0.01], curve.torque, curve.turn)))
-        for curve in (locked_curve(one, design.rated_torque, 0.0) for one in (Reducer(design), halved(design, 10.0)))
+        for curve in (
+            solve_locked_curve(one, design.rated_torque, 0.0) for one in (Reducer(design), halved(design, 10.0))
+        )
     ]
     assert plays[0] - plays[1] == pytest.approx(10.0 * ARCMINUTE * design.ring.teeth / design.lobes, rel=0.1)
 

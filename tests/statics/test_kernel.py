@@ -14,7 +14,7 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import loads, springs_of
-from cycloid_mj.statics.friction_path import Held, Losses, rubbing_of
+from cycloid_mj.statics.friction_path import Held, Losses, build_friction_elements
 from cycloid_mj.statics.kernel import (
     CARRYING_SHARE,
     PATH_RESIDUAL_RTOL,
@@ -25,6 +25,7 @@ from cycloid_mj.statics.kernel import (
     Residual,
     Rubbing,
     State,
+    assemble_after,
     balance,
     contacts,
     follow_path,
@@ -32,10 +33,9 @@ from cycloid_mj.statics.kernel import (
     is_open,
     search,
     state,
-    state_after,
 )
-from cycloid_mj.statics.kernel.continuation import augmented_residual, new_path, solve_by_arclength
-from cycloid_mj.statics.kernel.system import system_of
+from cycloid_mj.statics.kernel.continuation import allocate_path, augmented_residual, solve_by_arclength
+from cycloid_mj.statics.kernel.system import allocate_system
 from cycloid_mj.statics.samples import identical_samples, solve_samples
 from cycloid_mj.validate.displaced import exact_gaps, slip_force
 
@@ -65,7 +65,9 @@ def rubbed(name: str, held: Held) -> tuple[statics.Springs, Rubbing]:
     pairs = design.pair_kinds
     design = design.but(clearance=dict.fromkeys(pairs, 1e-6), friction=dict.fromkeys(pairs, 0.15), drive={"speed": 0.0})
     found = springs_of(Reducer(design), [CRANK], friction=False)
-    return found, rubbing_of(Reducer(design), found.contacts, CRANK, Losses(drag=1.0, travel=1e-4, material=0.1), held)
+    return found, build_friction_elements(
+        Reducer(design), found.contacts, CRANK, Losses(drag=1.0, travel=1e-4, material=0.1), held
+    )
 
 
 def pose(contacts: KernelSprings, size: float) -> np.ndarray:
@@ -79,7 +81,7 @@ def pose(contacts: KernelSprings, size: float) -> np.ndarray:
 def test_a_foot_point_nearby_is_found_in_one_round(monkeypatch: pytest.MonkeyPatch, phase: float) -> None:
     """Its search starts right to the second order: to the first it would take another round."""
     monkeypatch.setattr(contacts, "_FOOT_POINT", contacts._FOOT_POINT._replace(max_iterations=1))
-    foot = getattr(contacts._foot, "py_func", contacts._foot)
+    foot = getattr(contacts._find_foot_point, "py_func", contacts._find_foot_point)
     E, c, N = trochoid = 1.0, 0.1, 6.0
     rate = np.hypot(c * N * np.sin(phase), E - c * N * np.cos(phase))
     found, *_ = foot(trochoid, phase, 0.0, 5e-4 * rate, 1.0)
@@ -185,7 +187,7 @@ def test_a_path_leads_in_few_steps_to_the_balance_of_the_other_search(name: str,
     load, other, force = np.zeros((1, u)), np.zeros((1, u)), np.zeros(contacts.distance.shape)
     load[:, -1] = design_of(name).rated_torque / contacts.radius
     assert balance(contacts, load, other, force, False).force <= RESIDUAL_RTOL
-    here, system = np.zeros(u), system_of(contacts)
+    here, system = np.zeros(u), allocate_system(contacts)
     for disc, place in enumerate(contacts.cam_place[0]):
         here[3 * disc : 3 * disc + 2] = place
     allowed = RESIDUAL_RTOL * load.max()
@@ -199,7 +201,7 @@ def test_a_path_leads_in_few_steps_to_the_balance_of_the_other_search(name: str,
 def test_the_equations_of_a_path_fall_with_its_point(name: str, lag: float, way: float) -> None:
     contacts = springs(name, friction=True)
     u = contacts.slope.shape[2]
-    path, system, load = new_path(contacts, u, lag), system_of(contacts), np.zeros(u)
+    path, system, load = allocate_path(contacts, u, lag), allocate_system(contacts), np.zeros(u)
 
     def left(point: np.ndarray) -> np.ndarray:
         augmented_residual(contacts, 0, load, point, path, system)
@@ -297,7 +299,7 @@ def test_the_friction_of_a_cam_turns_its_own_disc() -> None:
 def balance_along(contacts: KernelSprings, load: Array, z: Array, force: Array) -> Residual:
     """Balance crank angles that follow each other, with every disc where its cam is at first."""
     z[:, :-1].reshape(len(z), -1, 3)[..., :2] = contacts.cam_place
-    return search.balance_briefly(contacts, load, z, force, True, None, system_of(contacts))
+    return search.balance_briefly(contacts, load, z, force, True, None, allocate_system(contacts))
 
 
 def balanced(name: str, follow: bool, friction: bool) -> Residual:
@@ -342,7 +344,7 @@ def test_along_paths_a_search_ends_where_it_does_without(follow: bool) -> None:
     load[:, -1] = design_of("few").rated_torque / contacts.radius
     ends = [np.zeros_like(load), np.zeros_like(load)]
     for z, paths, kernel in zip(ends, (None, PATHS), (search.balance_briefly, search.balance_by_all), strict=True):
-        force, system = np.zeros(contacts.distance.shape), system_of(contacts)
+        force, system = np.zeros(contacts.distance.shape), allocate_system(contacts)
         assert kernel(contacts, load, z, force, follow, paths, system).force <= RESIDUAL_RTOL
     np.testing.assert_array_equal(*ends)
 
@@ -460,7 +462,7 @@ def test_forces_after_a_step_with_friction_are_the_descent_of_the_energy(name: s
     for given in (True, False):
 
         def at(z: np.ndarray, given: bool = given) -> State:
-            return state_after(contacts, rubs, before, load, z, given)
+            return assemble_after(contacts, rubs, before, load, z, given)
 
         found, stiffness = at(z), differences(at, z, "residual", 1e-10)
         np.testing.assert_allclose(stiffness, found.stiffness, rtol=0.0, atol=4e-8 * np.abs(stiffness).max())

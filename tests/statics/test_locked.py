@@ -11,11 +11,11 @@ from cycloid_mj.statics.locked import (
     ELEMENTS,
     LockedCurve,
     SlipElements,
+    follow_locked_path,
     load_friction,
     locked_branches,
-    locked_course,
-    locked_curve,
     slip_elements,
+    solve_locked_curve,
 )
 
 SPRING = LockedCurve(np.array([-1.0, 1.0]), np.array([-0.01, 0.01]))
@@ -27,9 +27,9 @@ def test_without_friction_the_turn_is_that_of_the_balance(name: str) -> None:
     design = unlike(name) if name in UNLIKE else resolve(name)
     design = design.but(environment={"gravity_x": 0.0, "gravity_y": 0.0}, drive={"speed": 0.0})
     reducer, torque = Reducer(design), np.array([0.7, -0.3]) * design.rated_torque
-    curve = locked_curve(reducer, design.rated_torque, 0.3)
+    curve = solve_locked_curve(reducer, design.rated_torque, 0.3)
     springs = springs_of(reducer, [0.3], friction=False)
-    turn = locked_course(curve, slip_elements(reducer), torque)
+    turn = follow_locked_path(curve, slip_elements(reducer), torque)
     expected = [loads(reducer, springs, one).output_turn[0] for one in torque.tolist()]
     assert turn == pytest.approx(expected, rel=0.02)
 
@@ -37,7 +37,7 @@ def test_without_friction_the_turn_is_that_of_the_balance(name: str) -> None:
 def test_what_twists_behind_the_contacts_adds_its_turn() -> None:
     design = Design(structure="springs")
     soft = design.but(springs={"housing": 1e4})
-    turns = [locked_curve(Reducer(one), 100.0, 0.0).turn[-1] for one in (design, soft)]
+    turns = [solve_locked_curve(Reducer(one), 100.0, 0.0).turn[-1] for one in (design, soft)]
     reducer = Reducer(soft)
     expected = loads(reducer, springs_of(reducer, [0.0], friction=False), 128.0).output_turn[0]
     assert turns[1] == pytest.approx(expected, rel=1e-3)
@@ -58,15 +58,15 @@ def test_a_loop_takes_the_work_of_its_friction() -> None:
     """Friction that acts at once takes twice its torque times the turn from one end to the other."""
     elements = SlipElements(np.array([2.0]), np.array([2e5]))
     torque = np.concatenate([np.linspace(0, 20, 300), np.linspace(20, -20, 600), np.linspace(-20, 20, 600)])
-    turn = locked_course(SPRING, elements, torque)
+    turn = follow_locked_path(SPRING, elements, torque)
     work = abs(float(np.trapezoid(turn[300:], torque[300:])))
     assert work == pytest.approx(2.0 * 2.0 * float(np.ptp(turn[300:])), rel=0.02)
 
 
 def test_a_small_loop_inside_is_forgotten_once_it_closes() -> None:
     elements = SlipElements(np.array([2.0, 1.0]), np.array([2e3, 300.0]))
-    plain = locked_course(SPRING, elements, np.array([20.0, -20.0, 20.0]))
-    nested = locked_course(SPRING, elements, np.array([20.0, -20.0, 10.0, 4.0, 10.0, 20.0]))
+    plain = follow_locked_path(SPRING, elements, np.array([20.0, -20.0, 20.0]))
+    nested = follow_locked_path(SPRING, elements, np.array([20.0, -20.0, 10.0, 4.0, 10.0, 20.0]))
     assert nested[-1] == pytest.approx(plain[-1], rel=1e-9)
     assert nested[4] == pytest.approx(nested[2], rel=1e-9)
 

@@ -9,7 +9,7 @@ from cycloid_mj.design import PRESETS, override
 from cycloid_mj.geometry.rv_loads import closed_error, ideal_rv_loads
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.statics import main as statics
-from cycloid_mj.statics.rv import crank_misfits, phase_errors, rv_loads, rv_springs
+from cycloid_mj.statics.rv import compute_rv_springs, crank_misfits, phase_errors, solve_rv_loads
 from cycloid_mj.statics.rv_sheet import carrier_turn
 
 RV80E = PRESETS["rv80e"]
@@ -31,7 +31,7 @@ def reducer(*changes: str) -> RvReducer:
 def test_stiff_cranks_share_as_the_closed_form(cranks: int, discs: int) -> None:
     drive = reducer(*STIFF, f"cranks.count={cranks}", f"gear.discs={discs}")
     crank = np.radians([0.0, 30.0, 90.0, 200.0])
-    found, ideal = rv_loads(rv_springs(drive, crank), 784.0), ideal_rv_loads(drive.stage, 784.0, crank)
+    found, ideal = solve_rv_loads(compute_rv_springs(drive, crank), 784.0), ideal_rv_loads(drive.stage, 784.0, crank)
     assert found.pins.reshape(4, discs, -1) == pytest.approx(ideal.pins, abs=0.02 * ideal.pins.max())
     if discs == 2:  # a single disc loads the cranks unequally, which springs of planets equalise in part
         assert found.bearings == pytest.approx(ideal.bearings, abs=0.01 * ideal.bearings.max())
@@ -39,8 +39,8 @@ def test_stiff_cranks_share_as_the_closed_form(cranks: int, discs: int) -> None:
 
 def test_forces_are_in_equilibrium_and_the_planets_carry_the_input_torque() -> None:
     drive = reducer("cranks.needle_clearance_um=3", "planet.backlash_um=20", "clearance.pin_gear_um=2")
-    springs = rv_springs(drive, np.linspace(0.0, 40.0, 7))
-    found = rv_loads(springs, 784.0)
+    springs = compute_rv_springs(drive, np.linspace(0.0, 40.0, 7))
+    found = solve_rv_loads(springs, 784.0)
     normals = springs.slope[:, : springs.pins, :6].reshape(7, -1, 2, 3)[..., :2].sum(axis=2)
     on_discs = (normals * found.pins[..., np.newaxis]).reshape(7, 2, -1, 2).sum(axis=2)
     assert on_discs + found.cranks.sum(axis=2) == pytest.approx(0.0, abs=1e-3)
@@ -118,11 +118,16 @@ def test_error_map(name: str, discs: int) -> None:
     small = RvReducer(override(drive.design, [f"crank_errors.{change.replace('10.0', '0.1')}"]))
     closed = closed_error(small.stage, crank, phase_errors(small, crank), crank_misfits(small, crank)) / ARCSECOND
     assert 100.0 * np.ptp(closed) == pytest.approx(expected, rel=0.03, abs=0.05)
-    with_errors, without = (rv_loads(rv_springs(item, crank), 784.0).carrier_turn for item in (small, drive))
+    with_errors, without = (
+        solve_rv_loads(compute_rv_springs(item, crank), 784.0).carrier_turn for item in (small, drive)
+    )
     assert 100.0 * np.ptp(with_errors - without) / ARCSECOND == pytest.approx(expected, rel=0.03, abs=0.6)
 
 
 def test_half_the_angles_have_the_same_peaks() -> None:
     drive = reducer()
-    peaks = [rv_loads(rv_springs(drive, carrier_turn(drive, count)), 784.0).bearings.max() for count in (360, 720)]
+    peaks = [
+        solve_rv_loads(compute_rv_springs(drive, carrier_turn(drive, count)), 784.0).bearings.max()
+        for count in (360, 720)
+    ]
     assert peaks[0] == pytest.approx(peaks[1], rel=2e-3)

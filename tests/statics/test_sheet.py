@@ -25,7 +25,7 @@ from cycloid_mj.statics.sheet import (
 )
 from cycloid_mj.statics.springs import Springs, turn_evenly
 from cycloid_mj.statics.structure import wind_up
-from cycloid_mj.statics.windup import Windup, windups
+from cycloid_mj.statics.windup import Windup, solve_windups
 
 MEASURED = json.loads((Path(__file__).parents[1] / "data" / "measured.json").read_text())
 FIXED = override(PRESETS["pin"], ['ring.pins="fixed"'])
@@ -83,7 +83,7 @@ def test_what_a_spring_gives_is_told_by_its_work(name: str) -> None:
     design = Reducer(PRESETS[name].but(clearance=clearance)).working_at(PRESETS[name].rated_torque).design
 
     def solved(one: Design) -> list[Windup]:
-        return windups(Reducer(one), [0.3, 1.1], design.rated_torque)
+        return solve_windups(Reducer(one), [0.3, 1.1], design.rated_torque)
 
     told, contacts = (
         [one.compliance_by_spring(Reducer(design)) for one in solved(design)],
@@ -105,7 +105,7 @@ def test_what_a_spring_gives_is_told_by_its_work(name: str) -> None:
 @pytest.mark.parametrize("design", [*presets_for("simulate").values(), unlike("large")], ids=lambda design: design.name)
 def test_angles_that_follow_each_other_have_the_balances_of_each_alone(design: Design) -> None:
     torque, cranks = design.rated_torque, turn_evenly(Reducer(design), 31)
-    alone, following = (windups(Reducer(design), cranks, torque, follow) for follow in (False, True))
+    alone, following = (solve_windups(Reducer(design), cranks, torque, follow) for follow in (False, True))
     for one, other in zip(alone, following, strict=True):
         for share, turn in one.turn.items():
             assert other.turn[share] == pytest.approx(turn, rel=1e-6)

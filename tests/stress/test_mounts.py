@@ -12,7 +12,7 @@ from cycloid_mj.design import PRESETS
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP, shear_coefficient, shear_modulus
 from cycloid_mj.stress import mounts
-from cycloid_mj.stress.mounts import StudSeats, crank_compliance, printed_of, read_mounts, stud_stiffness
+from cycloid_mj.stress.mounts import StudSeats, crank_compliance, read_mounts, solve_stud_beam, with_modulus
 
 DRAWN = Path(__file__).parents[1] / "data" / "bench" / "mounts.toml"
 PRINTED = Reducer(PRESETS["printed"])
@@ -44,7 +44,7 @@ def test_a_pin_in_deep_seats_is_a_beam_between_hetenyis_half_infinite_ones() -> 
     beam = np.array([[length**3 / (3.0 * bending) + length / sheared, turned], [turned, length / bending]])
     facing = np.diag([1.0, -1.0])  # the far seat lies on the other side of its end
     whole = carried.T @ seat @ carried + beam + facing @ seat @ facing
-    _, share, across = stud_stiffness(thin, StudSeats(near_seat=0.06, far_seat=0.06))
+    _, share, across = solve_stud_beam(thin, StudSeats(near_seat=0.06, far_seat=0.06))
     assert across == pytest.approx(np.linalg.inv(whole)[0, 0], rel=0.02)
     assert share == pytest.approx(0.5, rel=2e-3)
 
@@ -52,7 +52,7 @@ def test_a_pin_in_deep_seats_is_a_beam_between_hetenyis_half_infinite_ones() -> 
 def test_a_hard_pin_tilts_and_shifts_in_its_seats() -> None:
     """A rigid bar on two foundations: its stiffness matrix by the moments of both seats about the disc's middle."""
     hard = PRINTED.but(output_material={"youngs_modulus": 2e12}, housing_material={"youngs_modulus": 1e8})
-    give, share, across = stud_stiffness(hard, STUDS)
+    give, share, across = solve_stud_beam(hard, STUDS)
     foundation, half = hard.design.material_of("housing").youngs_modulus, hard.design.gear.face_width / 2 + AXIAL_GAP
     ends = {-1: (-half - STUDS.far_seat, -half), 1: (half, half + STUDS.near_seat)}
     moments = {
@@ -69,9 +69,9 @@ def test_a_hard_pin_tilts_and_shifts_in_its_seats() -> None:
 
 
 def test_twice_the_elements_change_a_pins_give_by_less_than_a_thousandth(monkeypatch: pytest.MonkeyPatch) -> None:
-    coarse = stud_stiffness(PRINTED, STUDS)
+    coarse = solve_stud_beam(PRINTED, STUDS)
     monkeypatch.setattr(mounts, "SLICES", 2 * mounts.SLICES)
-    assert stud_stiffness(PRINTED, STUDS) == pytest.approx(coarse, rel=1e-3)
+    assert solve_stud_beam(PRINTED, STUDS) == pytest.approx(coarse, rel=1e-3)
 
 
 def test_a_crank_gives_by_its_seats_and_its_post() -> None:
@@ -88,13 +88,13 @@ def test_a_crank_gives_by_its_seats_and_its_post() -> None:
     sheared = told.post / (shear_coefficient(material) * shear_modulus(material) * math.pi * told.post_diameter**2 / 4)
     post = told.post * np.mean((housing * places) ** 2) / bending + housing**2 * sheared
     assert crank_compliance(PRINTED, told) - thick == pytest.approx(post, rel=1e-4)
-    assert crank_compliance(printed_of(PRINTED, 2.0 * modulus), told) == pytest.approx(
+    assert crank_compliance(with_modulus(PRINTED, 2.0 * modulus), told) == pytest.approx(
         crank_compliance(PRINTED, told) / 2
     )
 
 
 def test_another_modulus_is_that_of_all_printed_parts_and_of_no_steel() -> None:
-    other = printed_of(PRINTED, 1e9).design
+    other = with_modulus(PRINTED, 1e9).design
     assert {part: other.material_of(part).youngs_modulus == 1e9 for part in ("gear", "housing", "output", "shaft")} == {
         "gear": True,
         "housing": True,

@@ -33,14 +33,14 @@ from cycloid_mj.parts import mass_properties, output_centres, parts
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.stress.closed import largest_von_mises, line_stress, von_mises_below
-from cycloid_mj.stress.contacts import Action, contacts, rotate_vectors
+from cycloid_mj.stress.contacts import Action, list_contacts, rotate_vectors
 from cycloid_mj.stress.figures import for_one_turn
 from cycloid_mj.stress.findings import PartFindings, Peak, Refinement, StressFindings
 from cycloid_mj.stress.loads import PARTS, part_loads, part_names
 from cycloid_mj.stress.notch import Notch
 from cycloid_mj.stress.study import StudySettings, corner_choice
 from cycloid_mj.stress.table import BULK_HEADER, CONTACT_HEADER, bulk_table, contact_table
-from cycloid_mj.stress.turn import turn
+from cycloid_mj.stress.turn import select_turn
 
 PIN, NONPIN = (override(PRESETS[name], ["drive.ramp_s=0.0"]) for name in ("pin", "nonpin"))
 SOME = np.radians(np.arange(0.0, 360.0, 7.0))
@@ -159,7 +159,7 @@ def test_loads_of_the_ideal_mesh_are_where_and_as_large_as_statics_says():
     run = made_run(PIN, scale=0.0)
     loads = part_loads(run, Reducer(PIN), "gear", QUARTERS)
     gear = tooth_profile(PIN)
-    angle = turn(run, Reducer(PIN), QUARTERS)["crank_angle"]
+    angle = select_turn(run, Reducer(PIN), QUARTERS)["crank_angle"]
     size = np.linalg.norm(loads.force[:, : gear.ring_teeth], axis=-1)
     assert size == pytest.approx(ideal_load_sharing(gear, np.full(4, TORQUE), angle).forces, abs=1e-9)
     touched = conjugate_point(gear, pin_angles(gear), -angle[:, np.newaxis]).gear_frame
@@ -179,7 +179,7 @@ def test_lobes_press_on_the_flank_where_the_arcs_touch():
     run = made_run(NONPIN, scale=0.0)
     loads = part_loads(run, Reducer(NONPIN), "ring", QUARTERS)
     gear = tooth_profile(NONPIN)
-    for row, angle in enumerate(turn(run, Reducer(NONPIN), QUARTERS)["crank_angle"]):
+    for row, angle in enumerate(select_turn(run, Reducer(NONPIN), QUARTERS)["crank_angle"]):
         loaded = np.linalg.norm(loads.force[row], axis=-1) > 0.0
         # the flank lies a clearance deeper in the gear than the arc
         assert loads.position[row][loaded] == pytest.approx(arc_contacts(gear, float(angle)).points[loaded], abs=1.1e-6)
@@ -190,7 +190,7 @@ def test_half_widths_follow_the_flank():
     loads = part_loads(run, Reducer(PIN), "gear", QUARTERS)
     gear, material = tooth_profile(PIN), PIN.material
     modulus = contact_modulus(material.youngs_modulus, material.poisson)
-    angle = turn(run, Reducer(PIN), QUARTERS)["crank_angle"]
+    angle = select_turn(run, Reducer(PIN), QUARTERS)["crank_angle"]
     t = pin_angles(gear) - angle[:, np.newaxis] / gear.lobes
     bend = curvature(gear, t, gear.pin_radius + PIN.clearance.pin_gear) + 1.0 / gear.pin_radius
     size = np.linalg.norm(loads.force[:, : gear.ring_teeth], axis=-1)
@@ -221,7 +221,7 @@ def test_free_parts_are_in_balance(request, kind, part):
 def test_the_gear_accelerates_as_the_closed_form_says_but_for_vibration(request, kind):
     """The acceleration comes from the logged forces; the closed form is a second way to it."""
     run, design = runs(request, kind)
-    sampled, loads = turn(run, Reducer(design)), part_loads(run, Reducer(design), "gear")
+    sampled, loads = select_turn(run, Reducer(design)), part_loads(run, Reducer(design), "gear")
     accelerated = gear_centre_acceleration(tooth_profile(design), sampled["crank_angle"], sampled["crank_speed"])
     gravity = [design.environment.gravity_x, design.environment.gravity_y]
     free = rotate_vectors(gravity - accelerated, -sampled["gear_angle"])
@@ -239,7 +239,9 @@ def test_every_patch_has_the_moment_of_its_force(request, kind):
     run, design = runs(request, kind)
     for part in part_names(Reducer(design)):
         loads = part_loads(run, Reducer(design), part, SOME)
-        of_contacts = np.stack([one.action.moment for one in contacts(turn(run, Reducer(design), SOME), part)], axis=1)
+        of_contacts = np.stack(
+            [one.action.moment for one in list_contacts(select_turn(run, Reducer(design), SOME), part)], axis=1
+        )
         assert moments(loads, design) == pytest.approx(of_contacts, abs=1e-6)
         assert np.array_equal(np.isnan(loads.position[..., 0]), np.linalg.norm(loads.force, axis=-1) == 0.0)
 
@@ -261,7 +263,7 @@ def test_actions_are_opposite_to_reactions(request):
 
 def test_the_nearest_samples_of_the_last_turn_are_taken(request):
     run, design = runs(request, "pin")
-    sampled = turn(run, Reducer(design))
+    sampled = select_turn(run, Reducer(design))
     step = np.median(np.diff(run["crank_angle"]))
     assert sampled.angle == pytest.approx(np.radians(np.arange(360)), abs=0.51 * step)
     assert np.unique(sampled.rows).size == 360
@@ -350,7 +352,7 @@ def test_the_cam_has_one_answer_here_and_in_measure_loads():
     loads = part_loads(run, Reducer(PIN), "shaft", QUARTERS)
     measured = contact_pressures(run, Reducer(PIN))["cam"]
     found = line_stress(loads, Reducer(PIN)).peak_pressure[:, 0]
-    assert found == pytest.approx(measured.pressure[turn(run, Reducer(PIN), QUARTERS).rows, 0], rel=1e-12)
+    assert found == pytest.approx(measured.pressure[select_turn(run, Reducer(PIN), QUARTERS).rows, 0], rel=1e-12)
     roller = 15e-3 * np.sin(np.pi / 20)
     modulus = contact_modulus(PIN.material.youngs_modulus, PIN.material.poisson)
     force = 4.08 / 20 * np.linalg.norm(loads.force[:, 0], axis=-1)
@@ -524,7 +526,7 @@ def test_a_pin_without_load_is_told_to_be_idle():
 
 @needs_fem
 def test_the_study_of_a_part(pin_run):
-    from cycloid_mj.stress.study import at_angles, stress_study
+    from cycloid_mj.stress.study import select_angles, stress_study
 
     settings = StudySettings(angles=12, refinement=0.4, checked=3)
     told = []
@@ -544,7 +546,7 @@ def test_the_study_of_a_part(pin_run):
     size = np.linalg.norm(study["pin_1"].loads.force, axis=-1).max(axis=1)
     assert np.corrcoef(size, found.bulk)[0, 1] > 0.95
     assert study["pin_1"].map.angle == found.bulk_peak.angle
-    assert at_angles(study["pin_1"].loads, [3]).force == pytest.approx(study["pin_1"].loads.force[[3]])
+    assert select_angles(study["pin_1"].loads, [3]).force == pytest.approx(study["pin_1"].loads.force[[3]])
     written = json.loads(json.dumps(study.findings.as_json()))
     assert written["parts"][0]["bulk_peak"]["stress_mpa"] == pytest.approx(found.bulk.max() / 1e6)
     assert written["assumptions"]

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from cycloid_mj.stress.cost import BASE_MEMORY, Cost, cost, total
+from cycloid_mj.stress.cost import COST, Cost, add_costs, estimate_cost
 from cycloid_mj.stress.study import QUICK, StudySettings
 
 
@@ -27,20 +27,20 @@ def test_the_cost_is_near_what_was_measured() -> None:
         ("shaft", 10593, 3, 3.1, 530),
         ("output", 33804, 3, 3.3, 525),
     ):
-        found = cost(Sized(part, unknowns, dimension, section=part if part == "output" else None), QUICK)
+        found = estimate_cost(Sized(part, unknowns, dimension, section=part if part == "output" else None), QUICK)
         assert found.seconds == pytest.approx(seconds, rel=0.4), part
         assert found.memory == pytest.approx(1e6 * megabytes, rel=0.4), part
 
 
 def test_the_cost_grows_with_grid_angles_and_supports() -> None:
-    small, large = (cost(Sized("gear", unknowns), QUICK) for unknowns in (10_000, 40_000))
+    small, large = (estimate_cost(Sized("gear", unknowns), QUICK) for unknowns in (10_000, 40_000))
     assert large.seconds == pytest.approx(4 * small.seconds)
-    assert large.memory - BASE_MEMORY == pytest.approx(4 * (small.memory - BASE_MEMORY))
-    assert cost(Sized("gear", 10_000), StudySettings(angles=360, checked=5)).seconds > small.seconds
-    assert cost(Sized("ring", 10_000), QUICK).seconds > small.seconds  # also under its other support
+    assert large.memory - COST.base_memory == pytest.approx(4 * (small.memory - COST.base_memory))
+    assert estimate_cost(Sized("gear", 10_000), StudySettings(angles=360, checked=5)).seconds > small.seconds
+    assert estimate_cost(Sized("ring", 10_000), QUICK).seconds > small.seconds  # also under its other support
 
 
 def test_parts_are_studied_one_after_the_other() -> None:
     large, small = Cost(1.0, 3e9, 1e8), Cost(2.0, 1e9, 2e8)
-    assert total([large, small]) == Cost(3.0, 3e9, 3e8)
-    assert total([small, large]).memory == 3.2e9  # beside what is kept of the first
+    assert add_costs([large, small]) == Cost(3.0, 3e9, 3e8)
+    assert add_costs([small, large]).memory == 3.2e9  # beside what is kept of the first

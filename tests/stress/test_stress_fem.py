@@ -24,21 +24,21 @@ from cycloid_mj.design import PRESETS, Design, override, resolve
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.parts import circle, mass_properties, parts
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.statics.windup import windups
+from cycloid_mj.statics.windup import solve_windups
 from cycloid_mj.stress import GridSettings, PartLoads, as_vtu, elastic, part_grid, solve, stress_map
 from cycloid_mj.stress import shaft as shaft_loading
-from cycloid_mj.stress.bulk import Distances, largest
+from cycloid_mj.stress.bulk import Distances, largest_beyond
 from cycloid_mj.stress.field import StressMap
 from cycloid_mj.stress.grid import BULK_DISTANCE, FoldedError, Grid, planar_grid
 from cycloid_mj.stress.mounts import read_mounts
 from cycloid_mj.stress.part import part_case
-from cycloid_mj.stress.patch import patches
-from cycloid_mj.stress.recover import principal, recovery, stresses, stresses_at_points, von_mises
+from cycloid_mj.stress.patch import distribute_contacts
+from cycloid_mj.stress.recover import build_recovery, principal, stresses, stresses_at_points, von_mises
 from cycloid_mj.stress.region import Boundary, Region
 from cycloid_mj.stress.shaftgrid import shaft_measures
 from cycloid_mj.stress.springs import PartSprings, part_springs
 from cycloid_mj.stress.study import StudySettings
-from cycloid_mj.stress.surface import surface
+from cycloid_mj.stress.surface import select_surface
 from cycloid_mj.stress.vtu import NAMES
 
 try:  # gmsh's wheel needs libraries of the system, without which it raises OSError
@@ -115,11 +115,11 @@ def test_patch_test(part: str, shaft: Grid) -> None:
     dimension = grid.dimension
     strain = 1e-3 * np.random.default_rng(1).normal(size=(dimension, dimension))
     exact = (grid.points @ strain.T).ravel()
-    body = elastic.body(grid, STEEL)
-    forces = elastic.stiffness(grid, STEEL) @ exact
+    body = elastic.assemble_body(grid, STEEL)
+    forces = elastic.assemble_stiffness(grid, STEEL) @ exact
     inner = np.setdiff1d(np.arange(len(grid.points)), np.unique(_surface_nodes(grid)))
     assert np.abs(forces[elastic.unknowns(inner, dimension)]).max() < 1e-10 * np.abs(forces).max()
-    operators = recovery(grid)
+    operators = build_recovery(grid)
     found = elastic.displacements(body, forces[:, np.newaxis])
     at_points = stresses_at_points(operators, found, STEEL)
     for stress, error in ((stresses(operators, found, STEEL), 2e-6), (at_points, 1e-9)):
@@ -129,7 +129,7 @@ def test_patch_test(part: str, shaft: Grid) -> None:
 def _surface_nodes(grid: Grid) -> npt.NDArray[np.int64]:
     if grid.dimension == 2:
         return np.concatenate(grid.loops).ravel()
-    return surface(grid, lambda x: np.ones(x.shape[1], bool)).nodes.ravel()
+    return select_surface(grid, lambda x: np.ones(x.shape[1], bool)).nodes.ravel()
 
 
 @pytest.mark.slow
@@ -145,10 +145,10 @@ def test_lame_ring_and_orders_of_convergence() -> None:
         settings = GridSettings(refinement=refinement, contact_edge=1.0, inner_edge=1.0, turn=0.3)
         grid = planar_grid(ring_region(inner, outer), settings, 4e-3)
         sizes.append(grid.unknowns**-0.5)
-        part = elastic.body(grid, STEEL)
+        part = elastic.assemble_body(grid, STEEL)
         found = elastic.displacements(part, elastic.balance_loads(part, pressure(grid, 1, inside)[:, np.newaxis])[0])
         found = without_rigid_motion(part, found)
-        operators = recovery(grid)
+        operators = build_recovery(grid)
         hoop = von_mises(stresses(operators, found, STEEL))[grid.loops[1][:, 0], 0]
         basis = elastic.basis_of(grid, vector=True, order=6)
         x = np.asarray(basis.global_coordinates())
@@ -285,7 +285,7 @@ def test_a_patch_has_its_force_and_lies_where_it_acts(half_width: float) -> None
     bore = PIN.gear.bore_radius + PIN.clearance.cam
     turn = np.linspace(0.1, 6.0, 5)
     direction = np.stack([np.cos(turn), np.sin(turn)], axis=1)[:, np.newaxis]
-    put = patches(grid, made_loads("gear", bore * direction, 1e3 * direction, half_width))
+    put = distribute_contacts(grid, made_loads("gear", bore * direction, 1e3 * direction, half_width))
     forces = put.loads.toarray().reshape(-1, 2, 5)
     np.testing.assert_allclose(forces.sum(axis=0).T, 1e3 * direction[:, 0], rtol=1e-12, atol=1e-9)
     x, y = grid.points.T
@@ -297,7 +297,7 @@ def test_wide_patches_are_elliptical() -> None:
     """Forces on the nodes of a resolved patch follow sqrt(1 - (s/b)^2): the second moment is b^2/4 within 1 %."""
     grid = part_grid(PIN, "pin_1", GridSettings(refinement=4))
     radius, b = PIN.ring.pin_radius, 0.4e-3
-    put = patches(grid, made_loads("pin_1", [[[0.0, radius]]], [[[0.0, -1.0]]], b))
+    put = distribute_contacts(grid, made_loads("pin_1", [[[0.0, radius]]], [[[0.0, -1.0]]], b))
     forces = put.loads.toarray().reshape(-1, 2)
     s = radius * np.arctan2(grid.points[:, 0], grid.points[:, 1])
     share = np.linalg.norm(forces, axis=1)
@@ -321,11 +321,16 @@ def test_bulk_leaves_the_patches_out_and_does_not_hang_on_the_grid() -> None:
 def test_torsion_of_the_shaft(shaft: Grid) -> None:
     """A couple between cam and input end shears the journal's surface by 2 T/(pi r^3), within 1 %."""
     measures = shaft_measures(Reducer(PIN))
-    part = elastic.body(shaft, STEEL, springs=shaft_loading.bearing_pads(shaft, measures, 1e8).springs, loose=(2, 5))
-    (_, on_cam), at_end = shaft_loading._on_cam_units(shaft, measures, 0), shaft_loading._torsion(shaft, measures)
+    part = elastic.assemble_body(
+        shaft, STEEL, springs=shaft_loading.bearing_pads(shaft, measures, 1e8).springs, loose=(2, 5)
+    )
+    (_, on_cam), at_end = (
+        shaft_loading._cam_unit_loads(shaft, measures, 0),
+        shaft_loading._torsion_load(shaft, measures),
+    )
     loads, imbalance = elastic.balance_loads(part, 10.0 * (on_cam - at_end))
     assert np.abs(imbalance).max() < 1e-9
-    stress = von_mises(stresses(recovery(shaft), elastic.displacements(part, loads), STEEL))[:, 0]
+    stress = von_mises(stresses(build_recovery(shaft), elastic.displacements(part, loads), STEEL))[:, 0]
     x, y, z = shaft.points.T
     middle = (np.abs(np.hypot(x, y) - measures.radius) < 1e-7) & (z > -0.030) & (z < -0.015)
     expected = np.sqrt(3.0) * 2 * 10.0 / (np.pi * measures.radius**3)
@@ -368,12 +373,12 @@ def test_superposition_equals_a_direct_solve() -> None:
     forces, moved = answer.forces, answer.moved
     direct = np.zeros_like(moved)
     free = case.body.free
-    whole = elastic.stiffness(shaft, STEEL) + case.body.springs
-    direct[free] = elastic._superlu(sparse.tril(whole[free][:, free], format="csc"), "shaft")(forces[free])
+    whole = elastic.assemble_stiffness(shaft, STEEL) + case.body.springs
+    direct[free] = elastic._factorise_by_superlu(sparse.tril(whole[free][:, free], format="csc"), "shaft")(forces[free])
     np.testing.assert_allclose(moved, direct, rtol=0, atol=1e-9 * np.abs(direct).max())
     measures = shaft_measures(Reducer(PIN))
     psi = np.linspace(-np.pi, np.pi, 721)
-    series = sum(shaft_loading._half_cosine(m) * np.cos(m * psi) for m in shaft_loading.HARMONICS)
+    series = sum(shaft_loading._half_cosine(m) * np.cos(m * psi) for m in shaft_loading.MODEL.harmonics)
     assert np.abs(series - np.maximum(0.0, np.cos(psi))).max() < 0.04
     assert np.trapezoid(series * np.cos(psi), psi) == pytest.approx(np.pi / 2, rel=1e-9)
     assert measures.bearings[1][1] == measures.counterweight[0]
@@ -411,7 +416,7 @@ def test_without_the_fast_solver_or_with_one_of_other_names_superlu_solves(monke
     lower, loads = sparse.csc_matrix([[4.0, 0.0], [1.0, 3.0]]), np.array([1.0, 2.0])
     for module in (None, SimpleNamespace()):
         monkeypatch.setitem(sys.modules, "rslab", module)
-        np.testing.assert_allclose(elastic._factor(lower, "shaft", 3)(loads), [1.0 / 11.0, 7.0 / 11.0], rtol=1e-12)
+        np.testing.assert_allclose(elastic._factorise(lower, "shaft", 3)(loads), [1.0 / 11.0, 7.0 / 11.0], rtol=1e-12)
 
 
 @pytest.mark.slow
@@ -493,7 +498,7 @@ def test_a_singular_support_is_refused() -> None:
     grid = part_grid(PIN, "ring", COARSE)
     for held in (grid.fixed_nodes[:1], np.zeros(0, np.int64)):
         with pytest.raises(CycloidError, match="support of the ring is singular"):
-            elastic.body(replace(grid, fixed_nodes=held), STEEL, loose=())
+            elastic.assemble_body(replace(grid, fixed_nodes=held), STEEL, loose=())
 
 
 def test_mistakes_are_told() -> None:
@@ -589,10 +594,10 @@ def test_patch_test_of_a_solid() -> None:
     grid = part_grid(PIN, "pin_1", GridSettings(refinement=1.2, solid=True))
     strain = 1e-3 * np.random.default_rng(1).normal(size=(3, 3))
     exact = (grid.points @ strain.T).ravel()
-    body = elastic.body(grid, STEEL)
-    found = elastic.displacements(body, (elastic.stiffness(grid, STEEL) @ exact)[:, np.newaxis])
-    stress = stresses(recovery(grid), found, STEEL)
-    known = stresses_at_points(recovery(grid), exact[:, np.newaxis], STEEL)[:, :1]
+    body = elastic.assemble_body(grid, STEEL)
+    found = elastic.displacements(body, (elastic.assemble_stiffness(grid, STEEL) @ exact)[:, np.newaxis])
+    stress = stresses(build_recovery(grid), found, STEEL)
+    known = stresses_at_points(build_recovery(grid), exact[:, np.newaxis], STEEL)[:, :1]
     np.testing.assert_allclose(stress, known.repeat(stress.shape[1], axis=1), rtol=0, atol=2e-6 * 2e8)
     volume = mass_properties(parts(Reducer(PIN), 1e-9)["pin"]).volume
     assert elastic.basis_of(grid, vector=False, order=4).dx.sum() == pytest.approx(volume, rel=1e-4)
@@ -683,7 +688,7 @@ def test_the_largest_stress_beyond_each_distance_is_found(load: float) -> None:
     stress = (load * apart**-4.0 * rng.uniform(0.9, 1.0, 5000)).astype(np.float32)
     around = Distances(points, np.zeros(5000), patch, np.array([0, 2]), apart < 0.01, 5000)
     distances = np.array([0.02, 0.1, 0.5, 1.5, 9.0])
-    sizes, nodes = largest(around, distances, 0, stress)
+    sizes, nodes = largest_beyond(around, distances, 0, stress)
     beyond = apart >= distances[:4, np.newaxis]
     assert nodes[:4].tolist() == np.where(beyond, stress, -1.0).argmax(axis=1).tolist()
     np.testing.assert_array_equal(sizes[:4], stress[nodes[:4]])
@@ -748,7 +753,10 @@ def test_the_map_has_the_bulk_stress_of_the_table() -> None:
 def predicted(drawn: Design, springs: PartSprings) -> tuple[float, float]:
     """Compute the stiffness that statics has without and with the parts' springs [N m/rad]."""
     bare, sprung = (
-        1.0 / np.mean([sum(one.series(Reducer(design)).values()) for one in windups(Reducer(design), [0.3, 2.0], 10.0)])
+        1.0
+        / np.mean(
+            [sum(one.series(Reducer(design)).values()) for one in solve_windups(Reducer(design), [0.3, 2.0], 10.0)]
+        )
         for design in (drawn, springs.design)
     )
     assert sprung == pytest.approx(springs.stiffness, rel=0.03)

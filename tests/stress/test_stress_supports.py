@@ -16,9 +16,9 @@ from cycloid_mj.parts.crank import ShaftDimensions, shaft_measures
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.shoulder import BENDING, TORSION, shoulder_factor
 from cycloid_mj.stress import GridSettings, PartLoads, PartStress, part_grid, solve
-from cycloid_mj.stress.field import assemble_part, by_corner, maxima
+from cycloid_mj.stress.field import assemble_part, solve_maxima, vary_corner_distance
 from cycloid_mj.stress.notch import output_roots, shaft_shoulders
-from cycloid_mj.stress.shaft import BEARING_STIFFNESS, Pads, solve_open_pads
+from cycloid_mj.stress.shaft import MODEL, Pads, solve_open_pads
 
 Array = npt.NDArray[np.float64]
 
@@ -113,7 +113,7 @@ def test_the_shaft_bends_as_a_timoshenko_beam_on_one_sided_bearings(design: Desi
     """
     shaft, force = shaft_measures(Reducer(design)), CAM_FORCE
     found = under_a_cam_force(design)
-    bed = BEARING_STIFFNESS * design.material.youngs_modulus * shaft.radius
+    bed = MODEL.bearing_stiffness * design.material.youngs_modulus * shaft.radius
     beam = beam_moment(design, shaft, force, bed)
     z = beam[:, 0]
     neck = (z > shaft.counterweight[1]) & (z < shaft.cams[0][0])
@@ -214,14 +214,14 @@ def test_the_bulk_of_the_output_is_the_edge_of_what_is_left_out() -> None:
     narrow = np.full((1, 2), 1e-4)
     loads = replace(loads, half_width=narrow, strip=narrow, hertz=narrow > 0.0, torque=np.zeros(1))
     part = assemble_part(Reducer(PIN), part_grid(PIN, "output", GridSettings(refinement=0.3, solid=True)), loads)
-    stress = maxima(part)
-    corners = by_corner(part, 0, stress.bulk_distance)
+    stress = solve_maxima(part)
+    corners = vary_corner_distance(part, 0, stress.bulk_distance)
     half, own, twice = (size for _, size in corners)
     assert [distance / corners[1][0] for distance, _ in corners] == pytest.approx([0.5, 1.0, 2.0])
     assert own == pytest.approx(stress.bulk_stress[0])
     assert half > 1.05 * own > 1.05 * twice
     assert output_roots(Reducer(PIN), loads)[0].stress > 1.5 * own
-    assert by_corner(replace(part, grid=replace(part.grid, keep_off=np.zeros((0, 3)))), 0, 1e-3) == ()
+    assert vary_corner_distance(replace(part, grid=replace(part.grid, keep_off=np.zeros((0, 3)))), 0, 1e-3) == ()
 
 
 @pytest.mark.slow

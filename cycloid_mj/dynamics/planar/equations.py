@@ -32,7 +32,7 @@ from cycloid_mj.dynamics.planar.contacts import (
 )
 from cycloid_mj.dynamics.planar.settings import NEWTON
 from cycloid_mj.dynamics.planar.system import System
-from cycloid_mj.statics.kernel.newton import solve as gauss
+from cycloid_mj.statics.kernel.newton import solve_linear as gauss
 
 Nine = tuple[float, float, float, float, float, float, float, float, float]
 """A matrix of shape (3, 3), row by row."""

@@ -8,17 +8,17 @@ solution is an equilibrium or a jam.
 """
 
 from cycloid_mj.statics.kernel.contacts import Gap, KernelSprings, gap, is_open
-from cycloid_mj.statics.kernel.hysteresis import MAX_SUBSTEPS, Rubbing, follow_path, state_after
+from cycloid_mj.statics.kernel.hysteresis import MAX_SUBSTEPS, Rubbing, assemble_after, follow_path
 from cycloid_mj.statics.kernel.newton import PATH_RESIDUAL_RTOL, RESIDUAL_RTOL, RIGID_BODY_STIFFNESS, Residual
 from cycloid_mj.statics.kernel.samples import (
     CARRYING_SHARE,
     FIGURES,
     Effects,
     SampleDeviations,
+    allocate_workspace,
     balance_few_samples,
     balance_samples,
     balance_samples_by_all,
-    room_for,
 )
 from cycloid_mj.statics.kernel.search import PATHS, balance
 from cycloid_mj.statics.kernel.system import State, state
@@ -38,6 +38,8 @@ __all__ = [
     "Rubbing",
     "SampleDeviations",
     "State",
+    "allocate_workspace",
+    "assemble_after",
     "balance",
     "balance_few_samples",
     "balance_samples",
@@ -45,7 +47,5 @@ __all__ = [
     "follow_path",
     "gap",
     "is_open",
-    "room_for",
     "state",
-    "state_after",
 ]

@@ -19,7 +19,7 @@ FIRST: int = np.int64(0)  # type: ignore[assignment]
 
 
 class ExpansionSettings(NamedTuple):
-    """Validity of the third-order expansion of a tooth's profile about its ideal contact (`_is_gentle`).
+    """Validity of the third-order expansion of a tooth's profile about its ideal contact (`_is_expansion_valid`).
 
     Attributes
     ----------
@@ -43,7 +43,9 @@ class ExpansionSettings(NamedTuple):
 
 
 class FootPointSettings(NamedTuple):
-    """Settings of Newton's method with bisection for the foot point on a trochoid (`_foot`); angles N t [rad].
+    """Settings of Newton's method with bisection for the foot point on a trochoid (`_find_foot_point`).
+
+    Angles are N t [rad].
 
     Attributes
     ----------
@@ -158,15 +160,15 @@ def largest_play(springs: KernelSprings) -> float:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def opened_by(springs: KernelSprings, share: float, room: Array) -> KernelSprings:
-    """Return springs with a share of their clearance; that of the contacts is written to `room` (n,) [m]."""
-    for i in range(room.size):
-        room[i] = share * springs.room[i]
+def scale_clearances(springs: KernelSprings, share: float, scaled_room: Array) -> KernelSprings:
+    """Return springs with a share of their clearances; those of the contacts are written to `scaled_room` (n,) [m]."""
+    for i in range(scaled_room.size):
+        scaled_room[i] = share * springs.room[i]
     return KernelSprings(
         springs.radius,
         springs.disc,
         springs.turning,
-        room,
+        scaled_room,
         springs.distance,
         springs.slope,
         springs.shift,
@@ -188,15 +190,18 @@ def opened_by(springs: KernelSprings, share: float, room: Array) -> KernelSpring
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def gap(springs: KernelSprings, k: int, i: int, z: Array) -> Gap:
-    """Compute a gap at displacements z [m], shape (u,)."""
-    pose = pose_of(springs, springs.disc[i], z)
-    return gap_at(springs, k, i, pose, apart_of(springs, k, i, pose), FALSE)
+    """Compute the gap of contact `i` at crank angle `k` and displacements z [m], shape (u,)."""
+    pose = disc_pose(springs, springs.disc[i], z)
+    return gap_at(springs, k, i, pose, curve_offset(springs, k, i, pose), FALSE)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def is_open(springs: KernelSprings, k: int, i: int, z: Array) -> bool:
-    """Return whether a gap is certainly open at displacements z [m], shape (u,), without computing its width."""
-    return least_width(springs, k, i, apart_of(springs, k, i, pose_of(springs, springs.disc[i], z)), FALSE) > 0.0
+    """Return whether the gap of contact `i` at crank angle `k` is certainly open at displacements z (u,) [m].
+
+    Its width is not computed, but bounded.
+    """
+    return bound_width(springs, k, i, curve_offset(springs, k, i, disc_pose(springs, springs.disc[i], z)), FALSE) > 0.0
 
 
 # Arrays are read before any branch, and functions that `assemble` calls at every contact are inlined: otherwise numba
@@ -204,58 +209,63 @@ def is_open(springs: KernelSprings, k: int, i: int, z: Array) -> bool:
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def pose_of(springs: KernelSprings, disc: int, z: Array) -> _Pose:
+def disc_pose(springs: KernelSprings, disc: int, z: Array) -> _Pose:
     """Return the pose of a disc and of the output at displacements z [m], shape (u,)."""
-    x, radius = 3 * disc, springs.radius
-    turned, output = z[x + 2], z[z.size - 1]
-    return _Pose(z[x], z[x + 1], turned, output, turned / radius, output / radius)
+    index, radius = 3 * disc, springs.radius
+    rotation, output = z[index + 2], z[z.size - 1]
+    return _Pose(z[index], z[index + 1], rotation, output, rotation / radius, output / radius)
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def apart_of(springs: KernelSprings, k: int, i: int, pose: _Pose) -> _Apart:
-    """Compute the distance of two curves at their ideal contact, with finite rotations to the second order.
+def curve_offset(springs: KernelSprings, k: int, i: int, pose: _Pose) -> _Apart:
+    """Compute the offset of two curves at their ideal contact, with finite rotations to the second order.
 
     In the frame of a profile that rotates with its disc by phi, its mate rotates the other way, q + i p as e^(i phi);
     the centre of a round hole rotates about that of the disc, and the output pin about that of the output.
     """
     x, o = 3 * springs.disc[i], springs.slope.shape[2] - 1
-    y, t, turning, phi, psi = x + 1, x + 2, springs.turning[i], pose.phi, pose.psi
+    y, t, rotates, phi, psi = x + 1, x + 2, springs.turning[i], pose.phi, pose.psi
     q, p = springs.distance[k, i], springs.shift[k, i]
-    turned_q, turned_p = springs.slope[k, i, t] * pose.t, springs.shift_slope[k, i, t] * pose.t
-    out_q, out_p = springs.slope[k, i, o] * pose.o, springs.shift_slope[k, i, o] * pose.o
+    rotated_q, rotated_p = springs.slope[k, i, t] * pose.t, springs.shift_slope[k, i, t] * pose.t
+    output_q, output_p = springs.slope[k, i, o] * pose.o, springs.shift_slope[k, i, o] * pose.o
     moved_q = springs.slope[k, i, x] * pose.x + springs.slope[k, i, y] * pose.y
     moved_p = springs.shift_slope[k, i, x] * pose.x + springs.shift_slope[k, i, y] * pose.y
-    if turning:
-        all_q, all_p = q + moved_q + turned_q, p + moved_p + turned_p
-        return _Apart(all_q - phi * (all_p - 0.5 * turned_p), all_p + phi * (all_q - 0.5 * turned_q), all_q, all_p)
-    second_q = phi * (p + 0.5 * turned_p) + 0.5 * psi * out_p
-    second_p = phi * (q + 0.5 * turned_q) + 0.5 * psi * out_q
-    return _Apart(q + moved_q + turned_q + out_q + second_q, p + moved_p + turned_p + out_p - second_p, q, p)
+    if rotates:
+        all_q, all_p = q + moved_q + rotated_q, p + moved_p + rotated_p
+        return _Apart(all_q - phi * (all_p - 0.5 * rotated_p), all_p + phi * (all_q - 0.5 * rotated_q), all_q, all_p)
+    second_q = phi * (p + 0.5 * rotated_p) + 0.5 * psi * output_p
+    second_p = phi * (q + 0.5 * rotated_q) + 0.5 * psi * output_q
+    return _Apart(q + moved_q + rotated_q + output_q + second_q, p + moved_p + rotated_p + output_p - second_p, q, p)
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
-def gap_at(springs: KernelSprings, k: int, i: int, pose: _Pose, apart: _Apart, exact: bool) -> Gap:
-    """Compute a gap and its gradients from the result of `apart_of`."""
+def gap_at(springs: KernelSprings, k: int, i: int, pose: _Pose, offset: _Apart, use_foot_point: bool) -> Gap:
+    """Compute the gap of contact `i` at crank angle `k`, and its gradients, from the result of `curve_offset`.
+
+    The profile is expanded to the third order, unless `use_foot_point` or the expansion is not accurate.
+    """
     x, o = 3 * springs.disc[i], springs.slope.shape[2] - 1
-    y, t, turning, phi, psi = x + 1, x + 2, springs.turning[i], pose.phi, pose.psi
+    y, t, rotates, phi, psi = x + 1, x + 2, springs.turning[i], pose.phi, pose.psi
     qx, px = springs.slope[k, i, x], springs.shift_slope[k, i, x]
     qy, py = springs.slope[k, i, y], springs.shift_slope[k, i, y]
     qt, pt = springs.slope[k, i, t], springs.shift_slope[k, i, t]
     qo, po = springs.slope[k, i, o], springs.shift_slope[k, i, o]
-    bend, twist, room = springs.bend[k, i], springs.twist[k, i], springs.room[i]
+    curvature, curvature_rate, room = springs.bend[k, i], springs.twist[k, i], springs.room[i]
     phase, trochoid = springs.phase[k, i], springs.trochoid
-    arm_q, arm_p = apart.arm_q / springs.radius, apart.arm_p / springs.radius
-    if turning:
+    arm_q, arm_p = offset.arm_q / springs.radius, offset.arm_p / springs.radius
+    if rotates:
         # the rate of w + i phi (w - v phi/2), with w, the arm, linear in the turn phi at the rate v, is v + i w
         qt, pt = qt - arm_p, pt + arm_q
         qx, px, qy, py = qx - phi * px, px + phi * qx, qy - phi * py, py + phi * qy
     else:
         qt, pt = qt + arm_p + phi * pt, pt - arm_q - phi * qt
         qo, po = qo + psi * po, po - psi * qo
-    q, p = apart.q, apart.p
-    width, c, s, rate = _curve_distance(trochoid, phase, bend, twist, q, p, turning, exact)
-    normal = (c * qx + s * px, c * qy + s * py, c * qt + s * pt, c * qo + s * po)
-    tangential = (c * px - s * qx, c * py - s * qy, c * pt - s * qt, c * po - s * qo)
+    q, p = offset.q, offset.p
+    width, cosine, sine, rate = _curve_distance(
+        trochoid, phase, curvature, curvature_rate, q, p, rotates, use_foot_point
+    )
+    normal = (cosine * qx + sine * px, cosine * qy + sine * py, cosine * qt + sine * pt, cosine * qo + sine * po)
+    tangential = (cosine * px - sine * qx, cosine * py - sine * qy, cosine * pt - sine * qt, cosine * po - sine * qo)
     return Gap(room + width, normal, tangential, rate)
 
 
@@ -263,57 +273,71 @@ def gap_at(springs: KernelSprings, k: int, i: int, pose: _Pose, apart: _Apart, e
 def _curve_distance(
     trochoid: tuple[float, float, float],
     phase: float,
-    bend: float,
-    twist: float,
+    curvature: float,
+    curvature_rate: float,
     q: float,
     p: float,
-    turning: bool,
-    exact: bool,
+    rotates: bool,
+    use_foot_point: bool,
 ) -> tuple[float, float, float, float]:
     """Compute the distance of two curves [m], cosine and sine of the rotation of the normal, and its rate [1/m].
 
-    Where the third-order expansion is not valid, the foot point on the trochoid is used; if there is none nearby, as
-    for parts that are far apart, the profile is approximated by its circle of curvature.
+    The offset is q along the normal and p along the tangent [m]. Where the third-order expansion is not valid, the foot
+    point on the trochoid is used; if there is none nearby, as for parts that are far apart, the profile is approximated
+    by its circle of curvature.
     """
-    along, across, gentle = 1.0 + bend * q, bend * p, _is_gentle(trochoid, bend, twist, p)
-    if turning and (exact or not gentle):
-        found, distance, nq, np_, rate = _foot(trochoid, phase, q, p, along)
-        if found:
-            return distance, nq, np_, rate
-        twist = 0.0
-    reach = math.sqrt(along * along + across * across)
-    if not reach > 0.0 or (turning and along <= 0.0):  # a hole is a full circle, a valley is open beyond its centre
+    along, across, is_accurate = (
+        1.0 + curvature * q,
+        curvature * p,
+        _is_expansion_valid(trochoid, curvature, curvature_rate, p),
+    )
+    if rotates and (use_foot_point or not is_accurate):
+        has_foot, distance, cosine, sine, rate = _find_foot_point(trochoid, phase, q, p, along)
+        if has_foot:
+            return distance, cosine, sine, rate
+        curvature_rate = 0.0
+    distance_ratio = math.sqrt(along * along + across * across)
+    if not distance_ratio > 0.0 or (
+        rotates and along <= 0.0
+    ):  # a hole is a full circle, a valley is open beyond its centre
         return q, 1.0, 0.0, 0.0
-    share = 1.0 / reach
+    inverse = 1.0 / distance_ratio
     # (reach - 1) / bend without cancellation, and the third-order term
-    beyond = q + across * p / (reach + along) if along > 0.0 else (reach - 1.0) / bend
-    width = beyond + twist * p * p * p / 6.0
-    return width, along * share, across * share + 0.5 * twist * p * p, bend * share + twist * p
-
-
-@njit(nogil=True, error_model="numpy", inline="always")
-def _is_gentle(trochoid: tuple[float, float, float], bend: float, twist: float, p: float) -> bool:
-    """Return whether curvature and its rate describe the trochoid accurately up to the arc p [m]."""
-    sharpest = _sharpest(trochoid)
-    if abs(sharpest * p) >= _EXPANSION.max_arc or abs(p) >= _EXPANSION.max_shift * trochoid[0]:
-        return False
-    return abs(twist) <= _EXPANSION.valley_twist * sharpest * sharpest and bend >= min(
-        _EXPANSION.bottom_curvature * sharpest, 0.0
+    radial = q + across * p / (distance_ratio + along) if along > 0.0 else (distance_ratio - 1.0) / curvature
+    width = radial + curvature_rate * p * p * p / 6.0
+    return (
+        width,
+        along * inverse,
+        across * inverse + 0.5 * curvature_rate * p * p,
+        curvature * inverse + curvature_rate * p,
     )
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _sharpest(trochoid: tuple[float, float, float]) -> float:
+def _is_expansion_valid(
+    trochoid: tuple[float, float, float], curvature: float, curvature_rate: float, p: float
+) -> bool:
+    """Return whether curvature and its rate describe the trochoid accurately up to the arc p [m]."""
+    max_curvature = _valley_curvature(trochoid)
+    if abs(max_curvature * p) >= _EXPANSION.max_arc or abs(p) >= _EXPANSION.max_shift * trochoid[0]:
+        return False
+    return abs(curvature_rate) <= _EXPANSION.valley_twist * max_curvature * max_curvature and curvature >= min(
+        _EXPANSION.bottom_curvature * max_curvature, 0.0
+    )
+
+
+@njit(nogil=True, error_model="numpy", inline="always")
+def _valley_curvature(trochoid: tuple[float, float, float]) -> float:
     """Return the curvature at the bottom of a valley [1/m], where the trochoid is most concave."""
     E, c, N = trochoid
     return (E - c * N * N) / (E - c * N) ** 2
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
-def _foot(
+def _find_foot_point(
     trochoid: tuple[float, float, float], phase: float, q: float, p: float, along: float
 ) -> tuple[bool, float, float, float, float]:
-    """Return whether a point has a foot on the trochoid nearby, and the exact values of `_curve_distance` for it.
+    """Find the foot point of a point on the trochoid; return whether there is one, and the values of `_curve_distance`.
 
     The point is at q along the normal and p along the tangent from the curve's point at the `phase` (N - 1) t, where
     the normal has the angle t - alpha: tan(alpha) = c N sin(phase)/(E - c N cos(phase)). Newton's method, safeguarded
@@ -329,7 +353,7 @@ def _foot(
     t = p / (rate * max(along, 0.5))
     t -= 0.5 * E * c * N * (N - 1.0) * sine / (rate * rate) * t * t
     t = min(max(t, -_FOOT_POINT.max_start / N), _FOOT_POINT.max_start / N)
-    before, beyond, settled = -math.inf, math.inf, FALSE
+    lower, upper, converged = -math.inf, math.inf, FALSE
     for _ in range(_FOOT_POINT.max_iterations):
         # sine, and cosine less 1, of t and N t, whose halves are less than a right angle
         half, wide = math.sin(0.5 * t), math.sin(0.5 * N * t)
@@ -342,19 +366,19 @@ def _foot(
         vq, vp = -up - E * sa + N * (wp + c * sb), uq + E * ca - N * (wq + c * cb)
         aq, ap = -uq - E * ca + N * N * (wq + c * cb), -up - E * sa + N * N * (wp + c * sb)
         square = vq * vq + vp * vp
-        nearer = (q - xq) * vq + (p - xp) * vp
-        if nearer > 0.0:
-            before = t
+        residual = (q - xq) * vq + (p - xp) * vp
+        if residual > 0.0:
+            lower = t
         else:
-            beyond = t
-        bowl = square - (q - xq) * aq - (p - xp) * ap
-        step = nearer / max(bowl, 0.1 * square)
+            upper = t
+        derivative = square - (q - xq) * aq - (p - xp) * ap
+        step = residual / max(derivative, 0.1 * square)
         step = min(max(step, -_FOOT_POINT.max_step / N), _FOOT_POINT.max_step / N)
-        by_newton = bowl > 0.1 * square and before <= t + step <= beyond
-        if not before <= t + step <= beyond:
-            step = 0.5 * (before + beyond) - t
-        settled = abs(step) < (_FOOT_POINT.newton_tolerance if by_newton else _FOOT_POINT.bisection_tolerance)
-        if settled:
+        by_newton = derivative > 0.1 * square and lower <= t + step <= upper
+        if not lower <= t + step <= upper:
+            step = 0.5 * (lower + upper) - t
+        converged = abs(step) < (_FOOT_POINT.newton_tolerance if by_newton else _FOOT_POINT.bisection_tolerance)
+        if converged:
             break
         t += step
     # the last step is so short that its Taylor expansion is exact to rounding
@@ -364,25 +388,25 @@ def _foot(
     speed = math.sqrt(square)
     nq, np_ = vp / speed, -vq / speed
     distance, curvature = (q - xq) * nq + (p - xp) * np_, -(aq * nq + ap * np_) / square
-    bent = 1.0 + curvature * distance
-    return settled and bent > 0.0, distance, nq, np_, curvature / bent
+    curvature_factor = 1.0 + curvature * distance
+    return converged and curvature_factor > 0.0, distance, nq, np_, curvature / curvature_factor
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def least_width(springs: KernelSprings, k: int, i: int, apart: _Apart, exact: bool) -> float:
-    """Compute a lower bound of the width of a gap [m] from the result of `apart_of`; 0 if it may be closed.
+def bound_width(springs: KernelSprings, k: int, i: int, offset: _Apart, use_foot_point: bool) -> float:
+    """Compute a lower bound of the width of a gap [m] from the result of `curve_offset`; 0 if it may be closed.
 
     It needs no square root for most gaps, which are open.
     """
-    q, p = apart.q, apart.p
-    bend, twist, trochoid = springs.bend[k, i], springs.twist[k, i], springs.trochoid
-    room, turning = springs.room[i] - _EXPANSION.third_order * abs(p), springs.turning[i]
+    q, p = offset.q, offset.p
+    curvature, curvature_rate, trochoid = springs.bend[k, i], springs.twist[k, i], springs.trochoid
+    room, rotates = springs.room[i] - _EXPANSION.third_order * abs(p), springs.turning[i]
     if room + q <= 0.0:
         return 0.0
-    if turning and (exact or not _is_gentle(trochoid, bend, twist, p)):
-        bend = _sharpest(trochoid)  # a circle of the largest curvature lies inside the profile
-    if bend > 0.0:
+    if rotates and (use_foot_point or not _is_expansion_valid(trochoid, curvature, curvature_rate, p)):
+        curvature = _valley_curvature(trochoid)  # a circle of the largest curvature lies inside the profile
+    if curvature > 0.0:
         return room + q
-    along, across, rim = 1.0 + bend * q, bend * p, 1.0 - bend * room
+    along, across, rim = 1.0 + curvature * q, curvature * p, 1.0 - curvature * room
     square = along * along + across * across
-    return (math.sqrt(square) - rim) / bend if square < rim * rim else 0.0
+    return (math.sqrt(square) - rim) / curvature if square < rim * rim else 0.0

@@ -7,7 +7,7 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import cacheable, njit
-from cycloid_mj.statics.kernel.contacts import FALSE, TRUE, KernelSprings, largest_play, opened_by
+from cycloid_mj.statics.kernel.contacts import FALSE, TRUE, KernelSprings, largest_play, scale_clearances
 from cycloid_mj.statics.kernel.newton import (
     PATH_RESIDUAL_RTOL,
     RESIDUAL_RTOL,
@@ -16,7 +16,7 @@ from cycloid_mj.statics.kernel.newton import (
     copy,
     largest,
     newton,
-    solve,
+    solve_linear,
 )
 from cycloid_mj.statics.kernel.system import RATE, System, assemble, cam_at
 
@@ -84,46 +84,47 @@ class _Path(NamedTuple):
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def solve_by_arclength(
-    springs: KernelSprings, k: int, load: Array, here: Array, order: float, allowed: float, system: System
+    springs: KernelSprings, k: int, load: Array, z: Array, order: float, tolerance: float, system: System
 ) -> float:
-    """Solve for the displacements `here` (u,) [m] along a path on which friction and clearance grow, in an `order`.
+    """Solve for displacements z (u,) [m] by pseudo-arclength continuation in friction and clearance.
 
     Without clearance and friction, unilateral springs have a convex energy, whose minimum Newton's method finds. The
     path begins at this unique solution and cannot return to it: it leads to the full friction and clearance, or its
     forces grow until friction wedges the parts. It is followed by its arc length, since it turns back where parts snap
     over. Where a contact opens or closes it has a corner, beyond which it continues in the direction that preserves the
-    sign of its determinant (Allgower & Georg, Numerical Continuation Methods, 1990, chapters 2 and 12).
+    sign of its determinant (Allgower & Georg, Numerical Continuation Methods, 1990, chapters 2 and 12). For `order` see
+    `_PARAMETER_ORDERS`.
 
     Returns
     -------
     float
         Residual norm [N]; infinity if the path is lost, or wedges the parts.
     """
-    number, last, path = here.size, 1.0 + abs(order), new_path(springs, here.size, order)
-    point, next_point, tolerance = path.point, path.next_point, PATH_RESIDUAL_RTOL / RESIDUAL_RTOL * allowed
-    newton(opened_by(springs, 0.0, path.room), k, load, here, 1.0, 0.0, TRUE, allowed, 0.0, FALSE, TRUE, system)
+    number, end_parameter, path = z.size, 1.0 + abs(order), allocate_path(springs, z.size, order)
+    point, next_point, path_tolerance = path.point, path.next_point, PATH_RESIDUAL_RTOL / RESIDUAL_RTOL * tolerance
+    newton(scale_clearances(springs, 0.0, path.room), k, load, z, 1.0, 0.0, TRUE, tolerance, 0.0, FALSE, TRUE, system)
     for j in range(number):
-        point[j] = here[j] / path.unit
+        point[j] = z[j] / path.unit
     path.tangent[number] = path.last_axis[number] = 1.0
     norm, length = augmented_residual(springs, k, load, point, path, system), 0.5
     sign = _update_tangent(springs, k, load, point, 1.0, path, system)
     for j in range(number + 1):
         path.tangent[j] *= sign
     farthest = _CONTINUATION.max_distance * (1.0 + largest(point)) + springs.trochoid[1] / path.unit
-    for _ in range(_CONTINUATION.max_points if norm <= tolerance else 0):
-        if not _predict_and_correct(springs, k, load, length, sign, tolerance, path, system):
+    for _ in range(_CONTINUATION.max_points if norm <= path_tolerance else 0):
+        if not _predict_and_correct(springs, k, load, length, sign, path_tolerance, path, system):
             length *= 0.5
             if length > _CONTINUATION.min_step:
                 continue
-            length = _pass_corner(springs, k, load, sign, tolerance, path, system)
+            length = _pass_corner(springs, k, load, sign, path_tolerance, path, system)
             if length == 0.0:
                 break
-        if next_point[number] >= last:
-            share = (last - point[number]) / (next_point[number] - point[number])
+        if next_point[number] >= end_parameter:
+            share = (end_parameter - point[number]) / (next_point[number] - point[number])
             for j in range(number):
-                here[j] = (point[j] + share * (next_point[j] - point[j])) * path.unit
-            norm = newton(springs, k, load, here, 1.0, 1.0, TRUE, allowed, 0.0, FALSE, FALSE, system)
-            if norm <= allowed:
+                z[j] = (point[j] + share * (next_point[j] - point[j])) * path.unit
+            norm = newton(springs, k, load, z, 1.0, 1.0, TRUE, tolerance, 0.0, FALSE, FALSE, system)
+            if norm <= tolerance:
                 return norm
             copy(path.previous_tangent, path.tangent)
             length *= 0.5
@@ -145,7 +146,7 @@ def _shares(order: float, parameter: float) -> tuple[float, float]:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def new_path(springs: KernelSprings, number: int, order: float) -> _Path:
+def allocate_path(springs: KernelSprings, number: int, order: float) -> _Path:
     """Allocate a path of a number of displacements."""
     return _Path(
         order,
@@ -165,24 +166,27 @@ def new_path(springs: KernelSprings, number: int, order: float) -> _Path:
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def augmented_residual(springs: KernelSprings, k: int, load: Array, point: Array, path: _Path, system: System) -> float:
-    """Assemble the residual at a point of the path and its derivatives, `path.matrix`; return the residual norm [N]."""
-    number, matrix, residual, here = load.size, path.matrix, system.residual, system.back
+    """Assemble the residual at a point of the path and its derivatives, `path.matrix`; return the residual norm [N].
+
+    The point consists of displacements over `path.unit` and the parameter, shape (u + 1,).
+    """
+    number, matrix, residual, z = load.size, path.matrix, system.residual, system.back
     for j in range(number):
-        here[j] = point[j] * path.unit
+        z[j] = point[j] * path.unit
     parameter, rate, order = point[number], path.rate, path.order
     friction, clearance = _shares(order, parameter)
-    opened, rubs = opened_by(springs, clearance, path.room), (parameter < 1.0) == (order > 0.0)
-    if order == 0.0 or rubs:
-        assemble(opened, k, load, here, 1.0, friction + 1.0, TRUE, TRUE, system)
+    scaled, friction_grows = scale_clearances(springs, clearance, path.room), (parameter < 1.0) == (order > 0.0)
+    if order == 0.0 or friction_grows:
+        assemble(scaled, k, load, z, 1.0, friction + 1.0, TRUE, TRUE, system)
         for j in range(number):
             path.residual[j] = residual[j]
-    assemble(opened, k, load, here, 1.0, friction, TRUE, TRUE, system)
+    assemble(scaled, k, load, z, 1.0, friction, TRUE, TRUE, system)
     clear(rate)
-    if order == 0.0 or rubs:
+    if order == 0.0 or friction_grows:
         for j in range(number):
             rate[j] = path.residual[j] - residual[j]
-    if order == 0.0 or not rubs:
-        _add_clearance_rate(springs, opened, k, here, friction, rate, system)
+    if order == 0.0 or not friction_grows:
+        _add_clearance_rate(springs, scaled, k, z, friction, rate, system)
     for j in range(number):
         path.residual[j] = residual[j]
         for m in range(number):
@@ -194,42 +198,45 @@ def augmented_residual(springs: KernelSprings, k: int, load: Array, point: Array
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _add_clearance_rate(
-    springs: KernelSprings, opened: KernelSprings, k: int, here: Array, friction: float, rate: Array, system: System
+    springs: KernelSprings, scaled: KernelSprings, k: int, z: Array, friction: float, rate: Array, system: System
 ) -> None:
-    """Add the derivative of the springs' forces by the share of clearance to a `rate` [N], shape (u,)."""
-    number, rubbed = here.size, springs.rubbing.shape[0] > 0
+    """Add the derivative of the springs' forces by the share of clearance to a `rate` [N], shape (u,).
+
+    `scaled` are the springs with the present share of clearance.
+    """
+    number, has_friction = z.size, springs.rubbing.shape[0] > 0
     for i in range(springs.disc.size):
         if system.pressed[i] == 0.0:
             continue
         for a in range(4):
-            to = 3 * springs.disc[i] + a if a < 3 else number - 1
-            rubs = friction * springs.rubbing[k, i, to] if rubbed else 0.0
-            rate[to] -= system.row[i, RATE] * springs.room[i] * (system.row[i, a] + rubs)
+            unknown = 3 * springs.disc[i] + a if a < 3 else number - 1
+            friction_rate = friction * springs.rubbing[k, i, unknown] if has_friction else 0.0
+            rate[unknown] -= system.row[i, RATE] * springs.room[i] * (system.row[i, a] + friction_rate)
     for disc in range(springs.cam_place.shape[1]):
-        cam = cam_at(opened, k, disc, here)
+        cam = cam_at(scaled, k, disc, z)
         if cam.both > 0.0 and springs.cam_clearance > 0.0:
-            falls = springs.cam_stiffness * springs.cam_clearance
-            rate[3 * disc] += falls * cam.u
-            rate[3 * disc + 1] += falls * cam.v
-            rate[3 * disc + 2] -= friction * springs.cam_rubbing * falls if rubbed else 0.0
+            force_rate = springs.cam_stiffness * springs.cam_clearance
+            rate[3 * disc] += force_rate * cam.u
+            rate[3 * disc + 1] += force_rate * cam.v
+            rate[3 * disc + 2] -= friction * springs.cam_rubbing * force_rate if has_friction else 0.0
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _update_tangent(
     springs: KernelSprings, k: int, load: Array, point: Array, sign: float, path: _Path, system: System
 ) -> float:
-    """Set the path's tangent to that at a `point`, with a `sign` of the determinant; return the determinant's sign."""
-    last = load.size
+    """Set the path's tangent to that at a `point`, with a sign of the determinant; return the determinant's sign."""
+    number = load.size
     augmented_residual(springs, k, load, point, path, system)
-    copy(path.tangent, path.matrix[last])
-    determinant = solve(path.matrix, path.last_axis, path.step, 0.0)
-    size = 0.0
-    for j in range(last + 1):
-        size += path.step[j] * path.step[j]
-    size = math.sqrt(size)
-    if determinant != 0.0 and size < math.inf:
-        for j in range(last + 1):
-            path.tangent[j] = path.step[j] * (determinant * sign / size)
+    copy(path.tangent, path.matrix[number])
+    determinant = solve_linear(path.matrix, path.last_axis, path.step, 0.0)
+    length = 0.0
+    for j in range(number + 1):
+        length += path.step[j] * path.step[j]
+    length = math.sqrt(length)
+    if determinant != 0.0 and length < math.inf:
+        for j in range(number + 1):
+            path.tangent[j] = path.step[j] * (determinant * sign / length)
     return determinant
 
 
@@ -240,18 +247,18 @@ def _predict_and_correct(
     load: Array,
     length: float,
     sign: float,
-    allowed: float,
+    tolerance: float,
     path: _Path,
     system: System,
 ) -> bool:
-    """Compute the next point at a `length` and its tangent; return whether the path continues forwards, as it must."""
+    """Compute the next point of the path at a `length`, and its tangent; return whether the path advances."""
     copy(path.tangent, path.previous_tangent)
-    if not _correct(springs, k, load, length, allowed, path, system):
+    if not _correct(springs, k, load, length, tolerance, path, system):
         return False
-    determinant, onward = _update_tangent(springs, k, load, path.next_point, sign, path, system), 0.0
+    determinant, advance = _update_tangent(springs, k, load, path.next_point, sign, path, system), 0.0
     for j in range(load.size + 1):
-        onward += path.tangent[j] * (path.next_point[j] - path.point[j])
-    if determinant == 0.0 or not onward > 0.0:
+        advance += path.tangent[j] * (path.next_point[j] - path.point[j])
+    if determinant == 0.0 or not advance > 0.0:
         copy(path.previous_tangent, path.tangent)
         return False
     return True
@@ -259,45 +266,49 @@ def _predict_and_correct(
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _correct(
-    springs: KernelSprings, k: int, load: Array, length: float, allowed: float, path: _Path, system: System
+    springs: KernelSprings, k: int, load: Array, length: float, tolerance: float, path: _Path, system: System
 ) -> bool:
-    """Compute the next point at a `length` by Newton's method across the tangent; return whether it converges."""
-    last, point, next_point, tangent, residual = load.size, path.point, path.next_point, path.tangent, path.residual
+    """Compute the next point at a `length` from the predictor by Newton's method; return whether it converges."""
+    number, point, next_point, tangent, residual = load.size, path.point, path.next_point, path.tangent, path.residual
     is_corner = length <= _CONTINUATION.corner_step
-    widest = _CONTINUATION.corner_deviation if is_corner else _CONTINUATION.max_deviation
-    for j in range(last + 1):
+    max_deviation = _CONTINUATION.corner_deviation if is_corner else _CONTINUATION.max_deviation
+    for j in range(number + 1):
         next_point[j] = point[j] + length * tangent[j]
     for _ in range(_CONTINUATION.max_corrections):
-        if augmented_residual(springs, k, load, next_point, path, system) <= allowed:
+        if augmented_residual(springs, k, load, next_point, path, system) <= tolerance:
             return True
-        copy(tangent, path.matrix[last])
-        residual[last] = length
-        for j in range(last + 1):
-            residual[last] -= tangent[j] * (next_point[j] - point[j])
-        if solve(path.matrix, residual, path.step, 0.0) == 0.0:
+        copy(tangent, path.matrix[number])
+        residual[number] = length
+        for j in range(number + 1):
+            residual[number] -= tangent[j] * (next_point[j] - point[j])
+        if solve_linear(path.matrix, residual, path.step, 0.0) == 0.0:
             return False
         deviation = 0.0
-        for j in range(last + 1):
+        for j in range(number + 1):
             next_point[j] += path.step[j]
             deviation += (next_point[j] - point[j] - length * tangent[j]) ** 2
-        if not deviation < (widest * length) ** 2:
+        if not deviation < (max_deviation * length) ** 2:
             return False
     return False
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _pass_corner(
-    springs: KernelSprings, k: int, load: Array, sign: float, allowed: float, path: _Path, system: System
+    springs: KernelSprings, k: int, load: Array, sign: float, tolerance: float, path: _Path, system: System
 ) -> float:
-    """Compute a point of the path beyond a corner, where it may turn back; return the length [1], or 0 without one."""
-    last = load.size
+    """Find a point of the path beyond a corner, where it may turn back; return the length of the step [1], 0 for none.
+
+    A contact opens or closes at the corner. Tangents at several trial distances are tried, with shorter and shorter
+    steps.
+    """
+    number = load.size
     tangent = path.tangent.copy()
     for power in range(-7, -2):
-        for j in range(last + 1):
+        for j in range(number + 1):
             path.next_point[j] = path.point[j] + 10.0**power * tangent[j]
         if _update_tangent(springs, k, load, path.next_point, sign, path, system) != 0.0:
             for shorter in range(2, 7):
-                if _predict_and_correct(springs, k, load, 10.0**-shorter, sign, allowed, path, system):
+                if _predict_and_correct(springs, k, load, 10.0**-shorter, sign, tolerance, path, system):
                     return 10.0**-shorter
         copy(tangent, path.tangent)
     return 0.0

@@ -6,7 +6,17 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, Integers
 from cycloid_mj.base.compiling import cacheable, njit
-from cycloid_mj.statics.kernel.contacts import FALSE, FIRST, TRUE, KernelSprings, apart_of, gap_at, least_width, pose_of
+from cycloid_mj.statics.kernel.contacts import (
+    FALSE,
+    FIRST,
+    TRUE,
+    Gap,
+    KernelSprings,
+    bound_width,
+    curve_offset,
+    disc_pose,
+    gap_at,
+)
 from cycloid_mj.statics.kernel.newton import (
     PATH_RESIDUAL_RTOL,
     RIGID_BODY_STIFFNESS,
@@ -16,7 +26,7 @@ from cycloid_mj.statics.kernel.newton import (
     copy,
     largest,
     modified_newton_step,
-    solve_stable,
+    solve_cholesky,
 )
 from cycloid_mj.statics.kernel.system import State, cam_at
 
@@ -132,96 +142,105 @@ class _Step(NamedTuple):
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def follow_path(
-    springs: KernelSprings, rubbing: Rubbing, path: Array, reach: float, when: Array, z: Array
+    springs: KernelSprings, rubbing: Rubbing, path: Array, max_motion: float, positions: Array, z: Array
 ) -> tuple[Residual, int]:
     """Solve for equilibrium along a load path (m, u) [N] at the first crank angle, with elastoplastic friction.
 
-    The displacements z (rows, u) [m] are filled in, with their positions `when` (rows,) on the path, counted in loads
-    from 0; the first of z is the initial state, at rest. Each step is an equilibrium with the friction forces at its
-    end (backward Euler). A step without solution is halved, and then solved by pseudo-transient continuation. A step in
-    which the output moves by more than `reach` [m] is halved, too, up to ``MAX_SUBSTEPS`` parts, while there are rows
-    for them: under a load that only grows, a reducer jumps across its backlash.
+    The displacements z (rows, u) [m] are filled in, with their `positions` (rows,) on the path, counted in loads from
+    0; the first of z is the initial state, at rest. Each step is an equilibrium with the friction forces at its end
+    (backward Euler). A step without solution is halved, and then solved by pseudo-transient continuation. A step in
+    which the output moves by more than `max_motion` [m] is halved, too, up to ``MAX_SUBSTEPS`` parts, while there are
+    rows for them: under a load that only grows, a reducer jumps across its backlash.
 
     Returns
     -------
     tuple of Residual and int
-        Residual of force 0, or that of a step without equilibrium relative to the largest load; and the number of rows.
+        Residual of force 0, or of a step without equilibrium relative to the largest load; and the number of rows.
     """
     count, number = path.shape
     elements = rubbing.stick.size
-    old, new = _new_state(elements, number), _new_state(elements, number)
-    one = _new_step(elements, number)
-    one.drag[0] = RIGID_BODY_STIFFNESS * springs.cam_stiffness
+    old, new = _allocate_state(elements, number), _allocate_state(elements, number)
+    increment = _allocate_increment(elements, number)
+    increment.drag[0] = RIGID_BODY_STIFFNESS * springs.cam_stiffness
     copy(z[0], old.z)
-    scale, rows, spare = 0.0, 0, when.size - count
-    finest = 1.0 / MAX_SUBSTEPS if spare > 0 else 1.0
+    scale, rows, spare_rows = 0.0, 0, positions.size - count
+    min_share = 1.0 / MAX_SUBSTEPS if spare_rows > 0 else 1.0
     for m in range(count):
         scale = max(scale, largest(path[m]))
+    tolerance = PATH_RESIDUAL_RTOL * scale
     for m in range(count):
-        share, done, shortest = 1.0, 0.0, finest
+        share, done, min_step = 1.0, 0.0, min_share
         while done < 1.0:
             share = min(share, 1.0 - done)
-            for j in range(number):
-                before = path[m - 1, j] if m else 0.0
-                one.load[j] = before + (path[m, j] - before) * (done + share)
+            _interpolate_load(path, m, done + share, increment.load)
             _update_slip(springs, rubbing, old)
-            norm = _solve_newton(springs, rubbing, PATH_RESIDUAL_RTOL * scale, one, old, new) / scale
-            far = not norm <= PATH_RESIDUAL_RTOL or abs(new.z[number - 1] - old.z[number - 1]) > reach
-            if far and m > 0 and share > shortest and spare > 0:
+            norm = _solve_newton(springs, rubbing, tolerance, increment, old, new) / scale
+            is_rejected = not norm <= PATH_RESIDUAL_RTOL or abs(new.z[number - 1] - old.z[number - 1]) > max_motion
+            if is_rejected and m > 0 and share > min_step and spare_rows > 0:
                 share *= 0.5
                 continue
-            if not norm <= PATH_RESIDUAL_RTOL and one.work[0] <= _HYSTERESIS.work_per_step * count:
-                norm = _solve_tresca(springs, rubbing, PATH_RESIDUAL_RTOL * scale, one, old, new) / scale
+            if not norm <= PATH_RESIDUAL_RTOL and increment.work[0] <= _HYSTERESIS.work_per_step * count:
+                norm = _solve_tresca(springs, rubbing, tolerance, increment, old, new) / scale
             if not norm <= PATH_RESIDUAL_RTOL:
-                if share < _HYSTERESIS.min_step and shortest < _HYSTERESIS.min_step:
+                if share < _HYSTERESIS.min_step and min_step < _HYSTERESIS.min_step:
                     # close to a jump there is no equilibrium: it is taken in a longer step
-                    share, shortest = _HYSTERESIS.min_step, _HYSTERESIS.min_step
+                    share, min_step = _HYSTERESIS.min_step, _HYSTERESIS.min_step
                     continue
-                if share > _HYSTERESIS.min_step and one.work[0] <= _HYSTERESIS.work_per_step * count:
+                if share > _HYSTERESIS.min_step and increment.work[0] <= _HYSTERESIS.work_per_step * count:
                     share *= 0.5
                     continue
-                norm = _solve_pseudo_transient(springs, rubbing, PATH_RESIDUAL_RTOL * scale, one, old, new) / scale
+                norm = _solve_pseudo_transient(springs, rubbing, tolerance, increment, old, new) / scale
                 if not norm <= PATH_RESIDUAL_RTOL:
-                    return Residual(norm, 0, one.work[0]), rows
+                    return Residual(norm, 0, increment.work[0]), rows
             done += share
             share *= 2.0
             old, new = new, old
-            if done >= 1.0:
+            if done >= 1.0 or (m > 0 and spare_rows > 0):
                 copy(old.z, z[rows])
-                when[rows] = float(m)
+                positions[rows] = float(m) if done >= 1.0 else m - 1.0 + done
+                spare_rows -= 0 if done >= 1.0 else 1
                 rows += 1
-            elif m > 0 and spare > 0:
-                copy(old.z, z[rows])
-                when[rows] = m - 1.0 + done
-                rows += 1
-                spare -= 1
-    return Residual(0.0, 0, one.work[0]), rows
+    return Residual(0.0, 0, increment.work[0]), rows
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def state_after(springs: KernelSprings, rubbing: Rubbing, before: Array, load: Array, z: Array, given: bool) -> State:
-    """Assemble a step of a path from rest via displacements `before` to z (u,) [m] under a load (u,) [N].
+def _interpolate_load(path: Array, m: int, share: float, load: Array) -> None:
+    """Write the load (u,) [N] at a share of the step to load `m` of a path; the first step begins without load."""
+    for j in range(load.size):
+        before = path[m - 1, j] if m else 0.0
+        load[j] = before + (path[m, j] - before) * share
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def assemble_after(
+    springs: KernelSprings, rubbing: Rubbing, middle: Array, load: Array, z: Array, fixed_limits: bool
+) -> State:
+    """Assemble a step of a path from rest via displacements `middle` to z (u,) [m] under a load (u,) [N].
 
     Neither needs to be an equilibrium. The friction limits follow from the normal forces at z, as in `follow_path`, or
-    are `given` by those at `before`: then the residual is the descent of the energy.
+    are fixed by those at `middle`: then the residual is the descent of the energy.
     """
     number, elements = z.size, rubbing.stick.size
-    rest, old, new = _new_state(elements, number), _new_state(elements, number), _new_state(elements, number)
-    one = _new_step(elements, number)
-    one.drag[0] = RIGID_BODY_STIFFNESS * springs.cam_stiffness
+    rest, old, new = (
+        _allocate_state(elements, number),
+        _allocate_state(elements, number),
+        _allocate_state(elements, number),
+    )
+    increment = _allocate_increment(elements, number)
+    increment.drag[0] = RIGID_BODY_STIFFNESS * springs.cam_stiffness
     _update_slip(springs, rubbing, rest)
-    copy(before, old.z)
+    copy(middle, old.z)
     copy(z, new.z)
-    copy(load, one.load)
-    _assemble_step(springs, rubbing, FALSE, one, rest, old)
+    copy(load, increment.load)
+    _assemble_step(springs, rubbing, FALSE, increment, rest, old)
     _update_slip(springs, rubbing, old)
-    _update_limits(rubbing, one, old, 1.0)
-    _, energy = _assemble_step(springs, rubbing, given, one, old, new)
-    return State(energy, one.residual, one.tangent)
+    _update_limits(rubbing, increment, old, 1.0)
+    _, energy = _assemble_step(springs, rubbing, fixed_limits, increment, old, new)
+    return State(energy, increment.residual, increment.tangent)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _new_step(elements: int, number: int) -> _Step:
+def _allocate_increment(elements: int, number: int) -> _Step:
     """Allocate a step of friction elements with a number of unknowns."""
     return _Step(
         np.zeros(number),
@@ -239,7 +258,7 @@ def _new_step(elements: int, number: int) -> _Step:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _new_state(elements: int, number: int) -> _ElastoplasticState:
+def _allocate_state(elements: int, number: int) -> _ElastoplasticState:
     """Allocate the state of friction elements at rest, with a number of unknowns."""
     return _ElastoplasticState(
         np.zeros(number),
@@ -252,37 +271,40 @@ def _new_state(elements: int, number: int) -> _ElastoplasticState:
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _update_slip(springs: KernelSprings, rubbing: Rubbing, at: _ElastoplasticState) -> None:
+def _update_slip(springs: KernelSprings, rubbing: Rubbing, state: _ElastoplasticState) -> None:
     """Set the sliding per unknown at a state; that of a cam depends on the direction of its disc's displacement."""
-    for i in range(len(at.slip)):
-        copy(rubbing.slip[i], at.slip[i])
+    for i in range(len(state.slip)):
+        copy(rubbing.slip[i], state.slip[i])
     for disc in range(springs.cam_place.shape[1]):
-        cam, row = cam_at(springs, FIRST, disc, at.z), springs.disc.size + disc
-        at.slip[row, 3 * disc] -= cam.v
-        at.slip[row, 3 * disc + 1] += cam.u
+        cam, row = cam_at(springs, FIRST, disc, state.z), springs.disc.size + disc
+        state.slip[row, 3 * disc] -= cam.v
+        state.slip[row, 3 * disc + 1] += cam.u
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _solve_newton(
     springs: KernelSprings,
     rubbing: Rubbing,
-    allowed: float,
-    one: _Step,
+    tolerance: float,
+    increment: _Step,
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
-    """Solve a step by Newton's method with the consistent tangent of springs and friction; return the residual [N]."""
+    """Solve a step by Newton's method with the consistent tangent of springs and friction; return the residual [N].
+
+    `old` is the state before the step, `new` the state after it, whose displacements are filled in.
+    """
     copy(old.z, new.z)
-    longest = _HYSTERESIS.max_step / largest(springs.bend[0])
-    norm = _assemble_step(springs, rubbing, FALSE, one, old, new)[0]
+    max_length = _HYSTERESIS.max_step / largest(springs.bend[0])
+    norm = _assemble_step(springs, rubbing, FALSE, increment, old, new)[0]
     for _ in range(_HYSTERESIS.newton_steps):
-        if norm <= allowed or not abs(np.linalg.det(one.tangent)) > 0.0:
+        if norm <= tolerance or not abs(np.linalg.det(increment.tangent)) > 0.0:
             break
-        copy(np.linalg.solve(one.tangent, one.residual), one.step)
-        share = min(1.0, longest / max(largest(one.step), 1e-300))
-        for j in range(one.step.size):
-            new.z[j] += share * one.step[j]
-        norm = _assemble_step(springs, rubbing, FALSE, one, old, new)[0]
+        copy(np.linalg.solve(increment.tangent, increment.residual), increment.step)
+        share = min(1.0, max_length / max(largest(increment.step), 1e-300))
+        for j in range(increment.step.size):
+            new.z[j] += share * increment.step[j]
+        norm = _assemble_step(springs, rubbing, FALSE, increment, old, new)[0]
     return norm
 
 
@@ -290,44 +312,47 @@ def _solve_newton(
 def _solve_tresca(
     springs: KernelSprings,
     rubbing: Rubbing,
-    allowed: float,
-    one: _Step,
+    tolerance: float,
+    increment: _Step,
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
     """Solve a step by a fixed-point iteration of the friction limits (Tresca); return the residual norm [N].
 
-    With fixed limits the solution minimizes an energy.
+    With fixed limits the solution minimizes an energy: Newton's method with backtracking. Arguments as
+    `_solve_newton`.
     """
     copy(old.z, new.z)
-    longest = _HYSTERESIS.max_step / largest(springs.bend[0])
-    floating = RIGID_BODY_STIFFNESS * springs.cam_stiffness
+    max_length = _HYSTERESIS.max_step / largest(springs.bend[0])
+    regularization = RIGID_BODY_STIFFNESS * springs.cam_stiffness
     norm = np.inf
-    begun = one.work[0]
+    work_before = increment.work[0]
     for iteration in range(_HYSTERESIS.tresca_iterations):
-        if one.work[0] - begun > _HYSTERESIS.tresca_work:
+        if increment.work[0] - work_before > _HYSTERESIS.tresca_work:
             break
         share = 1.0 if iteration < _HYSTERESIS.undamped_iterations else _HYSTERESIS.damped_update
-        _update_limits(rubbing, one, new if iteration else old, share)
-        inner, energy = _assemble_step(springs, rubbing, TRUE, one, old, new)
+        _update_limits(rubbing, increment, new if iteration else old, share)
+        inner_norm, energy = _assemble_step(springs, rubbing, TRUE, increment, old, new)
         for _ in range(_HYSTERESIS.tresca_iterations):
-            if inner <= 0.1 * allowed:
+            if inner_norm <= 0.1 * tolerance:
                 break
-            if not solve_stable(one.tangent, one.residual, one.step, floating):
-                _assemble_step(springs, rubbing, TRUE, one, old, new)
-                modified_newton_step(one.tangent, one.residual, one.step, floating, one.vectors)
-            copy(new.z, one.start)
-            share = min(1.0, longest / max(largest(one.step), 1e-300))
+            if not solve_cholesky(increment.tangent, increment.residual, increment.step, regularization):
+                _assemble_step(springs, rubbing, TRUE, increment, old, new)
+                modified_newton_step(
+                    increment.tangent, increment.residual, increment.step, regularization, increment.vectors
+                )
+            copy(new.z, increment.start)
+            share = min(1.0, max_length / max(largest(increment.step), 1e-300))
             for _ in range(_HYSTERESIS.undamped_iterations):
-                for j in range(one.step.size):
-                    new.z[j] = one.start[j] + share * one.step[j]
-                inner, trial = _assemble_step(springs, rubbing, TRUE, one, old, new)
+                for j in range(increment.step.size):
+                    new.z[j] = increment.start[j] + share * increment.step[j]
+                inner_norm, trial = _assemble_step(springs, rubbing, TRUE, increment, old, new)
                 if trial <= energy + ROUNDING * abs(energy):
                     break
                 share *= 0.5
             energy = trial
-        norm = _assemble_step(springs, rubbing, FALSE, one, old, new)[0]
-        if norm <= allowed:
+        norm = _assemble_step(springs, rubbing, FALSE, increment, old, new)[0]
+        if norm <= tolerance:
             break
     return norm
 
@@ -336,8 +361,8 @@ def _solve_tresca(
 def _solve_pseudo_transient(
     springs: KernelSprings,
     rubbing: Rubbing,
-    allowed: float,
-    one: _Step,
+    tolerance: float,
+    increment: _Step,
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
@@ -346,196 +371,226 @@ def _solve_pseudo_transient(
     Without an equilibrium nearby, parts jump to a distant one, which depends on the friction along the way. A viscous
     drag that is large enough (a short pseudo time step) has a unique solution. `old` and `new` end at the solution.
     """
-    floating = RIGID_BODY_STIFFNESS * springs.cam_stiffness
+    regularization = RIGID_BODY_STIFFNESS * springs.cam_stiffness
     drag, norm = springs.cam_stiffness, np.inf
     for _ in range(_HYSTERESIS.pseudo_steps):
-        one.drag[0] = drag
+        increment.drag[0] = drag
         _update_slip(springs, rubbing, old)
-        if _solve_newton(springs, rubbing, 0.5 * allowed, one, old, new) <= 0.5 * allowed:
+        if _solve_newton(springs, rubbing, 0.5 * tolerance, increment, old, new) <= 0.5 * tolerance:
             norm = 0.0
-            for j in range(one.load.size):
+            for j in range(increment.load.size):
                 norm = max(norm, abs(drag * (new.z[j] - old.z[j])))
             _copy_state(new, old)
-            if norm <= 0.5 * allowed:
+            if norm <= 0.5 * tolerance:
                 break
-            drag = max(_HYSTERESIS.decrease * drag, floating)
+            drag = max(_HYSTERESIS.decrease * drag, regularization)
         else:
             norm = np.inf
             drag *= _HYSTERESIS.increase
             if drag > _HYSTERESIS.max_stiffness * springs.cam_stiffness:
                 break
-    one.drag[0] = floating
+    increment.drag[0] = regularization
     return norm
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _copy_state(of: _ElastoplasticState, to: _ElastoplasticState) -> None:
+def _copy_state(source: _ElastoplasticState, target: _ElastoplasticState) -> None:
     """Copy a state except its sliding per unknown."""
-    copy(of.z, to.z)
-    copy(of.side, to.side)
-    copy(of.normal, to.normal)
-    copy(of.pressed, to.pressed)
-    copy(of.depth, to.depth)
+    copy(source.z, target.z)
+    copy(source.side, target.side)
+    copy(source.normal, target.normal)
+    copy(source.pressed, target.pressed)
+    copy(source.depth, target.depth)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _update_limits(rubbing: Rubbing, one: _Step, at: _ElastoplasticState, share: float) -> None:
-    """Move the friction limits by a share towards those of the normal forces."""
-    for i in range(one.side.size):
-        spring = at.pressed[i]
-        one.normal[i] += share * (rubbing.loss[i] * spring - one.normal[i])
-        one.side[i] += share * (rubbing.coefficient[i] * (spring + at.normal[i]) - one.side[i])
+def _update_limits(rubbing: Rubbing, increment: _Step, state: _ElastoplasticState, share: float) -> None:
+    """Move the fixed friction limits by a share towards those of the normal forces at a state."""
+    for i in range(increment.side.size):
+        spring = state.pressed[i]
+        increment.normal[i] += share * (rubbing.loss[i] * spring - increment.normal[i])
+        increment.side[i] += share * (rubbing.coefficient[i] * (spring + state.normal[i]) - increment.side[i])
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _assemble_step(
     springs: KernelSprings,
     rubbing: Rubbing,
-    given: bool,
-    one: _Step,
+    fixed_limits: bool,
+    increment: _Step,
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> tuple[float, float]:
     """Assemble residual and tangent at the displacements of `new`; return the residual norm [N] and the energy [J].
 
-    With `given` friction limits there is an energy, and the tangent is symmetric.
+    With fixed friction limits there is an energy, and the tangent is symmetric.
     """
-    one.work[0] += 1
-    number, contacts, z = one.load.size, springs.disc.size, new.z
-    drag, energy, gradient = one.drag[0], 0.0, one.gradient
+    increment.work[0] += 1
+    number, contacts, z = increment.load.size, springs.disc.size, new.z
+    drag, energy, gradient = increment.drag[0], 0.0, increment.gradient
     for j in range(number):
         moved = z[j] - old.z[j]
-        one.residual[j] = one.load[j] - drag * moved
-        energy += (0.5 * drag * moved - one.load[j]) * moved
+        increment.residual[j] = increment.load[j] - drag * moved
+        energy += (0.5 * drag * moved - increment.load[j]) * moved
         for m in range(number):
-            one.tangent[j, m] = drag if j == m else 0.0
+            increment.tangent[j, m] = drag if j == m else 0.0
     for i in range(contacts):
         x, t, o = 3 * springs.disc[i], 3 * springs.disc[i] + 2, number - 1
-        pose = pose_of(springs, springs.disc[i], z)
-        apart = apart_of(springs, FIRST, i, pose)
+        pose = disc_pose(springs, springs.disc[i], z)
+        offset = curve_offset(springs, FIRST, i, pose)
         clear(gradient)
         depth = 0.0
-        if least_width(springs, FIRST, i, apart, FALSE) == 0.0:
-            found = gap_at(springs, FIRST, i, pose, apart, FALSE)
-            depth = max(-found.width, 0.0)
+        if bound_width(springs, FIRST, i, offset, FALSE) == 0.0:
+            gap = gap_at(springs, FIRST, i, pose, offset, FALSE)
+            depth = max(-gap.width, 0.0)
             if depth > 0.0:
-                gradient[x], gradient[x + 1], gradient[t], gradient[o] = found.normal
-        energy += _add_contact(rubbing, given, i, springs.stiffness[0, i], depth, one, old, new)
+                gradient[x], gradient[x + 1], gradient[t], gradient[o] = gap.normal
+        energy += _add_contact(rubbing, fixed_limits, i, springs.stiffness[0, i], depth, increment, old, new)
         if depth == 0.0:
             continue
         force = new.pressed[i] + new.normal[i]
-        # geometric stiffness of the rotation of the normal and of the parts, as in `assemble`
-        (bx, by, bt, bo), turning = found.tangential, -force * found.rate
-        with_disc = force / springs.radius if springs.turning[i] else 0.0
-        alone = with_disc if springs.turning[i] else -force / springs.radius
-        tangent = one.tangent
-        tangent[x, x] += turning * bx * bx
-        tangent[x + 1, x + 1] += turning * by * by
-        tangent[t, t] += turning * bt * bt + alone * bt
-        tangent[o, o] += turning * bo * bo + alone * bo
-        for row, column, rate in (
-            (x, x + 1, turning * bx * by),
-            (x, t, turning * bx * bt + with_disc * bx),
-            (x + 1, t, turning * by * bt + with_disc * by),
-            (x, o, turning * bx * bo),
-            (x + 1, o, turning * by * bo),
-            (t, o, turning * bt * bo),
-        ):
-            tangent[row, column] += rate
-            tangent[column, row] += rate
+        _add_geometric_stiffness(increment.tangent, x, gap, force, force / springs.radius, springs.turning[i])
     for disc in range(springs.cam_place.shape[1]):
-        x, y = 3 * disc, 3 * disc + 1
-        cam = cam_at(springs, FIRST, disc, z)
-        u, v, depth, around = cam.u, cam.v, cam.depth, cam.around
-        clear(gradient)
-        if depth > 0.0:
-            gradient[x], gradient[y] = -u, -v
-        i = contacts + disc
-        energy += _add_contact(rubbing, given, i, springs.cam_stiffness, max(depth, 0.0), one, old, new)
-        if depth > 0.0:
-            across = (new.pressed[i] + new.normal[i]) / depth * around
-            one.tangent[x, x] += across * v * v
-            one.tangent[y, y] += across * u * u
-            one.tangent[x, y] -= across * u * v
-            one.tangent[y, x] -= across * u * v
+        energy += _add_cam(springs, rubbing, fixed_limits, disc, increment, old, new)
     for e in range(rubbing.drag.size):
         i = contacts + springs.cam_place.shape[1] + e
-        energy += _add_friction(rubbing, i, rubbing.drag[e], 0.0, one, old, new)
-    return largest(one.residual), energy
+        energy += _add_friction(rubbing, i, rubbing.drag[e], 0.0, increment, old, new)
+    return largest(increment.residual), energy
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _add_geometric_stiffness(
+    tangent: Array, x: int, gap: Gap, force: float, rotation_stiffness: float, rotates: bool
+) -> None:
+    """Add the geometric stiffness of a contact under a `force` [N] to the tangent (u, u) [N/m].
+
+    It is that of the rotation of the normal and of the parts, as in `system.assemble`. The unknowns of the disc begin
+    at `x`; `rotates` is whether the profile rotates with the disc.
+    """
+    y, t, o = x + 1, x + 2, len(tangent) - 1
+    (bx, by, bt, bo), turning = gap.tangential, -force * gap.rate
+    with_disc = rotation_stiffness if rotates else 0.0
+    alone = with_disc if rotates else -rotation_stiffness
+    tangent[x, x] += turning * bx * bx
+    tangent[y, y] += turning * by * by
+    tangent[t, t] += turning * bt * bt + alone * bt
+    tangent[o, o] += turning * bo * bo + alone * bo
+    for row, column, rate in (
+        (x, y, turning * bx * by),
+        (x, t, turning * bx * bt + with_disc * bx),
+        (y, t, turning * by * bt + with_disc * by),
+        (x, o, turning * bx * bo),
+        (y, o, turning * by * bo),
+        (t, o, turning * bt * bo),
+    ):
+        tangent[row, column] += rate
+        tangent[column, row] += rate
+
+
+@njit(cache=cacheable(), nogil=True, error_model="numpy")
+def _add_cam(
+    springs: KernelSprings,
+    rubbing: Rubbing,
+    fixed_limits: bool,
+    disc: int,
+    increment: _Step,
+    old: _ElastoplasticState,
+    new: _ElastoplasticState,
+) -> float:
+    """Add the contact of a disc and its cam, with its friction, to a step; return the energy [J]."""
+    x, y, i = 3 * disc, 3 * disc + 1, springs.disc.size + disc
+    cam, gradient, tangent = cam_at(springs, FIRST, disc, new.z), increment.gradient, increment.tangent
+    clear(gradient)
+    if cam.depth > 0.0:
+        gradient[x], gradient[y] = -cam.u, -cam.v
+    stiffness, depth = springs.cam_stiffness, max(cam.depth, 0.0)
+    energy = _add_contact(rubbing, fixed_limits, i, stiffness, depth, increment, old, new)
+    if cam.depth > 0.0:
+        across = (new.pressed[i] + new.normal[i]) / cam.depth * cam.around
+        tangent[x, x] += across * cam.v * cam.v
+        tangent[y, y] += across * cam.u * cam.u
+        tangent[x, y] -= across * cam.u * cam.v
+        tangent[y, x] -= across * cam.u * cam.v
+    return energy
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _add_contact(
     rubbing: Rubbing,
-    given: bool,
+    fixed_limits: bool,
     i: int,
     stiffness: float,
     depth: float,
-    one: _Step,
+    increment: _Step,
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
-    """Add a contact with a deflection `depth` [m], its material and its friction; return their energy [J]."""
+    """Add contact `i` of a deflection `depth` [m], its material and friction to a step; return their energy [J]."""
     spring, backing, loss = stiffness * depth, rubbing.backing[i], rubbing.loss[i]
     new.depth[i], new.pressed[i], new.normal[i] = depth, spring, 0.0
     energy, force, rate = 0.5 * spring * depth, spring, stiffness
     if loss > 0.0:
-        most = one.normal[i] if given else loss * spring
-        held, more = old.normal[i] + backing * (depth - old.depth[i]), backing
-        energy += _slip_energy(held, most, backing)
-        if abs(held) > most:
-            sign = 1.0 if held > 0.0 else -1.0
-            held, more = sign * most, 0.0 if given else sign * loss * stiffness
-        new.normal[i] = held
-        force, rate = force + held, rate + more
-    gradient = one.gradient
+        limit = increment.normal[i] if fixed_limits else loss * spring
+        trial, slope = old.normal[i] + backing * (depth - old.depth[i]), backing
+        energy += _slip_energy(trial, limit, backing)
+        if abs(trial) > limit:
+            sign = 1.0 if trial > 0.0 else -1.0
+            trial, slope = sign * limit, 0.0 if fixed_limits else sign * loss * stiffness
+        new.normal[i] = trial
+        force, rate = force + trial, rate + slope
+    gradient = increment.gradient
     for j in range(gradient.size):
-        one.residual[j] += force * gradient[j]
+        increment.residual[j] += force * gradient[j]
         for m in range(gradient.size):
-            one.tangent[j, m] += rate * gradient[j] * gradient[m]
-    most, rising = one.side[i], 0.0
-    if not given:
-        most, rising = rubbing.coefficient[i] * force, rubbing.coefficient[i] * rate
-    return energy + _add_friction(rubbing, i, most, rising, one, old, new)
+            increment.tangent[j, m] += rate * gradient[j] * gradient[m]
+    limit, limit_rate = increment.side[i], 0.0
+    if not fixed_limits:
+        limit, limit_rate = rubbing.coefficient[i] * force, rubbing.coefficient[i] * rate
+    return energy + _add_friction(rubbing, i, limit, limit_rate, increment, old, new)
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
 def _add_friction(
     rubbing: Rubbing,
     i: int,
-    most: float,
+    limit: float,
     rate: float,
-    one: _Step,
+    increment: _Step,
     old: _ElastoplasticState,
     new: _ElastoplasticState,
 ) -> float:
-    """Add the friction of a surface with the limit `most` [N] and its rate by depth [N/m]; return its energy [J]."""
-    slip, stick, number = old.slip[i], rubbing.stick[i], one.load.size
+    """Add the friction of surface `i` with a limit [N] and its rate by depth [N/m] to a step; return its energy [J].
+
+    Return mapping: the elastic trial force is limited.
+    """
+    slip, stick, number = old.slip[i], rubbing.stick[i], increment.load.size
     new.side[i] = 0.0
-    if not most > 0.0:
+    if not limit > 0.0:
         return 0.0
-    held = old.side[i]
+    trial = old.side[i]
     for j in range(number):
-        held += stick * slip[j] * (new.z[j] - old.z[j])
-    energy = _slip_energy(held, most, stick)
-    if abs(held) > most:
-        sign = 1.0 if held > 0.0 else -1.0
-        held = sign * most
+        trial += stick * slip[j] * (new.z[j] - old.z[j])
+    energy = _slip_energy(trial, limit, stick)
+    if abs(trial) > limit:
+        sign = 1.0 if trial > 0.0 else -1.0
+        trial = sign * limit
         for j in range(number):
             for m in range(number):
-                one.tangent[j, m] -= sign * rate * slip[j] * one.gradient[m]
+                increment.tangent[j, m] -= sign * rate * slip[j] * increment.gradient[m]
     else:
         for j in range(number):
             for m in range(number):
-                one.tangent[j, m] += stick * slip[j] * slip[m]
-    new.side[i] = held
+                increment.tangent[j, m] += stick * slip[j] * slip[m]
+    new.side[i] = trial
     for j in range(number):
-        one.residual[j] -= held * slip[j]
+        increment.residual[j] -= trial * slip[j]
     return energy
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
-def _slip_energy(force: float, most: float, stiffness: float) -> float:
-    """Return the energy of a spring with an elastic `force` [N] that slips at `most` [N], including dissipation [J]."""
-    size = abs(force)
-    return 0.5 * size * size / stiffness if size <= most else most * (size - 0.5 * most) / stiffness
+def _slip_energy(force: float, limit: float, stiffness: float) -> float:
+    """Return the energy of a spring with an elastic `force` [N] that slips at a limit [N], and dissipation [J]."""
+    magnitude = abs(force)
+    return (
+        0.5 * magnitude * magnitude / stiffness if magnitude <= limit else limit * (magnitude - 0.5 * limit) / stiffness
+    )

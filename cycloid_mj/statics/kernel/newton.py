@@ -69,55 +69,69 @@ def newton(
     springs: KernelSprings,
     k: int,
     load: Array,
-    here: Array,
-    soft: float,
+    z: Array,
+    stiffness_factor: float,
     friction: float,
-    exact: bool,
-    allowed: float,
+    use_foot_points: bool,
+    tolerance: float,
     damping: float,
     warm_start: bool,
-    descend: bool,
+    use_backtracking: bool,
     system: System,
 ) -> float:
-    """Solve for the displacements `here` (u,) [m] by Newton's method from their values; return the residual norm [N].
+    """Solve for displacements z (u,) [m] at crank angle `k` by semismooth Newton; return the residual norm [N].
 
-    For `soft` springs and a share of the friction see `assemble`. With `warm_start`, contacts that carried a force
-    count as closed in the first step (warm-started active set). With `descend`, without friction, steps are shortened
-    until the energy falls (Armijo backtracking).
+    `z` contains the start values. Springs, load, `stiffness_factor`, `friction` and `use_foot_points` are those of
+    `assemble`. `tolerance` [N] is the residual norm of a solution; `damping` [1/N] is a stiffness over that of the cam,
+    per residual norm. With `warm_start`, contacts that carried a force count as closed in the first step (warm-started
+    active set). With `use_backtracking`, without friction, steps are shortened until the energy falls (Armijo).
     """
-    hard, longest = soft * springs.cam_stiffness, _NEWTON.max_step * springs.trochoid[1]
-    residual, step, start, number = system.residual, system.step, system.start, here.size
-    norm, energy, share, fall = math.inf, math.inf, 1.0, math.inf
+    cam_stiffness, max_length = stiffness_factor * springs.cam_stiffness, _NEWTON.max_step * springs.trochoid[1]
+    residual, step, start, number = system.residual, system.step, system.start, z.size
+    norm, energy, share, predicted_decrease = math.inf, math.inf, 1.0, math.inf
     use_line_search = warm_start and springs.rubbing.shape[0] == 0
     for i in range(system.warm.size):
         system.warm[i] = warm_start and system.pressed[i] > 0.0
-    for step_number in range(_NEWTON.descent_steps if descend else springs.cam_place.shape[1] * _NEWTON.steps_per_disc):
-        trial = assemble(springs, k, load, here, soft, friction, exact, step_number == 0, system)
+    for step_number in range(
+        _NEWTON.descent_steps if use_backtracking else springs.cam_place.shape[1] * _NEWTON.steps_per_disc
+    ):
+        trial = assemble(springs, k, load, z, stiffness_factor, friction, use_foot_points, step_number == 0, system)
         norm = largest(residual)
         if not norm < math.inf:
             break
         slope = _product(step, residual)
-        bound = energy - _NEWTON.armijo_slope * share * fall + ROUNDING * abs(energy)
-        if descend and trial > bound and share > ROUNDING:
+        bound = energy - _NEWTON.armijo_slope * share * predicted_decrease + ROUNDING * abs(energy)
+        if use_backtracking and trial > bound and share > ROUNDING:
             share *= 0.5
-        elif use_line_search and norm > allowed and -slope > _NEWTON.overshoot * abs(fall):
+        elif use_line_search and norm > tolerance and -slope > _NEWTON.overshoot * abs(predicted_decrease):
             share = max(share + slope / max(_curvature(system.tangent, step), 1e-300), 0.0)
         else:
-            if norm <= allowed and not warm_start:
+            if norm <= tolerance and not warm_start:
                 return norm
             energy = trial
-            if descend:
-                modified_newton_step(system.tangent, residual, step, _NEWTON.min_stiffness * hard, system.vectors)
-            elif solve(system.tangent, residual, step, RIGID_BODY_STIFFNESS * hard + damping * norm * hard) == 0.0:
+            if not _compute_step(use_backtracking, cam_stiffness, damping * norm * cam_stiffness, system):
                 break
-            share, fall = min(1.0, longest / max(largest(step), 1e-300)), _product(step, residual)
-            copy(here, start)
+            share, predicted_decrease = min(1.0, max_length / max(largest(step), 1e-300)), _product(step, residual)
+            copy(z, start)
         for j in range(number):
-            here[j] = start[j] + share * step[j]
+            z[j] = start[j] + share * step[j]
         for i in range(system.warm.size if warm_start else 0):
             system.warm[i] = False
         warm_start = FALSE
     return norm
+
+
+@njit(nogil=True, error_model="numpy", inline="always")
+def _compute_step(use_backtracking: bool, cam_stiffness: float, damping: float, system: System) -> bool:
+    """Compute the Newton step of the system, or with backtracking a descent step by the modified Hessian.
+
+    `damping` [N/m] is added to the tangent of a Newton step. Returns whether there is a step.
+    """
+    tangent, residual, step = system.tangent, system.residual, system.step
+    if use_backtracking:
+        modified_newton_step(tangent, residual, step, _NEWTON.min_stiffness * cam_stiffness, system.vectors)
+        return True
+    return solve_linear(tangent, residual, step, RIGID_BODY_STIFFNESS * cam_stiffness + damping) != 0.0
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
@@ -139,15 +153,16 @@ def _curvature(stiffness: Array, step: Array) -> float:
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
-def solve(matrix: Array, right: Array, out: Array, floating: float) -> float:
-    """Solve a linear system by Gaussian elimination with pivoting, in place; return the sign of its determinant, or 0.
+def solve_linear(matrix: Array, right_side: Array, solution: Array, diagonal: float) -> float:
+    """Solve a linear system (u, u) by Gaussian elimination with pivoting, in place.
 
-    The stiffness `floating` is added to the diagonal (regularization of rigid-body modes). `out` may be `right`.
+    `diagonal` is added to the diagonal (regularization of rigid-body modes). `solution` may be `right_side`. Returns
+    the sign of the determinant, or 0 if the matrix is singular.
     """
-    number, sign = right.size, 1.0
+    number, sign = right_side.size, 1.0
     for j in range(number):
-        matrix[j, j] += floating
-        out[j] = right[j]
+        matrix[j, j] += diagonal
+        solution[j] = right_side[j]
     for j in range(number):
         pivot = j
         for i in range(j + 1, number):
@@ -155,7 +170,7 @@ def solve(matrix: Array, right: Array, out: Array, floating: float) -> float:
                 pivot = i
         if pivot != j:
             sign = -sign
-            out[j], out[pivot] = out[pivot], out[j]
+            solution[j], solution[pivot] = solution[pivot], solution[j]
             for m in range(j, number):
                 matrix[j, m], matrix[pivot, m] = matrix[pivot, m], matrix[j, m]
         if not abs(matrix[j, j]) > 0.0:
@@ -168,24 +183,27 @@ def solve(matrix: Array, right: Array, out: Array, floating: float) -> float:
                 continue
             for m in range(j + 1, number):
                 matrix[i, m] -= factor * matrix[j, m]
-            out[i] -= factor * out[j]
+            solution[i] -= factor * solution[j]
     for j in range(number - 1, -1, -1):
-        value = out[j]
+        value = solution[j]
         for m in range(j + 1, number):
-            value -= matrix[j, m] * out[m]
-        out[j] = value / matrix[j, j]
+            value -= matrix[j, m] * solution[m]
+        solution[j] = value / matrix[j, j]
     return sign
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
-def solve_stable(matrix: Array, right: Array, out: Array, floating: float) -> bool:
-    """Solve a symmetric system by Cholesky factorization of its lower half, in place; return whether it is definite."""
-    number = right.size
+def solve_cholesky(matrix: Array, right_side: Array, solution: Array, diagonal: float) -> bool:
+    """Solve a symmetric system (u, u) by Cholesky factorization in place; return whether it is definite.
+
+    Only the lower half is read; `diagonal` is added to its diagonal.
+    """
+    number = right_side.size
     for j in range(number):
-        pivot = matrix[j, j] + floating
+        pivot = matrix[j, j] + diagonal
         for m in range(j):
             pivot -= matrix[j, m] * matrix[j, m]
-        if not pivot > 0.5 * floating:
+        if not pivot > 0.5 * diagonal:
             return False
         pivot = math.sqrt(pivot)
         matrix[j, j] = pivot
@@ -195,40 +213,40 @@ def solve_stable(matrix: Array, right: Array, out: Array, floating: float) -> bo
                 value -= matrix[i, m] * matrix[j, m]
             matrix[i, j] = value / pivot
     for i in range(number):
-        value = right[i]
+        value = right_side[i]
         for m in range(i):
-            value -= matrix[i, m] * out[m]
-        out[i] = value / matrix[i, i]
+            value -= matrix[i, m] * solution[m]
+        solution[i] = value / matrix[i, i]
     for i in range(number - 1, -1, -1):
-        value = out[i]
+        value = solution[i]
         for m in range(i + 1, number):
-            value -= matrix[m, i] * out[m]
-        out[i] = value / matrix[i, i]
+            value -= matrix[m, i] * solution[m]
+        solution[i] = value / matrix[i, i]
     return True
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
-def modified_newton_step(matrix: Array, right: Array, out: Array, floating: float, vectors: Array) -> None:
-    """Solve a symmetric system with the absolute values of its eigenvalues, at least `floating`: a descent direction.
+def modified_newton_step(matrix: Array, residual: Array, step: Array, min_eigenvalue: float, vectors: Array) -> None:
+    """Solve a symmetric system with the absolute values of its eigenvalues: a descent direction.
 
-    In place, with workspace `vectors` (u, u). A Cholesky factorization replaces the eigenvalues if all exceed
-    `floating`.
+    Absolute values count as at least `min_eigenvalue`. In place, with workspace `vectors` (u, u). A Cholesky
+    factorization replaces the eigenvalues if all exceed `min_eigenvalue`.
     """
-    number = right.size
+    number = residual.size
     for i in range(number):
         copy(matrix[i], vectors[i])
-        vectors[i, i] -= floating
-    if solve_stable(vectors, right, out, 0.0):
-        solve_stable(matrix, right, out, 0.0)
+        vectors[i, i] -= min_eigenvalue
+    if solve_cholesky(vectors, residual, step, 0.0):
+        solve_cholesky(matrix, residual, step, 0.0)
         return
     _find_eigenvectors(matrix, vectors)
-    clear(out)
+    clear(step)
     for m in range(number):
-        along = 0.0
+        component = 0.0
         for j in range(number):
-            along += vectors[j, m] * right[j]
+            component += vectors[j, m] * residual[j]
         for j in range(number):
-            out[j] += along / max(abs(matrix[m, m]), floating) * vectors[j, m]
+            step[j] += component / max(abs(matrix[m, m]), min_eigenvalue) * vectors[j, m]
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
@@ -237,9 +255,9 @@ def _find_eigenvectors(matrix: Array, vectors: Array) -> None:
 
     Golub & Van Loan, Matrix Computations, 8.5. NumPy's function would import SciPy, a quarter of a second per command.
     """
-    number, least = len(matrix), 0.0
+    number, tolerance = len(matrix), 0.0
     for i in range(number):
-        least = max(least, ROUNDING * largest(matrix[i]))
+        tolerance = max(tolerance, ROUNDING * largest(matrix[i]))
     for i in range(number):
         clear(vectors[i])
         vectors[i, i] = 1.0
@@ -248,12 +266,12 @@ def _find_eigenvectors(matrix: Array, vectors: Array) -> None:
         rotated = False
         for p in range(number - 1):
             for q in range(p + 1, number):
-                beside = matrix[p, q]
-                if not abs(beside) > least:
+                off_diagonal = matrix[p, q]
+                if not abs(off_diagonal) > tolerance:
                     continue
                 rotated = True
-                slant = (matrix[q, q] - matrix[p, p]) / (2.0 * beside)
-                tangent = math.copysign(1.0, slant) / (abs(slant) + math.hypot(1.0, slant))
+                cotangent = (matrix[q, q] - matrix[p, p]) / (2.0 * off_diagonal)
+                tangent = math.copysign(1.0, cotangent) / (abs(cotangent) + math.hypot(1.0, cotangent))
                 cos = 1.0 / math.hypot(1.0, tangent)
                 sin = tangent * cos
                 for i in range(number):

@@ -9,7 +9,7 @@ from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.compiling import cacheable, njit
 from cycloid_mj.statics.kernel.contacts import TRUE, KernelSprings
 from cycloid_mj.statics.kernel.search import balance_briefly, balance_by_all
-from cycloid_mj.statics.kernel.system import System, cam_contact, system_of
+from cycloid_mj.statics.kernel.system import System, allocate_system, cam_contact
 
 CARRYING_SHARE = 0.01
 """Smallest force of a loaded tooth, relative to the largest over the turn."""
@@ -39,9 +39,8 @@ class Effects(NamedTuple):
 class SampleDeviations(NamedTuple):
     """Deviations of s samples: `room` (s, n) and `place` (s, n, 2) of each contact, and `cam_place` (s, D, 2) [m].
 
-    `waves` (s, w) [m] are those of the profile, after a 1 for the
-    waves of all samples. The others have shape (s,): `pin_circle` [m], `rotation` [rad],
-    `eccentricity` [m], and the clearance of the `cam` [m].
+    `waves` (s, w) [m] are those of the profile, after a 1 for the waves of all samples. The others have shape (s,):
+    `pin_circle` [m], `rotation` [rad], `eccentricity` [m], and the clearance of the `cam` [m].
     """
 
     room: Array
@@ -54,7 +53,7 @@ class SampleDeviations(NamedTuple):
     cam: Array
 
 
-class SampleRoom(NamedTuple):
+class SampleWorkspace(NamedTuple):
     """Workspace of a sample: arrays of `KernelSprings`, displacements `z`, forces, and a system.
 
     The initial values `begun` (k, u) [m] have the discs on their cams.
@@ -69,49 +68,51 @@ class SampleRoom(NamedTuple):
     system: System
 
 
-def room_for(ideal: KernelSprings) -> SampleRoom:
-    """Allocate the workspace of samples of ideal parts."""
-    shape, number = ideal.distance.shape, ideal.slope.shape[2]
-    places = np.empty(ideal.cam_place.shape)
-    begun, z = np.zeros((shape[0], number)), np.empty((shape[0], number))
-    return SampleRoom(np.empty(shape), np.empty(shape), places, begun, z, np.empty(shape), system_of(ideal))
+def allocate_workspace(ideal: KernelSprings) -> SampleWorkspace:
+    """Allocate the workspace for the samples of ideal parts."""
+    shape, unknowns = ideal.distance.shape, ideal.slope.shape[2]
+    cam_positions = np.empty(ideal.cam_place.shape)
+    start_values, z = np.zeros((shape[0], unknowns)), np.empty((shape[0], unknowns))
+    return SampleWorkspace(
+        np.empty(shape), np.empty(shape), cam_positions, start_values, z, np.empty(shape), allocate_system(ideal)
+    )
 
 
 def balance_few_samples(
     ideal: KernelSprings,
     effects: Effects,
-    made: SampleDeviations,
+    deviations: SampleDeviations,
     load: Array,
     first: int,
     last: int,
-    out: Array,
-    paths: bool | None,
-    room: SampleRoom,
+    rows: Array,
+    use_arclength: bool | None,
+    workspace: SampleWorkspace,
 ) -> None:
     """Solve for the equilibria of samples `first` to `last` under t loads (t, k, u) [N] at crank angles in order.
 
-    `ideal` are the springs of ideal parts; the rows of each sample in `out` (t, s, ``FIGURES``) are filled in. For
-    `paths` see `search.balance`: samples that fail without them are to be solved with them. `room` is overwritten.
+    `ideal` are the springs of ideal parts, `effects` those of errors, and `rows` (t, s, ``FIGURES``) get the figures of
+    the samples. For `use_arclength` see `search._balance`: samples that fail without are to be solved with it.
     """
-    z, force, system = room.z, room.force, room.system
+    z, force, system = workspace.z, workspace.force, workspace.system
     for s in range(first, last):
-        _make(effects, made, s, room.distance, room.shift, room.cam_place, room.begun)
+        _fill_sample(effects, deviations, s, workspace.distance, workspace.shift, workspace.cam_place, workspace.begun)
         springs = KernelSprings(
             ideal.radius,
             ideal.disc,
             ideal.turning,
-            made.room[s],
-            room.distance,
+            deviations.room[s],
+            workspace.distance,
             ideal.slope,
-            room.shift,
+            workspace.shift,
             ideal.shift_slope,
             ideal.bend,
             ideal.twist,
             ideal.phase,
             ideal.trochoid,
             ideal.stiffness,
-            room.cam_place,
-            made.cam[s],
+            workspace.cam_place,
+            deviations.cam[s],
             ideal.cam_stiffness,
             ideal.rubbing,
             ideal.cam_rubbing,
@@ -121,15 +122,22 @@ def balance_few_samples(
         for t in range(len(load)):
             for k in range(z.shape[0]):
                 for j in range(z.shape[1]):
-                    z[k, j] = room.begun[k, j]
-            if paths is None:
+                    z[k, j] = workspace.begun[k, j]
+            if use_arclength is None:
                 residual = balance_briefly(springs, load[t], z, force, TRUE, None, system)
             else:
-                residual = balance_by_all(springs, load[t], z, force, TRUE, paths, system)
+                residual = balance_by_all(springs, load[t], z, force, TRUE, use_arclength, system)
             _write_sample_figures(
-                ideal.radius, ideal.turning, room.cam_place, made.cam[s], ideal.cam_stiffness, z, force, out[t, s]
+                ideal.radius,
+                ideal.turning,
+                workspace.cam_place,
+                deviations.cam[s],
+                ideal.cam_stiffness,
+                z,
+                force,
+                rows[t, s],
             )
-            out[t, s, FIGURES - 1] = residual.force
+            rows[t, s, FIGURES - 1] = residual.force
 
 
 balance_samples = njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")(balance_few_samples)
@@ -140,33 +148,33 @@ balance_samples_by_all = njit(cache=cacheable(), nogil=True, error_model="numpy"
 
 
 @njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
-def _make(
+def _fill_sample(
     effects: Effects,
-    made: SampleDeviations,
+    deviations: SampleDeviations,
     s: int,
     distance: Array,
     shift: Array,
     cam_place: Array,
-    begun: Array,
+    start_values: Array,
 ) -> None:
-    """Write the gaps of a sample (k, n) [m], the positions of its cams (k, D, 2) [m] and the initial values `begun`."""
-    circle, rotation = made.pin_circle[s], made.rotation[s]
+    """Write gaps (k, n) [m], cam positions (k, D, 2) [m] and start values (k, u) [m] of the sample with index `s`."""
+    circle, rotation = deviations.pin_circle[s], deviations.rotation[s]
     for k in range(distance.shape[0]):
         for i in range(distance.shape[1]):
-            across = along = 0.0
-            for j, size in enumerate((made.place[s, i, 0], made.place[s, i, 1], circle, rotation)):
-                across += effects.distance[k, i, j] * size
-                along += effects.shift[k, i, j] * size
-            for j in range(made.waves.shape[1]):
-                across += effects.waves[k, i, j] * made.waves[s, j]
-            distance[k, i], shift[k, i] = across, along
+            distance_change = shift_change = 0.0
+            for j, size in enumerate((deviations.place[s, i, 0], deviations.place[s, i, 1], circle, rotation)):
+                distance_change += effects.distance[k, i, j] * size
+                shift_change += effects.shift[k, i, j] * size
+            for j in range(deviations.waves.shape[1]):
+                distance_change += effects.waves[k, i, j] * deviations.waves[s, j]
+            distance[k, i], shift[k, i] = distance_change, shift_change
         cosine, sine = effects.turned[k, 0], effects.turned[k, 1]
         for disc in range(cam_place.shape[1]):
-            x, y = made.cam_place[s, disc, 0], made.cam_place[s, disc, 1]
-            out_x, out_y = effects.cam_place[k, disc, 0], effects.cam_place[k, disc, 1]
-            cam_place[k, disc, 0] = made.eccentricity[s] * out_x + (cosine * x - sine * y)
-            cam_place[k, disc, 1] = made.eccentricity[s] * out_y + (sine * x + cosine * y)
-            begun[k, 3 * disc], begun[k, 3 * disc + 1] = cam_place[k, disc, 0], cam_place[k, disc, 1]
+            x, y = deviations.cam_place[s, disc, 0], deviations.cam_place[s, disc, 1]
+            radial_x, radial_y = effects.cam_place[k, disc, 0], effects.cam_place[k, disc, 1]
+            cam_place[k, disc, 0] = deviations.eccentricity[s] * radial_x + (cosine * x - sine * y)
+            cam_place[k, disc, 1] = deviations.eccentricity[s] * radial_y + (sine * x + cosine * y)
+            start_values[k, 3 * disc], start_values[k, 3 * disc + 1] = cam_place[k, disc, 0], cam_place[k, disc, 1]
 
 
 @njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")
@@ -178,12 +186,12 @@ def _write_sample_figures(
     cam_stiffness: float,
     z: Array,
     force: Array,
-    out: Array,
+    row: Array,
 ) -> None:
     """Write means, ranges and maxima of a sample over its crank angles, from displacements `z` and contact forces.
 
     `z` has x, y and rotation times `radius` of each disc, then the rotation of the output, shape (angles, 3 D + 1) [m].
-    `out` gets mean and range of the rotation of the discs and of the output [rad] (0 to 3), the largest force on a
+    `row` gets mean and range of the rotation of the discs and of the output [rad] (0 to 3), the largest force on a
     tooth, an output pin and a cam [N] (4 to 6), and the mean number of teeth that carry (7).
 
     The arguments are single attributes of the springs, as conversion of all of them from Python takes long to compile.
@@ -196,7 +204,7 @@ def _write_sample_figures(
             for disc in range(0 if body else discs):
                 rotation += z[k, 3 * disc + 2] / discs
             rotation_sum, smallest, largest = rotation_sum + rotation, min(smallest, rotation), max(largest, rotation)
-        out[2 * body], out[2 * body + 1] = rotation_sum / angles / radius, (largest - smallest) / radius
+        row[2 * body], row[2 * body + 1] = rotation_sum / angles / radius, (largest - smallest) / radius
     tooth_force = pin_force = cam = 0.0
     for k in range(angles):
         for i in range(force.shape[1]):
@@ -214,4 +222,4 @@ def _write_sample_figures(
         for i in range(force.shape[1]):
             if is_tooth[i] and force[k, i] > CARRYING_SHARE * tooth_force:
                 loaded_teeth += 1
-    out[4], out[5], out[6], out[7] = tooth_force, pin_force, cam, loaded_teeth / angles
+    row[4], row[5], row[6], row[7] = tooth_force, pin_force, cam, loaded_teeth / angles

@@ -7,10 +7,10 @@ import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import cacheable, njit
-from cycloid_mj.statics.kernel.contacts import FALSE, TRUE, KernelSprings, largest_play, opened_by
+from cycloid_mj.statics.kernel.contacts import FALSE, TRUE, KernelSprings, largest_play, scale_clearances
 from cycloid_mj.statics.kernel.continuation import solve_by_arclength
 from cycloid_mj.statics.kernel.newton import RESIDUAL_RTOL, Residual, copy, largest, newton
-from cycloid_mj.statics.kernel.system import System, system_of
+from cycloid_mj.statics.kernel.system import System, allocate_system
 
 
 class SearchSettings(NamedTuple):
@@ -70,10 +70,10 @@ PATHS: bool = np.bool_(True)  # type: ignore[assignment]
 """Argument: use the paths of `solve_by_arclength` where the other schedules fail."""
 
 
-def balance(springs: KernelSprings, load: Array, z: Array, force: Array, follow: bool) -> Residual:
+def balance(springs: KernelSprings, load: Array, z: Array, force: Array, extrapolate: bool) -> Residual:
     """Solve for the displacements z (k, u) [m] at every crank angle under a load (k, u) [N], and the springs' forces.
 
-    z and force (k, n) [N] are filled in. Each row of z is an initial value; with `follow`, only the first row is, and
+    z and force (k, n) [N] are filled in. Each row of z is a start value; with `extrapolate`, only the first row is, and
     the others are extrapolated from the previous equilibria.
 
     Returns
@@ -82,12 +82,12 @@ def balance(springs: KernelSprings, load: Array, z: Array, force: Array, follow:
         The largest of all angles, and the total work. If it exceeds ``RESIDUAL_RTOL``, the last angle has no
         equilibrium.
     """
-    begun, system = z.copy(), system_of(springs)
-    residual = balance_briefly(springs, load, z, force, follow, None, system)
+    start_values, system = z.copy(), allocate_system(springs)
+    residual = balance_briefly(springs, load, z, force, extrapolate, None, system)
     if residual.force <= RESIDUAL_RTOL:
         return residual
-    z[:] = begun
-    return balance_by_all(springs, load, z, force, follow, PATHS, system)
+    z[:] = start_values
+    return balance_by_all(springs, load, z, force, extrapolate, PATHS, system)
 
 
 def _balance(
@@ -95,37 +95,37 @@ def _balance(
     load: Array,
     z: Array,
     force: Array,
-    follow: bool,
-    paths: bool | None,
+    extrapolate: bool,
+    use_arclength: bool | None,
     system: System,
 ) -> Residual:
-    """Solve as `balance`, with all paths, or without those of `solve_by_arclength` if `paths` is None.
+    """Solve as `balance`, with or without (None) the paths of `solve_by_arclength`.
 
     For None, numba leaves out half of the code, which is seldom needed.
     """
-    count, start, near, warm_start, worst, last = len(load), system.begun, False, False, 0.0, 0
+    count, start, was_quick, warm_start, largest_norm, last_angle = len(load), system.begun, False, False, 0.0, 0
     system.assembled[0] = 0
     for k in range(count):
-        here = z[k]
-        copy(here, start)
-        if follow and k:
-            _extrapolate(z, k, near)
-        begun = system.assembled[0]
+        z_k = z[k]
+        copy(z_k, start)
+        if extrapolate and k:
+            _extrapolate(z, k, was_quick)
+        work_before = system.assembled[0]
         scale = largest(load[k]) or 1.0
-        norm = _continue(springs, k, load[k], here, start, scale, warm_start, system)
-        if paths is not None:
-            norm = _continue_by_arclength(springs, k, load[k], here, start, norm, RESIDUAL_RTOL * scale, system)
+        norm = _continue(springs, k, load[k], z_k, start, scale, warm_start, system)
+        if use_arclength is not None:
+            norm = _continue_by_arclength(springs, k, load[k], z_k, start, norm, RESIDUAL_RTOL * scale, system)
         norm /= scale
-        work = system.assembled[0] - begun
-        near, warm_start = (
+        work = system.assembled[0] - work_before
+        was_quick, warm_start = (
             work <= _SEARCH.short_work + 1,
-            follow and work > (_SEARCH.warm_work if warm_start else _SEARCH.short_work),
+            extrapolate and work > (_SEARCH.warm_work if warm_start else _SEARCH.short_work),
         )
         copy(system.pressed, force[k])
-        worst, last = max(worst, norm), k
+        largest_norm, last_angle = max(largest_norm, norm), k
         if not norm <= RESIDUAL_RTOL:
             break
-    return Residual(worst, last, system.assembled[0])
+    return Residual(largest_norm, last_angle, system.assembled[0])
 
 
 balance_briefly = njit(cache=cacheable(), allocates=False, nogil=True, error_model="numpy")(_balance)
@@ -136,11 +136,11 @@ balance_by_all = njit(cache=cacheable(), nogil=True, error_model="numpy")(_balan
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _extrapolate(z: Array, k: int, near: bool) -> None:
-    """Extrapolate the displacements at an angle from the previous ones: to the second order after a short solution."""
+def _extrapolate(z: Array, k: int, quadratic: bool) -> None:
+    """Extrapolate the displacements z at angle `k` from the previous angles, linearly or to the second order."""
     for j in range(z.shape[1]):
         z[k, j] = 2.0 * z[k - 1, j] - z[k - 2, j] if k > 1 else z[k - 1, j]
-        if near and k > 2:
+        if quadratic and k > 2:
             z[k, j] += z[k - 1, j] - 2.0 * z[k - 2, j] + z[k - 3, j]
 
 
@@ -149,58 +149,62 @@ def _continue(
     springs: KernelSprings,
     k: int,
     load: Array,
-    here: Array,
+    z: Array,
     start: Array,
     scale: float,
     warm_start: bool,
     system: System,
 ) -> float:
-    """Solve for the displacements `here` (u,) [m] by Newton's method from their values, or else by continuation.
+    """Solve for displacements z (u,) [m] by Newton's method from their values, or else by continuation from a `start`.
 
-    The `scale` [N] is that of the load. Returns the residual norm [N]. For `warm_start` see `newton`.
-
-    Springs so soft that all contacts are closed in spite of the clearances have a convex energy, whose minimum Newton's
-    method finds from a `start`. From there, friction is increased and the springs are hardened, in steps that are
-    halved until Newton's method converges at the end of each. If such a path ends, because parts snap across their
-    clearances, the springs are hardened first, by descent of the energy, and friction is increased afterwards.
+    Returns the residual norm [N]; `scale` [N] is the load's size. For `warm_start` see `newton`. Springs so soft that
+    all contacts are closed in spite of the clearances have a convex energy, whose minimum Newton's method finds. From
+    there, friction is increased and the springs are hardened, in steps that are halved until Newton's method converges
+    at the end of each. If such a path ends, because parts snap across their clearances, the springs are hardened first,
+    by descent of the energy, and friction is increased afterwards.
     """
-    rubbed = springs.rubbing.shape[0] > 0
-    softest, friction, soft, reached, target, step, max_step = 1.0, 1.0, 1.0, 2.0, 2.0, 0.0, 0.0
-    attempt, descend, allowed, least = -1, FALSE, RESIDUAL_RTOL * scale, math.inf
+    has_friction = springs.rubbing.shape[0] > 0
+    min_factor, friction, factor, parameter, target, step, max_step = 1.0, 1.0, 1.0, 2.0, 2.0, 0.0, 0.0
+    attempt, descends, tolerance, smallest_norm = -1, FALSE, RESIDUAL_RTOL * scale, math.inf
     while True:
         damping = _SEARCH.damping / scale if attempt >= 0 and friction < 1.0 else 0.0
-        exact = attempt >= _SEARCH.exact_schedule
-        norm = newton(springs, k, load, here, soft, friction, exact, allowed, damping, warm_start, descend, system)
+        use_foot_points = attempt >= _SEARCH.exact_schedule
+        norm = newton(
+            springs, k, load, z, factor, friction, use_foot_points, tolerance, damping, warm_start, descends, system
+        )
         warm_start = FALSE
-        if soft == 1.0 and friction == 1.0:
-            if rubbed and _is_wedged(springs, k, here, scale):
+        if factor == 1.0 and friction == 1.0:
+            if has_friction and _is_wedged(springs, k, z, scale):
                 norm = math.inf
-            least = min(least, norm)
-        if least <= allowed:
+            smallest_norm = min(smallest_norm, norm)
+        if smallest_norm <= tolerance:
             break
-        if norm <= allowed:
-            reached, step = (target, min(2.0 * step, max_step)) if target > 0.0 else (0.0, max_step)
-            copy(here, system.back)
+        if norm <= tolerance:
+            parameter, step = (target, min(2.0 * step, max_step)) if target > 0.0 else (0.0, max_step)
+            copy(z, system.back)
         else:
             step *= 0.5
-            copy(system.back, here)
+            copy(system.back, z)
         if not step >= _SEARCH.min_step:
             attempt += 1
             if attempt == len(_SCHEDULES):
                 break
-            copy(start, here)
+            copy(start, z)
             copy(start, system.back)
-            target, step, reached = 0.0, 0.0, 0.0
-            softest = min(1.0, scale / _soft_force(springs, k, _SCHEDULES[attempt][0]))
+            target, step, parameter = 0.0, 0.0, 0.0
+            min_factor = min(1.0, scale / _soft_force(springs, k, _SCHEDULES[attempt][0]))
         else:
-            target = min(reached + step, 1.0 if reached < 1.0 else 2.0)
+            target = min(parameter + step, 1.0 if parameter < 1.0 else 2.0)
         _, max_step, hardens_first = _SCHEDULES[attempt]
-        if not rubbed and not hardens_first and 0.0 < target <= 1.0:
+        if not has_friction and not hardens_first and 0.0 < target <= 1.0:
             target = min(1.0 + step, 2.0)
-        first, last = min(target, 1.0), max(target - 1.0, 0.0)
-        friction, hardened = (last, first) if hardens_first else (first, last)
-        soft, descend = softest ** (1.0 - hardened), target == 0.0 or (hardens_first and friction == 0.0)
-    return least
+        first_share, second_share = min(target, 1.0), max(target - 1.0, 0.0)
+        friction, hardening = (second_share, first_share) if hardens_first else (first_share, second_share)
+        factor, descends = (
+            min_factor ** (1.0 - hardening),
+            target == 0.0 or (hardens_first and friction == 0.0),
+        )
+    return smallest_norm
 
 
 @njit(cache=cacheable(), nogil=True, error_model="numpy")
@@ -208,51 +212,56 @@ def _continue_by_arclength(
     springs: KernelSprings,
     k: int,
     load: Array,
-    here: Array,
+    z: Array,
     start: Array,
-    least: float,
-    allowed: float,
+    smallest_norm: float,
+    tolerance: float,
     system: System,
 ) -> float:
-    """Solve along the paths of `solve_by_arclength` from a `start` (u,), if the residual `least` exceeds `allowed` [N].
+    """Solve along the paths of `solve_by_arclength` from a `start` (u,), if the residual exceeds the tolerance [N].
 
-    Paths are followed in turn until one reaches equilibrium. Returns the smallest residual norm [N].
+    Paths are followed in turn until one reaches equilibrium. `smallest_norm` is the residual norm so far; returns the
+    smallest one [N].
     """
-    scale, rubbed = largest(load) or 1.0, springs.rubbing.shape[0] > 0
+    scale, has_friction = largest(load) or 1.0, springs.rubbing.shape[0] > 0
     for order in _PARAMETER_ORDERS:
-        if least <= allowed or (not rubbed and order != _PARAMETER_ORDERS[0]):
+        if smallest_norm <= tolerance or (not has_friction and order != _PARAMETER_ORDERS[0]):
             break
-        copy(start, here)
-        norm = solve_by_arclength(springs, k, load, here, order if rubbed else 0.0, allowed, system)
-        if not (rubbed and _is_wedged(springs, k, here, scale)):
-            least = min(least, norm)
+        copy(start, z)
+        norm = solve_by_arclength(springs, k, load, z, order if has_friction else 0.0, tolerance, system)
+        if not (has_friction and _is_wedged(springs, k, z, scale)):
+            smallest_norm = min(smallest_norm, norm)
     count = _SEARCH.clearance_steps
-    for step in range(count + 1 if least > allowed and not rubbed else 0):
-        opened = opened_by(springs, step / count, system.row[:, 0].copy())
-        norm = newton(opened, k, load, here, 1.0, 0.0, TRUE, allowed, 0.0, FALSE, TRUE, system)
-        least = min(least, norm) if step == count else least
-    return least
+    for step in range(count + 1 if smallest_norm > tolerance and not has_friction else 0):
+        scaled = scale_clearances(springs, step / count, system.row[:, 0].copy())
+        norm = newton(scaled, k, load, z, 1.0, 0.0, TRUE, tolerance, 0.0, FALSE, TRUE, system)
+        smallest_norm = min(smallest_norm, norm) if step == count else smallest_norm
+    return smallest_norm
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _soft_force(springs: KernelSprings, k: int, plays: float) -> float:
+def _soft_force(springs: KernelSprings, k: int, clearance_count: float) -> float:
     """Compute the force to which the springs are softened [N]: it deflects the stiffest one by several clearances.
 
     It deflects no contact beyond the reach of the curves, however much stiffer a cam is.
     """
-    reach, contact = _SEARCH.reach * springs.trochoid[1], 0.0
+    reach, stiffest = _SEARCH.reach * springs.trochoid[1], 0.0
     for i in range(springs.disc.size):
-        contact = max(contact, springs.stiffness[k, i])
-    return min(max(contact, springs.cam_stiffness) * min(plays * largest_play(springs), reach), contact * reach)
+        stiffest = max(stiffest, springs.stiffness[k, i])
+    return min(
+        max(stiffest, springs.cam_stiffness) * min(clearance_count * largest_play(springs), reach), stiffest * reach
+    )
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _is_wedged(springs: KernelSprings, k: int, here: Array, load: float) -> bool:
-    """Return whether a cam is deflected by far more than the load [N] at displacements (u,) [m]: friction wedges it."""
-    deepest = max(_SEARCH.wedged_depth * largest_play(springs), _SEARCH.wedged_force * load / springs.cam_stiffness)
+def _is_wedged(springs: KernelSprings, k: int, z: Array, load: float) -> bool:
+    """Return whether a cam is deflected by far more than the load [N] at displacements z: friction wedges it."""
+    max_deflection = max(
+        _SEARCH.wedged_depth * largest_play(springs), _SEARCH.wedged_force * load / springs.cam_stiffness
+    )
     for disc in range(springs.cam_place.shape[1]):
-        x = here[3 * disc] - springs.cam_place[k, disc, 0]
-        y = here[3 * disc + 1] - springs.cam_place[k, disc, 1]
-        if x * x + y * y > deepest * deepest:
+        x = z[3 * disc] - springs.cam_place[k, disc, 0]
+        y = z[3 * disc + 1] - springs.cam_place[k, disc, 1]
+        if x * x + y * y > max_deflection * max_deflection:
             return True
     return False

@@ -7,7 +7,16 @@ import numpy as np
 
 from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.base.compiling import cacheable, njit
-from cycloid_mj.statics.kernel.contacts import FALSE, TRUE, KernelSprings, apart_of, gap_at, least_width, pose_of
+from cycloid_mj.statics.kernel.contacts import (
+    FALSE,
+    TRUE,
+    Gap,
+    KernelSprings,
+    bound_width,
+    curve_offset,
+    disc_pose,
+    gap_at,
+)
 
 RATE = 4
 """Column of a contact's stiffness, after those of its gradient."""
@@ -78,6 +87,28 @@ class System(NamedTuple):
     pin: _PinSystem
 
 
+class _DiscSums(NamedTuple):
+    """Sums over the contacts of a disc, by its x, y and rotation t and the output's rotation o.
+
+    `rx` to `ro` are forces [N], the others the upper half of the tangent stiffness [N/m].
+    """
+
+    rx: float
+    ry: float
+    rt: float
+    ro: float
+    xx: float
+    xy: float
+    yy: float
+    xt: float
+    yt: float
+    tt: float
+    xo: float
+    yo: float
+    to: float
+    oo: float
+
+
 class _Cam(NamedTuple):
     """Contact of a disc and its cam: direction (u, v) [1] and deflection `depth`, minus that of the far side [m].
 
@@ -105,28 +136,28 @@ def state(springs: KernelSprings, k: int, load: Array, z: Array) -> State:
     return State(energy, system.residual, system.tangent)
 
 
-def system_of(springs: KernelSprings) -> System:
-    """Allocate the system of a crank angle; `new_system` is the compiled version."""
-    number, discs = springs.slope.shape[2], springs.cam_place.shape[1]
+def allocate_system(springs: KernelSprings) -> System:
+    """Allocate residual, tangent and workspace of a crank angle; `new_system` is the compiled version."""
+    unknowns, discs = springs.slope.shape[2], springs.cam_place.shape[1]
     arm = np.zeros(1)
     for i in range(springs.disc.size):
-        for j in (3 * springs.disc[i] + 2, number - 1):
+        for j in (3 * springs.disc[i] + 2, unknowns - 1):
             arm[0] = max(arm[0], math.hypot(springs.slope[0, i, j], springs.shift_slope[0, i, j]))
     return System(
-        np.zeros(number),
-        np.zeros((number, number)),
+        np.zeros(unknowns),
+        np.zeros((unknowns, unknowns)),
         np.zeros(springs.disc.size + springs.cam_place.shape[1]),
-        np.zeros(number),
-        np.zeros(number),
-        np.zeros(number),
+        np.zeros(unknowns),
+        np.zeros(unknowns),
+        np.zeros(unknowns),
         np.zeros((springs.disc.size, 5)),
         np.zeros(springs.disc.size + springs.cam_place.shape[1], np.bool_),
         np.zeros(1, np.int64),
-        np.zeros(number),
+        np.zeros(unknowns),
         np.zeros(springs.disc.size),
         arm,
-        np.zeros(number),
-        np.zeros((number, number)),
+        np.zeros(unknowns),
+        np.zeros((unknowns, unknowns)),
         _PinSystem(
             np.zeros(discs),
             np.zeros(discs),
@@ -141,8 +172,8 @@ def system_of(springs: KernelSprings) -> System:
     )
 
 
-new_system = njit(cache=cacheable(), nogil=True, error_model="numpy")(system_of)
-"""`system_of` for compiled code."""
+new_system = njit(cache=cacheable(), nogil=True, error_model="numpy")(allocate_system)
+"""`allocate_system` for compiled code."""
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
@@ -151,120 +182,202 @@ def assemble(
     k: int,
     load: Array,
     z: Array,
-    soft: float,
+    stiffness_factor: float,
     friction: float,
-    exact: bool,
-    anew: bool,
+    use_foot_points: bool,
+    rebuild_list: bool,
     system: System,
 ) -> float:
-    """Assemble residual and tangent at displacements z, with springs scaled by `soft` and friction by `friction`.
+    """Assemble residual and tangent at displacements z (u,) [m] and crank angle `k`.
 
-    With `anew`, all contacts are evaluated and the neighbour list is rebuilt; otherwise only those that may have
-    closed.
+    Parameters
+    ----------
+    springs, k, load
+        Springs, index of the crank angle, and generalised load (u,) [N].
+    z
+        Displacements.
+    stiffness_factor, friction
+        Factors on all stiffnesses and on the friction.
+    use_foot_points
+        Whether the foot point of every tooth is computed, instead of the third-order expansion.
+    rebuild_list
+        Whether all contacts are evaluated and the neighbour list is rebuilt; else only those that may have closed.
+    system
+        Residual, tangent and workspace, which are overwritten.
 
     Returns
     -------
     float
         Energy of the springs minus work of the load [J].
     """
-    number = z.size
-    residual, tangent, pressed, row = system.residual, system.tangent, system.pressed, system.row
-    warm, seen, margin = system.warm, system.seen, system.margin
-    turning_curve, of_disc, radius = springs.turning, springs.disc, springs.radius
-    rough = springs.rubbing.shape[0] > 0 and friction > 0.0
-    energy, hard = 0.0, soft * springs.cam_stiffness
+    number, residual, tangent, seen = z.size, system.residual, system.tangent, system.seen
+    has_friction = springs.rubbing.shape[0] > 0 and friction > 0.0
+    energy = 0.0
     system.assembled[0] += 1
     for j in range(number):
         energy -= load[j] * z[j]
         residual[j] = load[j]
-        seen[j] = z[j] if anew else seen[j]
+        seen[j] = z[j] if rebuild_list else seen[j]
         for m in range(number):
             tangent[j, m] = 0.0
-    straight, discs = _straight(springs), springs.cam_place.shape[1]
-    for disc in range(discs):
-        # sums are local variables: the compiler would write array elements at every contact
-        rx = ry = rt = ro = xx = xy = yy = xt = yt = tt = xo = yo = to = oo = 0.0
-        pose, moved = pose_of(springs, disc, z), SKIN_FACTOR * _displacement_bound(z, seen, 3 * disc, system.arm[0])
-        for i in range(straight):
-            if of_disc[i] != disc:
-                continue
-            pressed[i] = 0.0
-            holds, wide = warm[i], margin[i]
-            if not (anew or holds) and wide > moved:
-                continue
-            apart, stiffness = apart_of(springs, k, i, pose), soft * springs.stiffness[k, i]
-            wide = least_width(springs, k, i, apart, exact)
-            if anew:
-                margin[i] = wide
-            if not holds and wide > 0.0:
-                continue
-            found = gap_at(springs, k, i, pose, apart, exact)
-            if found.width >= 0.0 and not holds:
-                continue
-            force = -stiffness * found.width
-            pressed[i] = force
-            energy -= 0.5 * force * found.width
-            if rough or exact:
-                row[i, 0], row[i, 1], row[i, 2], row[i, 3] = found.normal
-                row[i, RATE] = stiffness
-            # geometric stiffness of the rotation of the normal and of the parts
-            turning, with_disc = -force * found.rate, force / radius if turning_curve[i] else 0.0
-            alone = with_disc if turning_curve[i] else -force / radius
-            (ax, ay, at, ao), (bx, by, bt, bo) = found.normal, found.tangential
-            rx, ry, rt, ro = rx + force * ax, ry + force * ay, rt + force * at, ro + force * ao
-            xx += stiffness * ax * ax + turning * bx * bx
-            xy += stiffness * ax * ay + turning * bx * by
-            yy += stiffness * ay * ay + turning * by * by
-            xt += stiffness * ax * at + turning * bx * bt + with_disc * bx
-            yt += stiffness * ay * at + turning * by * bt + with_disc * by
-            tt += stiffness * at * at + turning * bt * bt + alone * bt
-            xo += stiffness * ax * ao + turning * bx * bo
-            yo += stiffness * ay * ao + turning * by * bo
-            to += stiffness * at * ao + turning * bt * bo
-            oo += stiffness * ao * ao + turning * bo * bo + alone * bo
-        x, y, t, o = 3 * disc, 3 * disc + 1, 3 * disc + 2, number - 1
-        cam = cam_at(springs, k, disc, z)
-        i = springs.disc.size + disc
-        pressed[i] = hard * cam.depth if cam.both > 0.0 else 0.0
-        if cam.both > 0.0 or warm[i]:
-            force, rate, u, v = hard * cam.depth, hard * cam.along, cam.u, cam.v
-            energy += hard * cam.energy
-            if rough:
-                sliding = friction * springs.cam_rubbing * hard
-                residual[t] += sliding * (cam.both if cam.both > 0.0 else cam.depth)
-                if cam.both == cam.depth or cam.depth < 0.0:
-                    tangent[t, x] -= sliding * u
-                    tangent[t, y] -= sliding * v
-            around = force / cam.depth * cam.around if cam.depth > 0.0 else hard * cam.around
-            along = rate - around
-            rx, ry = rx - force * u, ry - force * v
-            xx += around + along * u * u
-            xy += along * u * v
-            yy += around + along * v * v
-        residual[x], residual[y], residual[t] = residual[x] + rx, residual[y] + ry, residual[t] + rt
-        residual[o] += ro
-        tangent[x, x], tangent[y, y], tangent[t, t] = tangent[x, x] + xx, tangent[y, y] + yy, tangent[t, t] + tt
-        tangent[x, y], tangent[y, x] = tangent[x, y] + xy, tangent[y, x] + xy
-        tangent[x, t], tangent[t, x] = tangent[x, t] + xt, tangent[t, x] + xt
-        tangent[y, t], tangent[t, y] = tangent[y, t] + yt, tangent[t, y] + yt
-        tangent[x, o], tangent[o, x] = tangent[x, o] + xo, tangent[o, x] + xo
-        tangent[y, o], tangent[o, y] = tangent[y, o] + yo, tangent[o, y] + yo
-        tangent[t, o], tangent[o, t] = tangent[t, o] + to, tangent[o, t] + to
-        tangent[o, o] += oo
-    if rough:
+    for disc in range(springs.cam_place.shape[1]):
+        sums, energy = _sum_contacts(
+            springs, k, disc, z, stiffness_factor, use_foot_points, has_friction, rebuild_list, energy, system
+        )
+        sums, energy = _add_cam(
+            springs, k, disc, z, stiffness_factor, friction if has_friction else 0.0, sums, energy, system
+        )
+        _write_sums(sums, disc, residual, tangent)
+    if has_friction:
         _add_friction(springs, k, friction, system)
-    return energy + _add_bent_pins(springs.bending, springs, k, z, soft, friction, anew, system)
+    return energy + _add_bent_pins(springs.bending, springs, k, z, stiffness_factor, friction, rebuild_list, system)
+
+
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
+def _sum_contacts(
+    springs: KernelSprings,
+    k: int,
+    disc: int,
+    z: Array,
+    stiffness_factor: float,
+    use_foot_points: bool,
+    has_friction: bool,
+    rebuild_list: bool,
+    energy: float,
+    system: System,
+) -> tuple[_DiscSums, float]:
+    """Sum forces and stiffness of the independent contacts of a disc, and add their energy; arguments as `assemble`.
+
+    Forces of the contacts are written to `system.pressed`, and gradients to `system.row` where friction needs them.
+    """
+    pressed, row, warm, margin = system.pressed, system.row, system.warm, system.margin
+    rotates, disc_of, radius = springs.turning, springs.disc, springs.radius
+    # sums are local variables: the compiler would write array elements at every contact
+    sums = _DiscSums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    pose = disc_pose(springs, disc, z)
+    moved = SKIN_FACTOR * _displacement_bound(z, system.seen, 3 * disc, system.arm[0])
+    for i in range(_independent_contacts(springs)):
+        if disc_of[i] != disc:
+            continue
+        pressed[i] = 0.0
+        is_kept, bound = warm[i], margin[i]
+        if not (rebuild_list or is_kept) and bound > moved:
+            continue
+        offset, stiffness = curve_offset(springs, k, i, pose), stiffness_factor * springs.stiffness[k, i]
+        bound = bound_width(springs, k, i, offset, use_foot_points)
+        if rebuild_list:
+            margin[i] = bound
+        if not is_kept and bound > 0.0:
+            continue
+        gap = gap_at(springs, k, i, pose, offset, use_foot_points)
+        if gap.width >= 0.0 and not is_kept:
+            continue
+        force = -stiffness * gap.width
+        pressed[i] = force
+        energy -= 0.5 * force * gap.width
+        if has_friction or use_foot_points:
+            row[i, 0], row[i, 1], row[i, 2], row[i, 3] = gap.normal
+            row[i, RATE] = stiffness
+        sums = _add_contact(sums, gap, force, stiffness, force / radius, rotates[i])
+    return sums, energy
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _displacement_bound(z: Array, seen: Array, x: int, arm: float) -> float:
-    """Return an upper bound of the displacement of a disc's contacts since the neighbour list was built [m]."""
-    turned = abs(z[x + 2] - seen[x + 2]) + abs(z[z.size - 1] - seen[z.size - 1])
-    return abs(z[x] - seen[x]) + abs(z[x + 1] - seen[x + 1]) + arm * turned
+def _add_contact(
+    sums: _DiscSums, gap: Gap, force: float, stiffness: float, rotation_stiffness: float, rotates: bool
+) -> _DiscSums:
+    """Add force and tangent stiffness of a contact to the sums of its disc.
+
+    The tangent includes the geometric stiffness of the rotation of the normal and of the parts, `rotation_stiffness`
+    [N/m], which acts on the disc if the profile `rotates` with it, else also on the output.
+    """
+    rx, ry, rt, ro, xx, xy, yy, xt, yt, tt, xo, yo, to, oo = sums
+    turning, with_disc = -force * gap.rate, rotation_stiffness if rotates else 0.0
+    alone = with_disc if rotates else -rotation_stiffness
+    (ax, ay, at, ao), (bx, by, bt, bo) = gap.normal, gap.tangential
+    return _DiscSums(
+        rx + force * ax,
+        ry + force * ay,
+        rt + force * at,
+        ro + force * ao,
+        xx + (stiffness * ax * ax + turning * bx * bx),
+        xy + (stiffness * ax * ay + turning * bx * by),
+        yy + (stiffness * ay * ay + turning * by * by),
+        xt + (stiffness * ax * at + turning * bx * bt + with_disc * bx),
+        yt + (stiffness * ay * at + turning * by * bt + with_disc * by),
+        tt + (stiffness * at * at + turning * bt * bt + alone * bt),
+        xo + (stiffness * ax * ao + turning * bx * bo),
+        yo + (stiffness * ay * ao + turning * by * bo),
+        to + (stiffness * at * ao + turning * bt * bo),
+        oo + (stiffness * ao * ao + turning * bo * bo + alone * bo),
+    )
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
-def _straight(springs: KernelSprings) -> int:
+def _add_cam(
+    springs: KernelSprings,
+    k: int,
+    disc: int,
+    z: Array,
+    stiffness_factor: float,
+    friction: float,
+    sums: _DiscSums,
+    energy: float,
+    system: System,
+) -> tuple[_DiscSums, float]:
+    """Add the contact of a disc and its cam to the sums of the disc and the energy [J], its friction to the system."""
+    rx, ry, rt, ro, xx, xy, yy, xt, yt, tt, xo, yo, to, oo = sums
+    residual, tangent, x, y, t = system.residual, system.tangent, 3 * disc, 3 * disc + 1, 3 * disc + 2
+    cam, i, hard = cam_at(springs, k, disc, z), springs.disc.size + disc, stiffness_factor * springs.cam_stiffness
+    system.pressed[i] = hard * cam.depth if cam.both > 0.0 else 0.0
+    if cam.both > 0.0 or system.warm[i]:
+        force, rate, u, v = hard * cam.depth, hard * cam.along, cam.u, cam.v
+        energy += hard * cam.energy
+        if friction > 0.0:
+            sliding = friction * springs.cam_rubbing * hard
+            residual[t] += sliding * (cam.both if cam.both > 0.0 else cam.depth)
+            if cam.both == cam.depth or cam.depth < 0.0:
+                tangent[t, x] -= sliding * u
+                tangent[t, y] -= sliding * v
+        around = force / cam.depth * cam.around if cam.depth > 0.0 else hard * cam.around
+        along = rate - around
+        rx, ry = rx - force * u, ry - force * v
+        xx += around + along * u * u
+        xy += along * u * v
+        yy += around + along * v * v
+    return _DiscSums(rx, ry, rt, ro, xx, xy, yy, xt, yt, tt, xo, yo, to, oo), energy
+
+
+@njit(nogil=True, error_model="numpy", inline="always")
+def _write_sums(sums: _DiscSums, disc: int, residual: Array, tangent: Array) -> None:
+    """Add the sums of a disc to residual (u,) [N] and tangent (u, u) [N/m]."""
+    rx, ry, rt, ro, xx, xy, yy, xt, yt, tt, xo, yo, to, oo = sums
+    x, y, t, o = 3 * disc, 3 * disc + 1, 3 * disc + 2, residual.size - 1
+    residual[x], residual[y], residual[t] = residual[x] + rx, residual[y] + ry, residual[t] + rt
+    residual[o] += ro
+    tangent[x, x], tangent[y, y], tangent[t, t] = tangent[x, x] + xx, tangent[y, y] + yy, tangent[t, t] + tt
+    tangent[x, y], tangent[y, x] = tangent[x, y] + xy, tangent[y, x] + xy
+    tangent[x, t], tangent[t, x] = tangent[x, t] + xt, tangent[t, x] + xt
+    tangent[y, t], tangent[t, y] = tangent[y, t] + yt, tangent[t, y] + yt
+    tangent[x, o], tangent[o, x] = tangent[x, o] + xo, tangent[o, x] + xo
+    tangent[y, o], tangent[o, y] = tangent[y, o] + yo, tangent[o, y] + yo
+    tangent[t, o], tangent[o, t] = tangent[t, o] + to, tangent[o, t] + to
+    tangent[o, o] += oo
+
+
+@njit(nogil=True, error_model="numpy", inline="always")
+def _displacement_bound(z: Array, list_origin: Array, index: int, arm: float) -> float:
+    """Return an upper bound of the displacement of a disc's contacts since the neighbour list was built [m].
+
+    `list_origin` are the displacements at which it was built, `index` the disc's first unknown, `arm` the largest
+    lever.
+    """
+    rotation = abs(z[index + 2] - list_origin[index + 2]) + abs(z[z.size - 1] - list_origin[z.size - 1])
+    return abs(z[index] - list_origin[index]) + abs(z[index + 1] - list_origin[index + 1]) + arm * rotation
+
+
+@njit(nogil=True, error_model="numpy", inline="always")
+def _independent_contacts(springs: KernelSprings) -> int:
     """Return the number of independent contacts: all but those of output pins that bend under several discs."""
     return springs.disc.size - springs.pins * springs.cam_place.shape[1]
 
@@ -275,130 +388,142 @@ def _add_bent_pins(
     springs: KernelSprings,
     k: int,
     z: Array,
-    soft: float,
+    stiffness_factor: float,
     friction: float,
-    anew: bool,
+    rebuild_list: bool,
     system: System,
 ) -> float:
-    """Add output pins that bend to the system at displacements z.
+    """Add output pins that bend to residual and tangent at displacements z; return the energy of contacts and pins [J].
 
     Forces f on a pin with contacts of stiffness K and gaps w of the straight pin solve the linear complementarity
     problem K^-1 f + B f + w >= 0, f >= 0, with the `bending` B. If it is None, numba leaves out the following code.
-
-    Returns
-    -------
-    float
-        Energy of contacts and pins [J].
+    Other arguments are those of `assemble`.
     """
     if bending is None:
         return 0.0
-    discs, energy = bending.shape[0], 0.0
-    first, o = _straight(springs), z.size - 1
-    rough = springs.rubbing.shape[0] > 0 and friction > 0.0
+    discs, energy, first = bending.shape[0], 0.0, _independent_contacts(springs)
     width, pressed, normal, tangential, rate, carries, held, flexible, stiff = system.pin
     for pin in range(springs.pins):
-        closed = False
-        for d in range(discs):
-            i = first + d * springs.pins + pin
-            if anew:
-                system.margin[i] = least_width(springs, k, i, apart_of(springs, k, i, pose_of(springs, d, z)), FALSE)
-            moved = SKIN_FACTOR * _displacement_bound(z, system.seen, 3 * d, system.arm[0])
-            closed |= system.warm[i] or not system.margin[i] > moved
-            system.pressed[i] = 0.0
-        if not closed:
+        if not _may_touch_pin(springs, k, pin, z, rebuild_list, system):
             continue
         for d in range(discs):
             i = first + d * springs.pins + pin
-            pose = pose_of(springs, d, z)
-            found = gap_at(springs, k, i, pose, apart_of(springs, k, i, pose), FALSE)
-            width[d], rate[d], held[d] = found.width, found.rate, system.warm[i]
+            pose = disc_pose(springs, d, z)
+            gap = gap_at(springs, k, i, pose, curve_offset(springs, k, i, pose), FALSE)
+            width[d], rate[d], held[d] = gap.width, gap.rate, system.warm[i]
             for j in range(4):
-                normal[d, j], tangential[d, j] = found.normal[j], found.tangential[j]
+                normal[d, j], tangential[d, j] = gap.normal[j], gap.tangential[j]
             for e in range(discs):
-                flexible[d, e] = bending[d, e] / soft
-            flexible[d, d] += 1.0 / (soft * springs.stiffness[k, i])
+                flexible[d, e] = bending[d, e] / stiffness_factor
+            flexible[d, d] += 1.0 / (stiffness_factor * springs.stiffness[k, i])
         _solve_pin(flexible, width, held, carries, pressed, stiff)
         for d in range(discs):
             system.pressed[first + d * springs.pins + pin] = pressed[d]
             energy -= 0.5 * pressed[d] * width[d]
-        for d in range(discs):
-            i = first + d * springs.pins + pin
-            if not carries[d]:
-                continue
-            force, system.row[i, RATE] = pressed[d], 0.0
-            for e in range(discs):
-                system.row[i, RATE] += stiff[d, e]  # the clearances of all discs on a pin grow together
-            turning, alone = -force * rate[d], -force / springs.radius
-            for a in range(4):
-                system.row[i, a] = normal[d, a]
-                row = 3 * d + a if a < 3 else o
-                rubs = friction * springs.rubbing[k, i, row] if rough else 0.0
-                system.residual[row] += force * (normal[d, a] + rubs)
-                for b in range(4):
-                    system.tangent[row, 3 * d + b if b < 3 else o] += turning * tangential[d, a] * tangential[d, b]
-                for e in range(discs):
-                    if not carries[e]:
-                        continue
-                    for b in range(4):
-                        column = 3 * e + b if b < 3 else o
-                        system.tangent[row, column] += stiff[d, e] * (normal[d, a] + rubs) * normal[e, b]
-            # geometric stiffness of the rotations of disc and output, as in `assemble`
-            system.tangent[3 * d + 2, 3 * d + 2] += alone * tangential[d, 2]
-            system.tangent[o, o] += alone * tangential[d, 3]
+        _add_pin_forces(springs, k, pin, friction, system)
     return energy
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
-def _solve_pin(flexible: Array, width: Array, held: Mask, carries: Mask, pressed: Array, stiff: Array) -> None:
-    """Solve for the contact forces on a pin [N] and its active contacts, from gaps [m] and flexibility [m/N].
-
-    A linear complementarity problem, solved by principal pivoting: the most violated condition is exchanged first
-    (Cottle, Pang & Stone, The Linear Complementarity Problem, 1992, 4.2). `stiff` (D, D) [N/m] is filled in.
-    """
-    discs = width.size
-    for d in range(discs):
-        carries[d] = held[d] or width[d] < 0.0
-    for _ in range(4 * discs):
-        _stiffen(flexible, carries, stiff)
-        changes, most = -1, 0.0
-        for d in range(discs):
-            pressed[d] = 0.0
-            for e in range(discs):
-                pressed[d] -= stiff[d, e] * width[e]
-            if not held[d] and pressed[d] < most:
-                changes, most = d, pressed[d]
-        for d in range(discs if changes < 0 else 0):  # no contact pulls: check the open ones
-            left = width[d]
-            for e in range(discs):
-                left += flexible[d, e] * pressed[e]
-            if not carries[d] and left < most:
-                changes, most = d, left
-        if changes < 0:
-            break
-        carries[changes] = not carries[changes]
+def _may_touch_pin(springs: KernelSprings, k: int, pin: int, z: Array, rebuild_list: bool, system: System) -> bool:
+    """Return whether any disc may touch a pin, by the neighbour list; set the forces on the pin to 0."""
+    closed, first = False, _independent_contacts(springs)
+    for d in range(springs.cam_place.shape[1]):
+        i = first + d * springs.pins + pin
+        if rebuild_list:
+            offset = curve_offset(springs, k, i, disc_pose(springs, d, z))
+            system.margin[i] = bound_width(springs, k, i, offset, FALSE)
+        moved = SKIN_FACTOR * _displacement_bound(z, system.seen, 3 * d, system.arm[0])
+        closed |= system.warm[i] or not system.margin[i] > moved
+        system.pressed[i] = 0.0
+    return closed
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy")
-def _stiffen(flexible: Array, carries: Mask, stiff: Array) -> None:
-    """Invert the flexibility of the active contacts of a pin to `stiff` [N/m], 0 for the others, by Gauss-Jordan."""
-    discs = carries.size
+def _add_pin_forces(springs: KernelSprings, k: int, pin: int, friction: float, system: System) -> None:
+    """Add the solved forces on a pin, in `system.pin`, and their tangent stiffness and friction to the system."""
+    discs, first, o = springs.cam_place.shape[1], _independent_contacts(springs), system.residual.size - 1
+    has_friction = springs.rubbing.shape[0] > 0 and friction > 0.0
+    _, pressed, normal, tangential, rate, carries, _, _, stiff = system.pin
+    for d in range(discs):
+        i = first + d * springs.pins + pin
+        if not carries[d]:
+            continue
+        force, system.row[i, RATE] = pressed[d], 0.0
+        for e in range(discs):
+            system.row[i, RATE] += stiff[d, e]  # the clearances of all discs on a pin grow together
+        turning, alone = -force * rate[d], -force / springs.radius
+        for a in range(4):
+            system.row[i, a] = normal[d, a]
+            row = 3 * d + a if a < 3 else o
+            rubs = friction * springs.rubbing[k, i, row] if has_friction else 0.0
+            system.residual[row] += force * (normal[d, a] + rubs)
+            for b in range(4):
+                system.tangent[row, 3 * d + b if b < 3 else o] += turning * tangential[d, a] * tangential[d, b]
+            for e in range(discs):
+                if not carries[e]:
+                    continue
+                for b in range(4):
+                    column = 3 * e + b if b < 3 else o
+                    system.tangent[row, column] += stiff[d, e] * (normal[d, a] + rubs) * normal[e, b]
+        # geometric stiffness of the rotations of disc and output, as in `_add_contact`
+        system.tangent[3 * d + 2, 3 * d + 2] += alone * tangential[d, 2]
+        system.tangent[o, o] += alone * tangential[d, 3]
+
+
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy")
+def _solve_pin(
+    flexibility: Array, width: Array, kept_closed: Mask, is_active: Mask, forces: Array, stiffness: Array
+) -> None:
+    """Solve for the contact forces on a pin [N] and its active contacts, from gaps [m] and flexibility [m/N].
+
+    A linear complementarity problem, solved by principal pivoting: the most violated condition is exchanged first
+    (Cottle, Pang & Stone, The Linear Complementarity Problem, 1992, 4.2). `stiffness` (D, D) [N/m] is filled in.
+    """
+    discs = width.size
+    for d in range(discs):
+        is_active[d] = kept_closed[d] or width[d] < 0.0
+    for _ in range(4 * discs):
+        _invert_flexibility(flexibility, is_active, stiffness)
+        exchanged, violation = -1, 0.0
+        for d in range(discs):
+            forces[d] = 0.0
+            for e in range(discs):
+                forces[d] -= stiffness[d, e] * width[e]
+            if not kept_closed[d] and forces[d] < violation:
+                exchanged, violation = d, forces[d]
+        for d in range(discs if exchanged < 0 else 0):  # no contact pulls: check the open ones
+            gap = width[d]
+            for e in range(discs):
+                gap += flexibility[d, e] * forces[e]
+            if not is_active[d] and gap < violation:
+                exchanged, violation = d, gap
+        if exchanged < 0:
+            break
+        is_active[exchanged] = not is_active[exchanged]
+
+
+@njit(allocates=False, inner=True, nogil=True, error_model="numpy")
+def _invert_flexibility(flexibility: Array, is_active: Mask, stiffness: Array) -> None:
+    """Invert the flexibility of a pin's active contacts to `stiffness` [N/m], 0 for the others, by Gauss-Jordan."""
+    discs = is_active.size
     for d in range(discs):
         for e in range(discs):
-            stiff[d, e] = flexible[d, e] if carries[d] and carries[e] else 0.0
+            stiffness[d, e] = flexibility[d, e] if is_active[d] and is_active[e] else 0.0
     for pivot in range(discs):
-        if not carries[pivot]:
+        if not is_active[pivot]:
             continue
-        inverse = 1.0 / stiff[pivot, pivot]
-        stiff[pivot, pivot] = 1.0
+        inverse = 1.0 / stiffness[pivot, pivot]
+        stiffness[pivot, pivot] = 1.0
         for e in range(discs):
-            stiff[pivot, e] *= inverse
+            stiffness[pivot, e] *= inverse
         for d in range(discs):
-            factor = stiff[d, pivot]
+            factor = stiffness[d, pivot]
             if d == pivot or factor == 0.0:
                 continue
-            stiff[d, pivot] = 0.0
+            stiffness[d, pivot] = 0.0
             for e in range(discs):
-                stiff[d, e] -= factor * stiff[pivot, e]
+                stiffness[d, e] -= factor * stiffness[pivot, e]
 
 
 @njit(nogil=True, error_model="numpy", inline="always")
@@ -414,23 +539,23 @@ def cam_contact(x: float, y: float, clearance: float) -> _Cam:
 
     With negative clearance, both sides are in contact.
     """
-    reach = math.sqrt(x * x + y * y)
-    depth, share = reach - clearance, 1.0 / reach if reach > 0.0 else 0.0
-    if reach < -clearance:
-        within = reach * reach + clearance * clearance
-        return _Cam(x * share, y * share, 2.0 * reach, 2.0, 2.0, within, -2.0 * clearance)
-    return _Cam(x * share, y * share, depth, 1.0, depth * share, 0.5 * depth * depth, max(depth, 0.0))
+    distance = math.sqrt(x * x + y * y)
+    depth, inverse = distance - clearance, 1.0 / distance if distance > 0.0 else 0.0
+    if distance < -clearance:
+        squares = distance * distance + clearance * clearance
+        return _Cam(x * inverse, y * inverse, 2.0 * distance, 2.0, 2.0, squares, -2.0 * clearance)
+    return _Cam(x * inverse, y * inverse, depth, 1.0, depth * inverse, 0.5 * depth * depth, max(depth, 0.0))
 
 
 @njit(allocates=False, inner=True, nogil=True, error_model="numpy", forceinline=True)
 def _add_friction(springs: KernelSprings, k: int, friction: float, system: System) -> None:
-    """Add the Coulomb friction of sliding contacts to the system, proportional to their normal forces."""
-    o, residual, tangent, row = springs.slope.shape[2] - 1, system.residual, system.tangent, system.row
-    for i in range(_straight(springs)):
+    """Add a share of the Coulomb friction of sliding contacts, from their normal forces, to residual and tangent."""
+    output, residual, tangent, row = springs.slope.shape[2] - 1, system.residual, system.tangent, system.row
+    for i in range(_independent_contacts(springs)):
         force, x = system.pressed[i], 3 * springs.disc[i]
         for a in range(4 if force != 0.0 else 0):
-            to = x + a if a < 3 else o
-            rubs = friction * springs.rubbing[k, i, to]
-            residual[to] += force * rubs
+            unknown = x + a if a < 3 else output
+            rate = friction * springs.rubbing[k, i, unknown]
+            residual[unknown] += force * rate
             for b in range(4):
-                tangent[to, x + b if b < 3 else o] += row[i, RATE] * rubs * row[i, b]
+                tangent[unknown, x + b if b < 3 else output] += row[i, RATE] * rate * row[i, b]
