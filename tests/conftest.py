@@ -65,9 +65,10 @@ def _dynamics() -> None:
     from cycloid_mj.dynamics.planar.model import planar_model
     from cycloid_mj.dynamics.run import simulate
 
-    design = override(PRESETS["pin"], {"drive.ramp_s": 0.0, "drive.hold_s": 1e-5})
-    simulate(design)
-    simulate(design, planar_model(Reducer(design)))
+    for name in ("pin", "nonpin"):  # an internal gear has contacts of its own
+        design = override(PRESETS[name], {"drive.ramp_s": 0.0, "drive.hold_s": 1e-5})
+        simulate(design)
+        simulate(design, planar_model(Reducer(design)))
 
 
 def _statics() -> None:

@@ -254,6 +254,7 @@ def export(
     from cycloid_mj.parts.export.print_files import PrintSettings, stock_cam_seat
 
     _require_flags(format_, polylines=polylines, arcs=arcs, plate=plate, bore=cam_bearing_bore_mm, bed=bed)
+    bed_size = _bed_size(bed)
     design, offset, chord_error = chosen.resolve_checked().at_reference, offset_um * 1e-6, chord_error_um * 1e-6
     reducer, motor = reducer_of(design), interface.chosen()
     _require_layout(reducer, plate=plate, drawings=drawings)
@@ -277,7 +278,7 @@ def export(
     if sizes:
         wide = widen_clearances(reducer, offset)
         parts |= drive_files(wide, format_, sizes, chord_error, seat, polylines=polylines, arcs=arc_error)
-    settings = PrintSettings(chord_error, offset, seat, _bed_size(bed))
+    settings = PrintSettings(chord_error, offset, seat, bed_size)
     printed = _plate(reducer, sizes, settings) if plate else None
     if printed:
         parts |= printed.files
