@@ -16,10 +16,7 @@ STATIC = (
     ("design", "check", "{name}"),
     ("design", "new", "mine", "--from", "{name}"),
     ("statics", "--design", "{name}"),
-    pytest.param(
-        ("tolerance", "--design", "{name}", "--set", 'tolerance.cam="normal 0.5"', "--samples", "4"),
-        marks=pytest.mark.slow,
-    ),
+    ("tolerance", "--design", "{name}", "--set", 'tolerance.cam="normal 0.5"', "--samples", "4"),
     ("rate", "--design", "{name}", "--html", "rate.html"),
     ("thermal", "--design", "{name}", "--out", "heat"),
     ("wear", "--design", "{name}", "--hours", "1", "--out", "wear"),
