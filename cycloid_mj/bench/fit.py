@@ -373,7 +373,7 @@ def widen_intervals(problem: FitProblem, fitted: Fitted, valleys: Sequence[tuple
     """
     inverse, lowest_cost = fitted.uncertainty.inverse, valleys[0][0]
     is_distinct = [np.any(np.abs(item - fitted.likeliest) > fitted.uncertainty.errors) for _, item in valleys[1:]]
-    valleys = [valleys[0], *(valley for valley, other in zip(valleys[1:], is_distinct, strict=True) if other)]
+    valleys = [valleys[0], *(valley for valley, distinct in zip(valleys[1:], is_distinct, strict=True) if distinct)]
     unknown = np.all(fitted.ends == np.stack(problem.bounds, axis=1), axis=1)
     open_values = np.flatnonzero(~(fitted.at_bound | unknown)[: len(problem.parameters)])
     trials_before, ends_done, usual_trials = problem.trials.done, 0, problem.expected_trials(ends=1)

@@ -175,8 +175,8 @@ def read_columns(path: Path, names: tuple[str, ...], content: str) -> dict[str, 
             f"{path}: no header line with the column names was found; the file has {columns[:80]}; {requirement}"
         )
     keys = [key.strip() for key in numbered[header][1].lstrip("# ").split(",")]
-    if missing := [name for name in names if name not in keys]:
-        raise UsageError(f"{path}: the column {missing[0]} is missing; the file has {', '.join(keys)}; {requirement}")
+    if absent := [name for name in names if name not in keys]:
+        raise UsageError(f"{path}: the column {absent[0]} is missing; the file has {', '.join(keys)}; {requirement}")
     rows = [(number, row) for number, row in numbered[header + 1 :] if not row.lstrip().startswith("#")]
     if not rows:
         raise UsageError(f"{path}: there are no rows below the header; {requirement}, with one row per measured point")
@@ -249,15 +249,7 @@ def measured_loop(name: str, torque: Array, deflection_deg: Array, origin: str =
         )
     _require_no_outlier(torque, TORQUE, origin)
     _require_no_outlier(deflection_deg, DEFLECTION, origin)
-    if not SETTINGS.min_height_deg <= height <= SETTINGS.max_height_deg:
-        likely_unit = (
-            "in arcminutes or arcseconds" if height > SETTINGS.max_height_deg else "in turns, or of another drive"
-        )
-        raise UsageError(
-            f"{origin}: the deflection has a range of {height:.3g} deg; a drive with a locked crank has "
-            f"{SETTINGS.min_height_deg:g} to {SETTINGS.max_height_deg:g} deg. The values may be {likely_unit}: convert "
-            f"{DEFLECTION} to degrees"
-        )
+    _require_degrees(height, origin)
     if len(turns) < 2 or len(np.unique(branch)) < 2 or min(turns) >= 0.0 or max(turns) <= 0.0:
         raise UsageError(
             f"{origin}: the file contains only one branch, from {torque[0]:.4g} to {torque[-1]:.4g} N m, which does "
@@ -292,8 +284,24 @@ def require_torque(loop: MeasuredLoop, rated_torque: float) -> None:
         )
 
 
+def _require_degrees(height: float, origin: str) -> None:
+    """Raise UsageError for a loop whose height [deg] is implausible in degrees."""
+    if not SETTINGS.min_height_deg <= height <= SETTINGS.max_height_deg:
+        likely_unit = (
+            "in arcminutes or arcseconds" if height > SETTINGS.max_height_deg else "in turns, or of another drive"
+        )
+        raise UsageError(
+            f"{origin}: the deflection has a range of {height:.3g} deg; a drive with a locked crank has "
+            f"{SETTINGS.min_height_deg:g} to {SETTINGS.max_height_deg:g} deg. The values may be {likely_unit}: convert "
+            f"{DEFLECTION} to degrees"
+        )
+
+
 def _require_no_outlier(values: Array, column: str, origin: str) -> None:
-    """Raise UsageError for a value that differs from the median of its neighbours by more than the loop's range."""
+    """Raise UsageError for a value that differs from the median of its neighbours by more than the loop's range.
+
+    `column` and `origin` name the values and their file in the message.
+    """
     medians = _median_filter(values)
     differences = np.abs(values - medians)
     worst = int(np.argmax(differences))

@@ -153,11 +153,11 @@ def stiffness_between(loop: MeasuredLoop, low: float, high: float) -> LoopFigure
 def loop_lost_motion(loop: MeasuredLoop, rated_torque: float) -> LoopFigure:
     """Compute the rotation between the middles of the branches at +3 % and -3 % of a rated torque [rad]."""
     level = LOST_MOTION_SHARE * rated_torque
-    sides = [
+    crossings = [
         _find_crossings(loop, loop.torque, loop.deflection, direction * level, READING.lost_motion_window * level)
         for direction in (1, -1)
     ]
-    branches = [branch for side in sides if side for branch in side]
+    branches = [branch for side in crossings if side for branch in side]
     if len(branches) < 4:
         return NO_FIGURE
     value = 0.5 * (branches[0][0] + branches[1][0] - branches[2][0] - branches[3][0])
@@ -171,19 +171,19 @@ def loop_hysteresis(loop: MeasuredLoop, rated_torque: float) -> LoopFigure:
     It is that of the lines through the points of the branches from 3 % of a rated torque down to 0.5 %, extended to
     zero torque.
     """
-    sides = []
+    readings = []
     for direction in (1, -1):
         torque, falling = direction * loop.torque, loop.moving(-direction)
         if not falling.any() or not torque[falling].min() < 0.0 < torque[falling].max():
             return NO_FIGURE
         is_near_zero = (torque >= READING.min_unloaded * rated_torque) & (torque <= LOST_MOTION_SHARE * rated_torque)
         line = _fit_line(loop.torque, loop.deflection, falling & is_near_zero)
-        sides.append(
+        readings.append(
             (*line.at(0.0), line.freedom)
             if line
             else _interpolate_leap(loop.torque[falling], loop.deflection[falling], 0.0)
         )
-    (upper, upper_variance, upper_freedom), (lower, lower_variance, lower_freedom) = sides
+    (upper, upper_variance, upper_freedom), (lower, lower_variance, lower_freedom) = readings
     return LoopFigure.about(
         upper - lower, _quantile(min(upper_freedom, lower_freedom)) * (upper_variance + lower_variance) ** 0.5
     )
@@ -235,7 +235,10 @@ def _mean_stiffness(positive: LoopFigure, negative: LoopFigure) -> LoopFigure:
 
 
 def _compute_play(rising: _Line | None, falling: _Line | None, coulomb: LoopFigure) -> LoopFigure:
-    """Compute the rotation between both loading lines at the Coulomb torque of their sides [rad], with its interval."""
+    """Compute the rotation between both loading lines at the Coulomb torque of their sides [rad], with its interval.
+
+    `rising` and `falling` are the lines of positive and negative torque; NaN without one of them.
+    """
     if rising is None or falling is None or math.isnan(coulomb.value):
         return NO_FIGURE
     (upper, upper_variance), (lower, lower_variance) = rising.at(coulomb.value), falling.at(-coulomb.value)
@@ -247,10 +250,10 @@ def _compute_play(rising: _Line | None, falling: _Line | None, coulomb: LoopFigu
 
 def _branch_distance(loop: MeasuredLoop, abscissa: Array, values: Array, level: float) -> LoopFigure:
     """Compute the distance of the falling branches above the rising ones in `values`, at a level of `abscissa`."""
-    sides = _find_crossings(loop, abscissa, values, level, READING.level_window * float(np.ptp(abscissa)))
-    if sides is None:
+    crossings = _find_crossings(loop, abscissa, values, level, READING.level_window * float(np.ptp(abscissa)))
+    if crossings is None:
         return NO_FIGURE
-    (above, upper_variance, upper_freedom), (below, lower_variance, lower_freedom) = sides
+    (above, upper_variance, upper_freedom), (below, lower_variance, lower_freedom) = crossings
     return LoopFigure.about(
         above - below, _quantile(min(upper_freedom, lower_freedom)) * (upper_variance + lower_variance) ** 0.5
     )
@@ -263,18 +266,18 @@ def _find_crossings(
 
     Returns value, variance and degrees of freedom of each; None if a branch does not cross the level.
     """
-    sides = []
+    crossings = []
     for direction in (-1, 1):
         on_branch = loop.moving(direction)
         if not on_branch.any() or not abscissa[on_branch].min() < level < abscissa[on_branch].max():
             return None
         line = _fit_line(abscissa, values, on_branch & (np.abs(abscissa - level) <= window))
-        sides.append(
+        crossings.append(
             (*line.at(level), line.freedom)
             if line
             else _interpolate_leap(abscissa[on_branch], values[on_branch], level)
         )
-    falling, rising = sides
+    falling, rising = crossings
     return falling, rising
 
 

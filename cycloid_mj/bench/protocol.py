@@ -158,10 +158,10 @@ class Protocol(Presented):
     @property
     def frame(self) -> Frame:
         """Return the figures, one row each; NaN where there is none."""
-        sides = {"model": self.model, "bench": self.bench}
+        sources = {"model": self.model, "bench": self.bench}
         columns: dict[str, Array] = {
             f"{side}_{part}": np.array([getattr(figures.get(key), part, math.nan) for key in LINES])
-            for side, figures in sides.items()
+            for side, figures in sources.items()
             for part in LoopFigure._fields
         }
         text = {"line": np.array(list(LINES)), "unit": np.array([line.unit for line in LINES.values()])}

@@ -341,11 +341,11 @@ class FitProblem:
         return float(solution.cost), np.clip(fill(solution.x), low, high)
 
     def fit_deflections(self, start: Array, low: Array, high: Array) -> Array:
-        """Return the scaled values between two ends with the deflections nearest to the measured ones, rms.
+        """Return the scaled values between bounds with the deflections nearest to the measured ones, rms.
 
-        A value that moves from the start by a quarter of the distance between its ends, which is its standard
-        deviation, adds the cost of a loop with a residual of `MODEL_ERROR`, so that a value on which the deflections
-        hardly depend stays.
+        `low` and `high` are the ends of the intervals of the values. A value that moves from the start by a quarter of
+        the distance between its ends, which is its standard deviation, adds the cost of a loop with a residual of
+        `MODEL_ERROR`, so that a value on which the deflections hardly depend stays.
         """
         from scipy.optimize import least_squares
 

@@ -244,7 +244,10 @@ def compare_bench(design: Named, measured: MeasuredError, load: float | None = N
     solved = np.linalg.lstsq(basis, np.stack([measured.error, model], axis=1), rcond=None)[0]
     amplitude = solved[1 : len(order) + 1] - 1j * solved[len(order) + 1 :]
     possible_causes = causes(reducer)
-    names = tuple(", ".join(item.name for item in possible_causes if item.has(float(each))) or "none" for each in order)
+    names = tuple(
+        ", ".join(item.name for item in possible_causes if item.has(float(compared_order))) or "none"
+        for compared_order in order
+    )
     name, model = reducer.design.name, model - model.mean()
     return BenchComparison(name, torque, zero, measured, model, order, amplitude[:, 0], amplitude[:, 1], names)
 
@@ -275,8 +278,9 @@ def _resolved_orders(reducer: Reducer, measured: MeasuredError) -> Array:
 def _fit_zero(ideal: Array, measured: MeasuredError, lobes: int) -> float:
     """Find the crank angle of the model at the bench's zero [rad] that explains most of the measured curve.
 
-    The squared residual of all shifts is computed by FFT, and its minimum refined by a parabola. Where the parts return
-    to the same pose after some turns of the crank, several angles are equal: the smallest is returned.
+    `ideal` is the model's error, evenly over a turn of the output, which is `lobes` turns of the crank. The squared
+    residual of all shifts is computed by FFT, and its minimum refined by a parabola. Where the parts return to the same
+    pose after some turns of the crank, several angles are equal: the smallest is returned.
     """
     count, turn = len(ideal), 2.0 * np.pi * lobes
     width = turn / count

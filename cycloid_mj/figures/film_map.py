@@ -105,8 +105,8 @@ def compute_film_map(
     for temperature in temperatures:
         warm = reducer.but(thermal=dict.fromkeys(HEATED, temperature))
         points.append(MapPoint("starting torque", "N m", None, None, temperature, starting_spread(warm, MAP.samples)))
-        back = back_driving_spread(warm, MAP.samples)
-        points.append(MapPoint("back-driving torque", "N m", None, None, temperature, back))
+        back_driving = back_driving_spread(warm, MAP.samples)
+        points.append(MapPoint("back-driving torque", "N m", None, None, temperature, back_driving))
         for speed in (share * design.drive.speed for share in shares):
             turning = warm.but(drive={"speed": speed})
             idle = no_load_spread(turning, MAP.samples)

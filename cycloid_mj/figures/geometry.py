@@ -57,7 +57,7 @@ def _make_figure(
     deprecated: tuple[str, ...] = (),
     layouts: tuple[Layout, ...] = ("central", "rv"),
 ) -> Figure:
-    """Return a row of the catalogue that needs dimensions and materials only."""
+    """Return a row of the catalogue that needs dimensions and materials only; arguments are fields of `Figure`."""
     return Figure(
         key=key,
         name=name,

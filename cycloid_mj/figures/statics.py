@@ -116,13 +116,24 @@ def _creeping(reducer: Reducer) -> Reducer:
 def _make_torque_figure(
     key: str, name: str, function: Compute, compute_spread: Callable[[Reducer], Spread], definition: str
 ) -> Figure:
-    """Return the row of the catalogue for a torque [N m] that is not in the sheet, with its film interval."""
+    """Return the row of the catalogue for a torque [N m] that is not in the sheet.
+
+    `function` computes it, `compute_spread` its interval under the law ``film``.
+    """
 
     def interval(reducer: Reducer) -> Quantity:
         if not reducer.design.has_film:
             return Quantity(key, name, math.nan, "N m")
-        found = compute_spread(reducer)
-        return Quantity(key, name, found.value, "N m", low=found.low, high=found.high, causes=found.causes)
+        torque_spread = compute_spread(reducer)
+        return Quantity(
+            key,
+            name,
+            torque_spread.value,
+            "N m",
+            low=torque_spread.low,
+            high=torque_spread.high,
+            causes=torque_spread.causes,
+        )
 
     return Figure(
         key=key,

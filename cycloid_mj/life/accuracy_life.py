@@ -58,8 +58,8 @@ class Course:
         reached = np.flatnonzero(self.lost_motion >= limit)
         if not reached.size:
             hours, grown = (float(np.diff(values[-2:]).sum()) for values in (self.hours, self.lost_motion))
-            missing = limit - float(self.lost_motion[-1])
-            return float(self.hours[-1]) + missing * hours / grown if grown > 0.0 else math.inf
+            remaining = limit - float(self.lost_motion[-1])
+            return float(self.hours[-1]) + remaining * hours / grown if grown > 0.0 else math.inf
         after = max(int(reached[0]), 1)
         return float(np.interp(limit, self.lost_motion[after - 1 : after + 1], self.hours[after - 1 : after + 1]))
 

@@ -143,9 +143,9 @@ def _iterate_bearings(reducer: Reducer) -> Iterator[Bearing]:
         yield Bearing(f"shaft_bearing_{end}", name, on_shaft, joins, bore=2.0 * shaft.radius)
     if has_casing(reducer):
         ratings, bore = _hub_ratings(reducer), casing(reducer).hub.bore
-        for which in ("inner", "outer"):
-            name = f"{which} bearing of the output"
-            yield Bearing(f"output_bearing_{which}", name, ratings, ("output", "housing"), bore=bore)
+        for end_name in ("inner", "outer"):
+            name = f"{end_name} bearing of the output"
+            yield Bearing(f"output_bearing_{end_name}", name, ratings, ("output", "housing"), bore=bore)
     if output.has_needles:
         spin = output.hole_radius / output.pin_radius - 1.0
         yield Bearing("output_rollers", "rollers of the output pins", _output_roller_ratings(reducer), CAM, spin)
@@ -206,19 +206,19 @@ def cam_ratings(reducer: Reducer) -> Ratings:
     row = RollerRow(
         design.contact.cam_rollers, 2.0 * reducer.contacts.roller_radius, gear.face_width, 2.0 * gear.bore_radius
     )
-    where = "touching each other on the cam's circle, the disc's bore as outer ring"
-    given = bearing.dynamic_capacity, bearing.static_capacity
-    return _choose_ratings(given, cam_bearing(reducer), row, where)
+    location_text = "touching each other on the cam's circle, the disc's bore as outer ring"
+    stated = bearing.dynamic_capacity, bearing.static_capacity
+    return _choose_ratings(stated, cam_bearing(reducer), row, location_text)
 
 
 def _shaft_ratings(reducer: Reducer) -> Ratings:
     """Return the load ratings of a bearing of the shaft: bought, or assumed rollers of its width on the shaft."""
     radius, bearing = reducer.design.shaft.radius, reducer.design.bearing
-    size = ASSUMED_ROLLERS.shaft_roller_share * radius
+    roller_diameter = ASSUMED_ROLLERS.shaft_roller_share * radius
     low, high = shaft_measures(reducer).bearings[0]
-    row = RollerRow(ASSUMED_ROLLERS.shaft_rollers, size, high - low, 2.0 * radius + size)
-    given, bought = (bearing.shaft_dynamic_capacity, bearing.shaft_static_capacity), shaft_bearing(reducer)
-    return _choose_ratings(given, (bought, 1) if bought else None, row, "on the shaft")
+    row = RollerRow(ASSUMED_ROLLERS.shaft_rollers, roller_diameter, high - low, 2.0 * radius + roller_diameter)
+    stated, bought = (bearing.shaft_dynamic_capacity, bearing.shaft_static_capacity), shaft_bearing(reducer)
+    return _choose_ratings(stated, (bought, 1) if bought else None, row, "on the shaft")
 
 
 def _hub_ratings(reducer: Reducer) -> Ratings:
@@ -230,11 +230,11 @@ def _hub_ratings(reducer: Reducer) -> Ratings:
     row, source = balls_of(bearing), f"of the manufacturer's catalogue: {bearing.designation}"
     by_balls = rolling.ball_capacity(row.balls, row.diameter, row.pitch)
     spread = (by_balls / bearing.dynamic) ** rolling.BALL_EXPONENT
-    other = (
+    spread_text = (
         f"; ISO 281 gives {by_balls:.4g} N for {row.balls} balls of {1e3 * row.diameter:.3g} mm (estimated), "
         f"{spread:.3g} times the life; manufacturers differ as much"
     )
-    sources = f"C {source}{other}", f"C0 {source}"
+    sources = f"C {source}{spread_text}", f"C0 {source}"
     return Ratings(bearing.dynamic, bearing.static, *sources, row.pitch, rolling.BALL_EXPONENT)
 
 
@@ -245,8 +245,8 @@ def _output_roller_ratings(reducer: Reducer) -> Ratings:
     needle = ASSUMED_ROLLERS.needle_share * (output.pin_radius - output.root_radius) * 2.0
     pitch = 2.0 * output.root_radius + needle
     row = RollerRow(max(int(math.pi * pitch / needle), 3), needle, design.gear.face_width, pitch)
-    given = bearing.output_dynamic_capacity, bearing.output_static_capacity
-    return _choose_ratings(given, None, row, "round the core of a pin")
+    stated = bearing.output_dynamic_capacity, bearing.output_static_capacity
+    return _choose_ratings(stated, None, row, "round the core of a pin")
 
 
 def _choose_ratings(

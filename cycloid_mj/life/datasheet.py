@@ -553,12 +553,12 @@ def _efficiency_curve(reducer: Reducer) -> Curve:
 
 def _wind_up_curve(reducer: Reducer) -> Curve:
     """Compute the rotation of the output over its torque with the input locked, mean over a turn, without friction."""
-    still = at_rest(reducer)
-    springs = springs_of(still, friction=False)
+    static_reducer = at_rest(reducer)
+    springs = springs_of(static_reducer, friction=False)
     torques = reducer.design.rated_torque * np.array(
         [*(-np.array(CURVES.torsion_shares[::-1])), *CURVES.torsion_shares]
     )
-    turns = [float(loads(still, springs, float(torque)).output_turn.mean()) / ARCMINUTE for torque in torques]
+    turns = [float(loads(static_reducer, springs, float(torque)).output_turn.mean()) / ARCMINUTE for torque in torques]
     panel = "Torsion, input locked"
     return Curve(panel, "mean over a turn", torques, np.array(turns), "output torque [N m]", "output turn [arcmin]")
 

@@ -71,7 +71,7 @@ def rate_emergency_stop(reducer: Reducer, peak_torque: float, worst: Loading) ->
         "assumed: a rigid ring; k of all contacts and the cam at the largest load",
     )
     items = [pin_shear, pin_bending, jump]
-    for key, (what, factor, strength_name, source) in KINDS.items():
+    for key, (consequence, factor, strength_name, source) in KINDS.items():
         limits = {}
         for kind in worst.pressures:
             limit_factor = SHAKEDOWN_PRESSURE if reducer.contacts[kind].weaker_is_plastic else factor
@@ -82,7 +82,7 @@ def rate_emergency_stop(reducer: Reducer, peak_torque: float, worst: Loading) ->
         if limits:
             smallest = peak_torque * min(item.margin(0.0) for item in items)
             torque_limit, note = _torque_at_limits(worst, limits, smallest)
-            items.append(_torque_item(key, what, peak_torque, torque_limit, source, note))
+            items.append(_torque_item(key, consequence, peak_torque, torque_limit, source, note))
     yield from items
 
 
@@ -105,6 +105,18 @@ def _torque_at_limits(worst: Loading, limits: Mapping[str, float], other_limit: 
     return abs(limit_torque), f"in {kind}, by the equilibrium at that torque"
 
 
-def _torque_item(key: str, what: str, peak: float, torque: float, source: str, note: str) -> RatedItem:
-    """Return the item of a peak torque against a torque limit [N m]."""
-    return RatedItem(key, f"emergency stop: {what}", peak, torque, "N m", torque / peak, None, source, note)
+def _torque_item(
+    key: str, consequence: str, peak_torque: float, torque_limit: float, source: str, note: str
+) -> RatedItem:
+    """Return the item of a peak torque against a torque limit, both [N m], for a consequence in words."""
+    return RatedItem(
+        key,
+        f"emergency stop: {consequence}",
+        peak_torque,
+        torque_limit,
+        "N m",
+        torque_limit / peak_torque,
+        None,
+        source,
+        note,
+    )

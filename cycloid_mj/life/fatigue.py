@@ -79,9 +79,9 @@ def endurance_limit(
     """
     factor, power = SURFACES[surface]
     finish = min(factor * (1e-6 * tensile) ** power, 1.0)
-    size = size_factor(diameter if rotates else ENDURANCE.non_rotating_share * diameter)
+    size_effect = size_factor(diameter if rotates else ENDURANCE.non_rotating_share * diameter)
     reliable = 1.0 - ENDURANCE.scatter * NormalDist().inv_cdf(reliability)
-    return min(ENDURANCE.share * tensile, ENDURANCE.maximum) * finish * size * reliable
+    return min(ENDURANCE.share * tensile, ENDURANCE.maximum) * finish * size_effect * reliable
 
 
 def size_factor(diameter: float) -> float:

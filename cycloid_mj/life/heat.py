@@ -60,7 +60,7 @@ def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIt
         ", ".join(f"{part.replace('_', ' ')} {power:.3g} W" for part, power in losses.items())
         + ("" if has_casing(reducer) else "; without the output's bearing, as the drive has no covers"),
     )
-    warm, cool = (service.ambient_temperature + share * lost / (still * area) for still in STILL_AIR)
+    warm, cool = (service.ambient_temperature + share * lost / (coefficient * area) for coefficient in STILL_AIR)
     rise, allowed_rise = temperature - service.ambient_temperature, lowest.temperature - service.ambient_temperature
     yield RatedItem(
         "temperature",

@@ -143,9 +143,9 @@ def screwed_joints(reducer: Reducer) -> tuple[ScrewedJoint, ...]:
 def tightening_torques(reducer: Reducer) -> dict[str, float]:
     """Return the tightening torque [N m] of the screws of a drive with covers, by item of the bill."""
     return {
-        part.item: each.tightening_torque
-        for each in screwed_joints(reducer)
-        for part in each.joint.bought
+        part.item: screwed.tightening_torque
+        for screwed in screwed_joints(reducer)
+        for part in screwed.joint.bought
         if "thread" in dict(part.dimensions)
     }
 
@@ -155,18 +155,21 @@ def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
     joints, screwed = drive_joints(reducer, casing(reducer)), screwed_joints(reducer)
     dowelled = {joint: _dowel_torque(reducer, joint) for joint in joints if joint.kind is JointKind.DOWELLED}
     by_face = {frozenset(joint.parts): torque for joint, torque in dowelled.items()}
-    clamp = next((each for each in screwed if {*each.joint.parts} == {MOTOR_COVER, OUTPUT_COVER}), None)
+    clamp = next(
+        (screwed_joint for screwed_joint in screwed if {*screwed_joint.joint.parts} == {MOTOR_COVER, OUTPUT_COVER}),
+        None,
+    )
     on_ring = _ring_slip_torque(reducer, clamp) if clamp else 0.0
-    for each in screwed:
-        parts = each.joint.parts
+    for screwed_joint in screwed:
+        parts = screwed_joint.joint.parts
         through_ring = (MOTOR_COVER, names.HOUSING, OUTPUT_COVER) if {*parts} == {MOTOR_COVER, OUTPUT_COVER} else parts
         positive = min(by_face.get(frozenset(face), 0.0) for face in pairwise(through_ring))
-        shared = f"; tighten with {each.tightening_torque:.3g} N m"
+        shared = f"; tighten with {screwed_joint.tightening_torque:.3g} N m"
         shared += f"; dowels transmit {positive:.3g} N m without friction" if positive else ""
-        for limit in each.limits:
+        for limit in screwed_joint.limits:
             yield _torque_item(
-                f"{_slug(each.joint)}_{limit.mechanism}",
-                f"{each.joint.name}, {limit.what}",
+                f"{_slug(screwed_joint.joint)}_{limit.mechanism}",
+                f"{screwed_joint.joint.name}, {limit.what}",
                 torques.torque_between(parts),
                 max(limit.torque, positive),
                 limit.source,
@@ -174,8 +177,10 @@ def _rate_faces(reducer: Reducer, torques: JointTorques) -> Iterator[RatedItem]:
             )
     for joint, torque in dowelled.items():
         (part,) = joint.bought
-        own = [each.torque for each in screwed if {*joint.parts} <= {*each.joint.parts}]
-        clamped = max(own, default=on_ring if names.HOUSING in joint.parts else 0.0)
+        friction_torques = [
+            screwed_joint.torque for screwed_joint in screwed if {*joint.parts} <= {*screwed_joint.joint.parts}
+        ]
+        clamped = max(friction_torques, default=on_ring if names.HOUSING in joint.parts else 0.0)
         friction = f"; screws transmit {clamped:.3g} N m by friction" if clamped else ""
         yield _torque_item(
             _slug(joint),
@@ -257,7 +262,10 @@ def _screw_limit(screwed: ScrewedJoint) -> ScrewLimit:
 
 
 def _face_limits(reducer: Reducer, screwed: ScrewedJoint, screw: BoughtPart | None) -> Iterator[ScrewLimit]:
-    """Yield the preload limits of the clamped parts: pressure under the heads, and strength of threads or inserts."""
+    """Yield the preload limits of the clamped parts: pressure under the heads, and strength of threads or inserts.
+
+    `screw` is the bought screw of the `screwed` joint; None if it is not in the bill of materials.
+    """
     nominal, joint = screwed.thread.diameter, screwed.joint
     top = screw.origins[0][2] if screw else math.inf
     bottom = top - dict(screw.dimensions)["length"] if screw else -math.inf
@@ -303,16 +311,16 @@ def _thread_limit(
     )
     if insert:
         force = strength.pull_out_force(insert.hole, insert.length, shear)
-        what, source = "pull-out of the inserts", "F = pi D l tau around an insert"
+        mechanism, source = "pull-out of the inserts", "F = pi D l tau around an insert"
         note = f"inserts {insert.designation} in {part}, solid around them (assumed)"
     else:
         force = screwed.thread.stripping_force(engaged_length, shear)
-        what, source = "stripping of the threads", "F = pi d m (0.5 + (d - d2)/(P sqrt 3)) tau (VDI 2230, 5.5.5)"
+        mechanism, source = "stripping of the threads", "F = pi d m (0.5 + (d - d2)/(P sqrt 3)) tau (VDI 2230, 5.5.5)"
         note = f"threads in {part}, {1e3 * engaged_length:.3g} mm engaged"
     preload = _permanent_share(material) * force
     return ScrewLimit(
         "threads",
-        what,
+        mechanism,
         preload,
         strength.friction_torque(screwed.count, preload, screwed.radius),
         f"{source}, T = n F mu r",
@@ -458,10 +466,10 @@ def _rate_ring_pins(reducer: Reducer, loading: Loading, force_scale: float) -> I
 def _rate_press_fit(
     reducer: Reducer, key_and_name: tuple[str, str], turning_torque: float, seat: tuple[float, float, str, Material]
 ) -> RatedItem:
-    """Rate a press fit against a torque that turns the pin in its hole [N m] (DIN 7190-1, thick-walled hub by Lame).
+    """Rate a press fit against a `turning_torque` on the pin in its hole [N m] (DIN 7190-1, thick-walled hub by Lame).
 
-    `seat` contains radius and length of the joint [m], the part whose material the pin has, and the material of the
-    hole.
+    `key_and_name` are those of the item. `seat` contains radius and length of the joint [m], the part whose material
+    the pin has, and the material of the hole.
     """
     radius, length, part, hub = seat
     pin = reducer.design.material_of(part)

@@ -330,11 +330,11 @@ def _shaft_forces(
     unbalance = np.broadcast_to(
         properties.mass * properties.centroid[:2] * reducer.design.drive.speed**2, (len(crank), 1, 2)
     )
-    far, near = (0.5 * sum(ends) for ends in dimensions.bearings)
+    far_bearing, near_bearing = (0.5 * sum(ends) for ends in dimensions.bearings)
     loaded_stations = np.array([*reducer.design.gear.disc_planes, 0.5 * sum(dimensions.counterweight)])
     applied = np.concatenate([on_cams, unbalance], axis=1)
-    far_reaction, near_reaction = Planes(applied, loaded_stations).reactions_at(far, near)
-    return np.array([*loaded_stations, far, near]), np.concatenate(
+    far_reaction, near_reaction = Planes(applied, loaded_stations).reactions_at(far_bearing, near_bearing)
+    return np.array([*loaded_stations, far_bearing, near_bearing]), np.concatenate(
         [applied, far_reaction[:, None], near_reaction[:, None]], axis=1
     )
 

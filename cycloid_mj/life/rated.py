@@ -112,8 +112,8 @@ def _extrapolate_torque_limit(
 ) -> tuple[float, RatedItem | None]:
     """Rate the reducer at a torque [N m] and extrapolate its torque limit by the law of the weakest item.
 
-    Returns the limit [N m] and that item; (0, None) if there is no static equilibrium. Other parameters as
-    `rated_torque`.
+    Returns the limit [N m] and that item; (0, None) if there is no static equilibrium. Speed [rad/s], life [h] and the
+    other parameters are those of `rated_torque`.
     """
     try:
         items = rate(

@@ -178,9 +178,9 @@ def _input_load_row(reducer: Reducer) -> Quantity:
     loading = solve_loading(
         reducer, constant_duty(design.rated_torque, design.drive.speed).points[0], with_wind_up=False
     )
-    far, near = (0.5 * sum(ends) for ends in shaft.bearings)
+    far_bearing, near_bearing = (0.5 * sum(ends) for ends in shaft.bearings)
     end = crank_stretches(reducer)["journal"].z0
-    on_near = (end - far) / (near - far)
+    on_near = (end - far_bearing) / (near_bearing - far_bearing)
     shares = {"shaft_bearing_far": 1.0 - on_near, "shaft_bearing_near": on_near}
     limits = []
     for bearing in bearings_of(reducer):

@@ -80,14 +80,14 @@ def rate_surfaces(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[Rat
         if reducer.contacts[kind].weaker_is_plastic:
             yield _rate_permanent_set(loadings, kind, strength)
             continue
-        for key, what, factor, source in (
+        for key, limit_name, factor, source in (
             ("yield", "first yield", YIELD_PRESSURE, "p0 = 1.79 Y, below a line (Johnson 1985, 4.4)"),
             ("shakedown", "shakedown", SHAKEDOWN_PRESSURE, "p0 = 4 k = 2.31 Y, rolling line (Johnson 1985, 9.2)"),
         ):
             limit = factor * strength
             yield RatedItem(
                 f"{kind}_{key}",
-                f"{name}, {what}",
+                f"{name}, {limit_name}",
                 1e-6 * pressure,
                 1e-6 * limit,
                 "MPa",

@@ -211,10 +211,8 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
     ----------
     design
         A design, or the name of a preset or a file; its own ``[thermal]`` temperatures are not used.
-    duty
-        Torques and speeds with their shares of the time; by default the nominal torque at the design's speed.
-    settings
-        Settings of the fixed point and of the search for limits.
+    duty, settings
+        Duty cycle, by default the nominal torque at the design's speed; and settings of the search.
 
     Returns
     -------
@@ -245,8 +243,8 @@ def thermal(design: Named, duty: Duty | None = None, settings: ThermalSettings =
     by_speed, _ = _largest_duty_factor(
         reducer, lambda share: [replace(point, speed=share * point.speed) for point in points], steady, settings
     )
-    times = np.linspace(0.0, 4.0 * steady.network.time_constant, settings.samples)
     ambient = reducer.design.service.ambient_temperature
+    times = np.linspace(0.0, 4.0 * steady.network.time_constant, settings.samples)
     return ThermalState(
         design=reducer.design.name,
         condition=f"{duty.words}, ambient {ambient:g} °C",

@@ -224,11 +224,11 @@ def _contact_links(reducer: Reducer, contact_loads: Loads) -> Iterator[Conductan
         yield Conductance("crank", "disc", value, "lubricant in the gap of the plain cam, k A/clearance")
         return
     rollers = design.contact.cam_rollers
-    each = _roller_conductance(
+    per_cam = _roller_conductance(
         rollers, reducer.contacts.roller_radius, design.gear.face_width, force, design.partners("cam")
     )
     source = f"{rollers} rollers of each cam, a third of them loaded"
-    yield Conductance("crank", "disc", design.gear.discs * each, source)
+    yield Conductance("crank", "disc", design.gear.discs * per_cam, source)
 
 
 def _roller_conductance(
@@ -236,11 +236,12 @@ def _roller_conductance(
 ) -> float:
     """Compute the heat conductance of a roller bearing under a force [N] [W/K].
 
-    Each loaded roller conducts through its inner and outer contact in series.
+    Each loaded roller of a radius and length [m] conducts through its inner and outer contact in series; `partners` are
+    the materials of rollers and rings.
     """
     loaded = max(1.0, ASSUMED.loaded_share * rollers)
-    each = line_contact_conductance(np.array([force / loaded]), length, radius, partners)
-    return 0.5 * loaded * float(each[0])
+    per_roller = line_contact_conductance(np.array([force / loaded]), length, radius, partners)
+    return 0.5 * loaded * float(per_roller[0])
 
 
 def _bearing_links(reducer: Reducer, loading: Loading) -> Iterator[Conductance]:
@@ -252,8 +253,8 @@ def _bearing_links(reducer: Reducer, loading: Loading) -> Iterator[Conductance]:
             continue
         width = casing(reducer).hub.width if bearing.key.startswith("output") else high - low
         force = float(bearing_forces(reducer, bearing.key, loading).mean())
-        size = 0.5 * ASSUMED_ROLLERS.shaft_roller_share * 0.5 * bearing.bore
-        value = _roller_conductance(ASSUMED_ROLLERS.shaft_rollers, size, width, force, (steel, steel))
+        roller_radius = 0.5 * ASSUMED_ROLLERS.shaft_roller_share * 0.5 * bearing.bore
+        value = _roller_conductance(ASSUMED_ROLLERS.shaft_rollers, roller_radius, width, force, (steel, steel))
         first, second = (NODE_OF_BODY[body] for body in bearing.joins)
         yield Conductance(
             first,

@@ -192,7 +192,7 @@ def wear_steps(drive: WearingDrive, case: Case, record_times: Sequence[float]) -
 
 
 def _stable_step(drive: WearingDrive, case: Case, doses: Mapping[str, Array], rates: Mapping[str, Array]) -> float:
-    """Return the largest stable step of wear [h] by `WearSettings.step_share`; inf if nothing wears.
+    """Return the largest stable wear step of a drive in a case [h] by `WearSettings.step_share`; inf without wear.
 
     `doses` [Pa m] and their `rates` [Pa m/s] are by the keys of the surfaces.
     """

@@ -122,12 +122,12 @@ def _tooth_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
         elif ring.kind == "pin":
             yield WearingSurface("pin", "pins", "pin", "teeth", count, around, length, ring.pin_radius * on_pin)
         else:
-            place = ring.pin_radius * on_pin
-            yield WearingSurface("lobe", "lobes of the ring", "housing", "teeth", count, around, length, place)
+            coordinate = ring.pin_radius * on_pin
+            yield WearingSurface("lobe", "lobes of the ring", "housing", "teeth", count, around, length, coordinate)
     elif seat == "pin_socket":
-        place = ring.pin_radius * on_pin
+        coordinate = ring.pin_radius * on_pin
         yield WearingSurface("pin", "pins", "pin", "teeth", count, around, length, opening=2.0)
-        yield WearingSurface("socket", "sockets of the pins", "housing", "teeth", count, around, length, place)
+        yield WearingSurface("socket", "sockets of the pins", "housing", "teeth", count, around, length, coordinate)
     else:
         inside, lever = 2.0 * math.pi * bore, bore / ring.pin_radius
         yield WearingSurface("sleeve", "bores of the sleeves", "pin", "teeth", count, inside, length, lever=lever)
@@ -162,8 +162,8 @@ def _cam_surfaces(reducer: Reducer) -> Iterator[WearingSurface]:
         return
     around, angle = 2.0 * math.pi * gear.bore_radius, np.append(table_angles(TABLE), math.pi)
     yield WearingSurface("bore", "bores of the discs", "gear", "cam", gear.discs, around, gear.face_width)
-    place = gear.bore_radius * angle
-    yield WearingSurface("cam", "cams", "shaft", "cam", gear.discs, around, gear.face_width, place)
+    coordinate = gear.bore_radius * angle
+    yield WearingSurface("cam", "cams", "shaft", "cam", gear.discs, around, gear.face_width, coordinate)
 
 
 def sliding_contacts(reducer: Reducer, springs: Springs, contact_loads: Loads) -> dict[Gap, SlidingContacts]:
@@ -244,8 +244,8 @@ def sum_over_cells(centres: Array, half_widths: Array, weights: Array, period: f
     Each weight is spread evenly from centre - half width to centre + half width [m]. The integral of such a density is
     the sum of ramps that begin at one end and stop at the other: two cumulative sums over the sorted ends are exact.
     """
-    least = 1e-6 * period / cells  # a contact without width counts as a very narrow one
-    half = np.maximum(half_widths, least)
+    min_half_width = 1e-6 * period / cells  # a contact without width counts as a very narrow one
+    half = np.maximum(half_widths, min_half_width)
     shifts = np.array([-period, 0.0, period])[:, np.newaxis]
     ends = np.concatenate([(centres - half + shifts).ravel(), (centres + half + shifts).ravel()])
     slopes = np.tile(weights / (2.0 * half), 3)

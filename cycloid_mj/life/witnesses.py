@@ -71,9 +71,9 @@ def bearing_rows(quick: bool) -> list[ValidationRow]:
     cam = ideal_loads.cam_force(ring, ideal_loads.ideal_output_forces(gear, 4, 34e-3, 58.0, crank), crank)
     mean = rolling.mean_load(rolling.magnitudes(cam))
     rows.append(relative("cam force, 10/3-power mean of a turn", mean, 2294.0, "N", source, 0.5))
-    for what, speed, hours in (("crank's", 600.0, 126_953.0), ("relative", 600.0 * (1 + 1 / 29), 122_721.0)):
+    for speed_name, speed, hours in (("crank's", 600.0, 126_953.0), ("relative", 600.0 * (1 + 1 / 29), 122_721.0)):
         life = rolling.life_hours(34_500.0, 1.2 * mean, speed * RPM)
-        rows.append(relative(f"life of the cam bearing, {what} speed", life, hours, "h", source, 0.5))
+        rows.append(relative(f"life of the cam bearing, {speed_name} speed", life, hours, "h", source, 0.5))
     return rows
 
 

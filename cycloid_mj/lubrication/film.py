@@ -104,9 +104,10 @@ def _power_law(
     load_power: float,
     load_group: Array | None = None,
 ) -> Array:
-    """Compute a film thickness factor U^a G^b W^c R [m] with the given powers; 0 where nothing moves or presses.
+    """Compute a film thickness factor U^a G^b W^c R [m]; 0 where nothing moves or presses.
 
-    `load_group` replaces W of the line contact if it is given.
+    a, b and c are `speed_power`, `material_power` and `load_power`; `load_group` replaces W of the line contact if it
+    is given.
     """
     load_group = line_contact.load if load_group is None else load_group
     loaded = np.maximum(load_group, np.finfo(float).tiny)

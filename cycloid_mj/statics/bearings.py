@@ -95,8 +95,8 @@ def compute_spatial_reactions(reducer: Reducer, shaft: Array, output: Array, rin
     design = reducer.design
     gear = design.gear
     on_shaft, on_output, on_ring = (Planes(force, np.array(gear.disc_planes)) for force in (shaft, output, ring))
-    far, near = (0.5 * sum(seat) for seat in bearing_seats(reducer))
-    shaft_reactions = on_shaft.reactions_at(far, near)
+    far_bearing, near_bearing = (0.5 * sum(seat) for seat in bearing_seats(reducer))
+    shaft_reactions = on_shaft.reactions_at(far_bearing, near_bearing)
     output_reactions: tuple[Array | None, Array | None] = (None, None)
     if design.output.support == "both_ends":
         disc_position = 0.5 * gear.stack_width + AXIAL_GAP + 0.5 * design.output.disc_thickness

@@ -81,10 +81,10 @@ def sample_inputs(count: int = SAMPLES) -> tuple[tuple[FilmInputs, ...], Array]:
 
     positions = qmc.Sobol(len(RANGES), seed=SEED).random(count)
     factors = [
-        np.exp(np.log(item.low) + place * np.log(item.high / item.low))
+        np.exp(np.log(item.low) + column * np.log(item.high / item.low))
         if item.logarithmic
-        else item.low + place * (item.high - item.low)
-        for item, place in zip(RANGES.values(), positions.T, strict=True)
+        else item.low + column * (item.high - item.low)
+        for item, column in zip(RANGES.values(), positions.T, strict=True)
     ]
     rows = np.stack(factors, axis=1).tolist()
     return tuple(FilmInputs(**dict(zip(RANGES, row, strict=True))) for row in rows), positions

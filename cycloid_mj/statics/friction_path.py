@@ -137,9 +137,9 @@ def follow_torque_path(
 def build_friction_elements(
     reducer: Reducer, springs: KernelSprings, crank: float, losses: Losses, locked: Held
 ) -> Rubbing:
-    """Build the friction elements of contacts, cams and seals, in this order; arguments as in `follow_torque_path`.
+    """Build the friction elements of contacts, cams and seals, in this order, for a locked shaft.
 
-    The springs are those at the crank angle [rad].
+    The springs are those at the crank angle [rad]; `losses` are in addition to the friction of the contacts.
     """
     design = reducer.design
     mesh_gaps = arc_gaps(reducer, [crank])

@@ -67,14 +67,14 @@ def slip_elements(reducer: Reducer) -> SlipElements:
     """Return the slip elements of a design's wind-up, of constant friction and hysteresis; empty without."""
     springs = reducer.design.springs
     components = [
-        (size, travel)
-        for size, travel in (
+        (limit, travel)
+        for limit, travel in (
             (springs.friction, springs.friction_travel),
             (springs.hysteresis, springs.hysteresis_travel),
         )
-        if size > 0.0
+        if limit > 0.0
     ]
-    limits = np.repeat([size / ELEMENTS for size, _ in components], ELEMENTS)
+    limits = np.repeat([limit / ELEMENTS for limit, _ in components], ELEMENTS)
     rotations = [slip_rotations(travel, ELEMENTS) for _, travel in components]
     return SlipElements(limits, limits / np.concatenate(rotations) if rotations else limits)
 
@@ -170,9 +170,11 @@ def _compute_vertices(
     friction_slip: Array,
     reversals: Array,
 ) -> list[tuple[Array, Array]]:
-    """Compute the vertices of torque [N m] and rotation [rad] of each branch; see `locked_branches`.
+    """Compute the vertices of torque [N m] and rotation [rad] of each branch between reversals; see `locked_branches`.
 
-    `limits` and `stiffness` are those of the slip elements, `share` and `friction_slip` those of `LoadFriction`.
+    `rotation` and `contact_torque` are the points of the curve, `limits` and `stiffness` those of the slip elements,
+    `share` and `friction_slip` those of `LoadFriction`, and `reversals` the torques at which branches begin and end [N
+    m].
     """
     slip = limits / stiffness
     # rest positions of the elements of constant friction and of load-dependent friction

@@ -102,10 +102,10 @@ def identical_samples(reducer: Reducer, count: int) -> Samples:
 
 
 def draw_samples(reducer: Reducer, count: int, seed: int) -> Samples:
-    """Draw samples with the standard deviations of the design's `errors`: normal, with a random stream for each kind.
+    """Draw `count` samples with the standard deviations of the design's `errors`: normal, a random stream per kind.
 
     Errors that the design lists part by part, measured deviations, and the error of the eccentricity are the same in
-    all samples.
+    all samples. The streams depend on the `seed`.
     """
     errors, nominal_samples = reducer.design.errors, identical_samples(reducer, count)
     measured = measured_deviations(reducer.design)
@@ -216,7 +216,8 @@ def _solve_rows(
 ) -> Array:
     """Return the kernel's figures of samples of a reducer without errors, shape (torques, samples, `FIGURES`).
 
-    The waves of the samples are in addition to `common_waves`, shape (orders, 2) [m].
+    The waves of the samples are in addition to `common_waves`, shape (orders, 2) [m]; `threads` is the number of
+    threads.
     """
     orders = np.flatnonzero(np.any(samples.waves != 0.0, axis=(0, 2))) + 1
     effects = _error_effects(ideal_reducer, springs, orders, common_waves)
@@ -229,11 +230,11 @@ def _solve_rows(
     def solve_chunk(first: int, last: int) -> None:
         """Solve the samples from index `first` to `last`, and those that fail again with all continuation paths."""
         inputs = springs.contacts, effects, deviations, load
-        room = allocate_workspace(springs.contacts)
+        workspace = allocate_workspace(springs.contacts)
         balance = balance_few_samples if len(samples) <= MAX_UNCOMPILED else balance_samples
-        balance(*inputs, first, last, rows, None, room)
+        balance(*inputs, first, last, rows, None, workspace)
         for sample in first + np.flatnonzero(~(rows[:, first:last, -1] <= RESIDUAL_RTOL).all(axis=0)):
-            balance_samples_by_all(*inputs, sample, sample + 1, rows, PATHS, room)
+            balance_samples_by_all(*inputs, sample, sample + 1, rows, PATHS, workspace)
 
     if threads == 1:
         for first, last in pairwise(bounds):

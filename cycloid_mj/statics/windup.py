@@ -144,7 +144,7 @@ def solve_windups(
 
 
 def _spring_work(reducer: Reducer, springs: Springs, low: Loads, high: Loads) -> dict[str, Array]:
-    """Compute the work of the force increments between two loads by each of `SPRINGS` [J], shape (m,) each."""
+    """Compute the work of the force increments from a low to a high load by each of `SPRINGS` [J], shape (m,) each."""
     displacement = high.departures - low.departures
     approach = -np.einsum("mnu,mu->mn", springs.contacts.slope, displacement)
     teeth, cam, pins = high.teeth - low.teeth, high.cam - low.cam, high.output - low.output

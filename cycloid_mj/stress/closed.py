@@ -34,8 +34,8 @@ def line_stress(loads: PartLoads, reducer: Reducer) -> LineStress:
     would appear to be its largest.
     """
     worst = np.argmax(loads.pressure, axis=0)
-    holds = loads.hertz & loads.hertz[worst, np.arange(len(loads.labels))]
-    pressure = np.where(holds, loads.pressure, np.nan)
+    is_valid = loads.hertz & loads.hertz[worst, np.arange(len(loads.labels))]
+    pressure = np.where(is_valid, loads.pressure, np.nan)
     share, _ = largest_von_mises(material_of(reducer, loads.part).poisson)
     return LineStress(pressure, share * pressure)
 

@@ -292,8 +292,8 @@ def _output_contacts(turn: Turn) -> list[PartContact]:
     for disc, (number, centre) in product(_discs(turn), enumerate(output_centres(turn.reducer), start=1)):
         name = numbered_name(OUTPUT_PIN, number)
         action = _in(frame, _on_gear(turn, name, disc).reaction())
-        wide = np.full_like(action.size, MAX_HALF_ANGLE * output.root_radius)
-        width = wide if output.rollers else _round_width(turn, "output", action)
+        widest = np.full_like(action.size, MAX_HALF_ANGLE * output.root_radius)
+        width = widest if output.rollers else _round_width(turn, "output", action)
         position = action.on_disc(centre, output.root_radius, width)
         list_contacts.append(_contact(turn, _pair_name(turn, name, disc), "output", action, position, width))
     return list_contacts

@@ -316,7 +316,7 @@ class StressFindings:
             "load_nm": self.load,
             "log": self.log,
             "yield_strength_mpa": self.yield_strength / MEGAPASCAL,
-            "parts": [each.as_json() | {"reference": references.get(each.part)} for each in self.parts],
+            "parts": [findings.as_json() | {"reference": references.get(findings.part)} for findings in self.parts],
             "assumptions": list(ASSUMPTIONS),
             "wall_s": self.wall,
         }

@@ -159,7 +159,7 @@ def solve_stud_beam(reducer: Reducer, studs: StudSeats) -> tuple[float, float, f
     design, width = reducer.design, reducer.design.gear.face_width
     # along the pin: seat, gap, disc, gap, seat; supported, and loaded
     lengths = np.repeat(np.array([studs.far_seat, AXIAL_GAP, width, AXIAL_GAP, studs.near_seat]) / SLICES, SLICES)
-    supported, loaded = (np.repeat(where, SLICES) * lengths for where in ((1, 0, 0, 0, 1), (0, 0, 1, 0, 0)))
+    supported, loaded = (np.repeat(mask, SLICES) * lengths for mask in ((1, 0, 0, 0, 1), (0, 0, 1, 0, 0)))
     nodes = lengths.size + 1
     stiffness = np.zeros((2 * nodes, 2 * nodes))
     for position, length in enumerate(lengths):

@@ -89,13 +89,13 @@ def output_roots(reducer: Reducer, loads: "PartLoads") -> tuple[Notch, ...]:
         [np.einsum("rc,kcx->krx", arms[:, pins == number], loads.force[:, pins == number]) for number in numbers],
         axis=2,
     )
-    size = np.linalg.norm(moments, axis=3)
-    row, root, pin = np.unravel_index(int(size.argmax()), size.shape)
-    radius, fillet, moment = design.output.root_radius, design.output.root_fillet, float(size[row, root, pin])
-    where = ", at the second output disc" if root else ""
+    magnitude = np.linalg.norm(moments, axis=3)
+    row, root, pin = np.unravel_index(int(magnitude.argmax()), magnitude.shape)
+    radius, fillet, moment = design.output.root_radius, design.output.root_fillet, float(magnitude[row, root, pin])
+    location_text = ", at the second output disc" if root else ""
     return (
         Notch(
-            name=f"root of {numbered_name(OUTPUT_PIN, int(numbers[pin]))}{where}",
+            name=f"root of {numbered_name(OUTPUT_PIN, int(numbers[pin]))}{location_text}",
             radius=radius,
             fillet=fillet,
             angle=float(loads.angle[row]),

@@ -44,8 +44,8 @@ def divide_outline(polygon: Array, sizing: Sizing) -> QuadraticOutline:
     """Divide a closed polygon (n, 2) [m] into quadratic edges of the target lengths, with nodes at its corners."""
     points, corner, radius = _subdivide(polygon, sizing)
     arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1))])
-    size = _limit_growth(_target_edges(points, radius, sizing), arc, sizing.growth)
-    closed = np.append(size, size[0])
+    edge_length = _limit_growth(_target_edges(points, radius, sizing), arc, sizing.growth)
+    closed = np.append(edge_length, edge_length[0])
     edge_count = np.concatenate([[0.0], np.cumsum((1 / closed[1:] + 1 / closed[:-1]) / 2 * np.diff(arc))])
     ends = np.flatnonzero(corner) if corner.any() else np.array([0])
     stretches = zip(
@@ -98,15 +98,15 @@ def _subdivide(polygon: Array, sizing: Sizing) -> tuple[Array, Mask, Array]:
         radius = np.insert(radius, position, beyond[coarse])
 
 
-def _limit_growth(size: Array, arc: Array, growth: float) -> Array:
+def _limit_growth(edge_length: Array, arc: Array, growth: float) -> Array:
     """Limit the growth of edge lengths (n,) [m] along the closed outline in both directions.
 
     `arc` is the arc length at each point, then of the whole outline, (n + 1,) [m]; `growth` is per length [1].
     """
-    doubled, doubled_arc = np.tile(size, 2), np.concatenate([arc[:-1], arc[:-1] + arc[-1]])
+    doubled, doubled_arc = np.tile(edge_length, 2), np.concatenate([arc[:-1], arc[:-1] + arc[-1]])
     from_before = np.minimum.accumulate(doubled - growth * doubled_arc) + growth * doubled_arc
     from_after = np.minimum.accumulate((doubled + growth * doubled_arc)[::-1])[::-1] - growth * doubled_arc
-    return np.minimum(from_before[len(size) :], from_after[: len(size)])
+    return np.minimum(from_before[len(edge_length) :], from_after[: len(edge_length)])
 
 
 def _along(points: Array, arc: Array, at: Array) -> Array:

@@ -64,8 +64,8 @@ def distribute_contacts(grid: Grid, loads: PartLoads) -> Patches:
     _require_match(grid, loads)
     edges = _collect_edges(grid)
     tree, tree_edge, tree_xi = _sample_edges(edges)
-    size = np.linalg.norm(loads.force, axis=2)
-    active = np.isfinite(loads.position).all(axis=2) & (size > 1e-12 * np.nanmax(size, initial=0.0))
+    magnitude = np.linalg.norm(loads.force, axis=2)
+    active = np.isfinite(loads.position).all(axis=2) & (magnitude > 1e-12 * np.nanmax(magnitude, initial=0.0))
     rows, columns, values, angle, points = [], [], [], [], []
     for contact, name in enumerate(loads.labels):
         acting = np.flatnonzero(active[:, contact])

@@ -129,13 +129,13 @@ def _nodal_fit(grid: Grid, points: Array) -> Any:
     (Zienkiewicz and Zhu 1992).
     """
     table, used = _points_around_vertices(grid, len(points))
-    size = np.zeros(len(table))
+    scale = np.zeros(len(table))
     polynomials = []
     for first in range(0, len(table), CHUNK_ELEMENTS):
         chunk = slice(first, first + CHUNK_ELEMENTS)
-        rows, size[chunk] = _fit_polynomials(points, grid.points[: len(table)][chunk], table[chunk], used[chunk])
+        rows, scale[chunk] = _fit_polynomials(points, grid.points[: len(table)][chunk], table[chunk], used[chunk])
         polynomials.append(rows)
-    return (_evaluation_operator(grid, size) @ sparse.vstack(polynomials, "csr")).tocsr().astype(np.float32)
+    return (_evaluation_operator(grid, scale) @ sparse.vstack(polynomials, "csr")).tocsr().astype(np.float32)
 
 
 def _fit_polynomials(points: Array, vertices: Array, table: Integers, used: Mask) -> tuple[Any, Array]:
@@ -146,32 +146,32 @@ def _fit_polynomials(points: Array, vertices: Array, table: Integers, used: Mask
 
     Returns
     -------
-    operator, size
+    operator, scale
         Sparse operator (v t, p) from values to coefficients, and the lengths [m] (v,) by which offsets are divided.
     """
     offsets = np.where(used[..., np.newaxis], points[table] - vertices[:, np.newaxis], 0.0)
-    size = np.linalg.norm(offsets, axis=2).max(axis=1)
-    terms = _terms(offsets / size[:, np.newaxis, np.newaxis]) * used[..., np.newaxis]
+    scale = np.linalg.norm(offsets, axis=2).max(axis=1)
+    terms = _terms(offsets / scale[:, np.newaxis, np.newaxis]) * used[..., np.newaxis]
     # regularisation of the quadratic terms, for patches with few points, as at a surface
     ridge = np.diag((np.arange(terms.shape[2]) > points.shape[1]) * 0.03)
     fit = np.linalg.solve(terms.transpose(0, 2, 1) @ terms + ridge, terms.transpose(0, 2, 1))
     used_entries = np.broadcast_to(used[:, np.newaxis], fit.shape)
     starts = np.append(0, np.cumsum(np.repeat(used.sum(axis=1), fit.shape[1])))
     columns = np.broadcast_to(table[:, np.newaxis], fit.shape)[used_entries]
-    return sparse.csr_matrix((fit[used_entries], columns, starts), shape=(len(starts) - 1, len(points))), size
+    return sparse.csr_matrix((fit[used_entries], columns, starts), shape=(len(starts) - 1, len(points))), scale
 
 
-def _evaluation_operator(grid: Grid, size: Array) -> Any:
+def _evaluation_operator(grid: Grid, scale: Array) -> Any:
     """Return the sparse operator (n, v t) that evaluates the t coefficients of each vertex's polynomial at the nodes.
 
-    `size` are the lengths by which offsets from the vertices are divided [m], (v,).
+    `scale` are the lengths by which offsets from the vertices are divided [m], (v,).
     """
     vertices = np.arange(grid.mesh.nvertices)
     ends = np.asarray(grid.mesh.facets if grid.dimension == 2 else grid.mesh.edges)
     middles = len(vertices) + np.arange(ends.shape[1])
     nodes, centres = np.concatenate([vertices, middles, middles]), np.concatenate([vertices, *ends])
     share = np.where(nodes < len(vertices), 1.0, 0.5)
-    terms = _terms((grid.points[nodes] - grid.points[centres]) / size[centres, np.newaxis]) * share[:, np.newaxis]
+    terms = _terms((grid.points[nodes] - grid.points[centres]) / scale[centres, np.newaxis]) * share[:, np.newaxis]
     count = terms.shape[1]
     columns = count * centres[:, np.newaxis] + np.arange(count)
     entries = (terms.ravel(), (np.repeat(nodes, count), columns.ravel()))

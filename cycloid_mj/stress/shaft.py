@@ -223,7 +223,7 @@ def _half_cosine(order: int) -> float:
 
 
 def _cam_unit_loads(grid: Grid, shaft: ShaftDimensions, cam_index: int) -> tuple[Array, Array]:
-    """Compute the nodal unit loads on a cam: harmonic pressures (n, 11), and a couple (n, 1).
+    """Compute the nodal unit loads on the cam of an index: harmonic pressures (n, 11), and a couple (n, 1).
 
     The pressures vary as cos and sin (m phi) around the cam. Those of order 1 have a resultant of -1 N, the others
     none: the remainder of the grid is balanced by those of order 1. The couple of 1 N m about the axis is shear around

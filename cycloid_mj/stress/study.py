@@ -355,13 +355,13 @@ def _stress_with_other_supports(
 def _bulk_peak(loads: PartLoads, stress: PartStress, reducer: Reducer) -> Peak:
     """Return the maximum of the bulk stress over the turn, with angle, position and safety factor."""
     row = int(np.argmax(stress.bulk_stress))
-    size = float(stress.bulk_stress[row])
+    largest = float(stress.bulk_stress[row])
     return Peak(
-        size,
+        largest,
         float(loads.angle[row]),
         stress.bulk_place[row],
         "",
-        _safety(size, material_of(reducer, loads.part).yield_strength),
+        _safety(largest, material_of(reducer, loads.part).yield_strength),
     )
 
 
@@ -397,14 +397,14 @@ def _contact_peak(loads: PartLoads, lines: LineStress, reducer: Reducer) -> Peak
     """Return the largest von Mises stress below a contact over the turn; NaN if all contacts are conformal."""
     stresses = np.where(np.isnan(lines.von_mises), -1.0, lines.von_mises)
     row, contact = np.unravel_index(int(np.argmax(stresses)), stresses.shape)
-    size = float(lines.von_mises[row, contact])
+    largest = float(lines.von_mises[row, contact])
     position = loads.position[row, contact]
     return Peak(
-        size,
+        largest,
         float(loads.angle[row]),
         position,
         loads.labels[contact],
-        _safety(size, material_of(reducer, loads.part).yield_strength),
+        _safety(largest, material_of(reducer, loads.part).yield_strength),
     )
 
 
