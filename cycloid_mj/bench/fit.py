@@ -30,7 +30,6 @@ from cycloid_mj.bench.loop import MeasuredLoop
 from cycloid_mj.bench.overlay import Branches, LoopCondition, apply_values, interpolate_deflections, model_branches
 from cycloid_mj.bench.parameters import Model, Parameter
 from cycloid_mj.bench.search import (
-    FAILED_RESIDUAL,
     MODEL_ERROR,
     SETTINGS,
     FitProblem,
@@ -283,7 +282,9 @@ def evaluate_fit(problem: FitProblem, scaled: Array) -> Fitted:
     low, high = problem.bounds
     loop_residuals = problem.residuals_by_loop(scaled)
     failed = [
-        loop.name for loop, part in zip(problem.loops, loop_residuals, strict=True) if np.all(part == FAILED_RESIDUAL)
+        loop.name
+        for loop, part in zip(problem.loops, loop_residuals, strict=True)
+        if np.all(part == SETTINGS.failed_residual)
     ]
     if failed:
         raise RunError(

@@ -25,14 +25,13 @@ MODEL_ERROR = 0.03
 """Assumed error of the model, rms, as a share of a loop's ranges (heuristic). All intervals include it: the fitted
 models miss the measured loops of printed drives by 2 to 7 %."""
 
-FAILED_RESIDUAL = 1.0
-"""Residual of every point where the model has no static balance."""
-
 
 @dataclass(frozen=True)
 class LeastSquaresSettings:
     """Settings of the robust least squares: trust region with soft L1 loss (`scipy.optimize.least_squares`)."""
 
+    failed_residual: float = 1.0
+    """Residual of every point where the model has no static balance."""
     outlier: float = 0.03
     """Residual, as a share of a loop's range, from which a point counts less (scale of the soft L1 loss)."""
     difference_step: float = 0.05
@@ -170,7 +169,7 @@ class FitProblem:
         """Compute the residuals of each loop's points: signed distances, as shares of the loop's ranges."""
         residuals = []
         for loop, branches, (torque, deflection) in self._modelled_loops(scaled):
-            failed = np.full(len(loop.torque) - loop.points_left_out, FAILED_RESIDUAL)
+            failed = np.full(len(loop.torque) - loop.points_left_out, SETTINGS.failed_residual)
             residuals.append(failed if branches is None else branch_distances(loop, branches, torque, deflection))
         return residuals
 
@@ -207,7 +206,7 @@ class FitProblem:
         errors = []
         for loop, branches, (torque_offset, deflection_offset) in self._modelled_loops(scaled_values):
             if branches is None:
-                error = np.full(len(loop.torque), FAILED_RESIDUAL * loop.height)
+                error = np.full(len(loop.torque), SETTINGS.failed_residual * loop.height)
             else:
                 shifted = [(torque + torque_offset, deflection) for torque, deflection in branches]
                 error = interpolate_deflections(loop, shifted) - loop.deflection + deflection_offset

@@ -25,7 +25,7 @@ from cycloid_mj.life.wear_course import (
     WearState,
     wear_steps,
 )
-from cycloid_mj.life.wear_data import MM3, RUN_IN_FACTOR, RUN_IN_SHARE, Interval
+from cycloid_mj.life.wear_data import MM3, RUN_IN, Interval
 from cycloid_mj.life.wearing_surfaces import WearingSurface
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sheet import quick_sheet
@@ -168,8 +168,8 @@ class WearLife(Presented):
             "the time each way, and parts of a kind wear alike",
             "statics is solved again after each step with the worn flanks, pins, holes and cams; curvatures, "
             "stiffnesses and friction remain those of new parts; rolling bearings do not wear",
-            f"run-in: k begins at {RUN_IN_FACTOR:g} times its steady value and falls while the run-in depth is worn "
-            f"off; it makes {self.run_in_share:.0%} of the worn volume here, and made {RUN_IN_SHARE:.0%} of the growth "
+            f"run-in: k begins at {RUN_IN.factor:g} times its steady value and falls while the run-in depth is worn "
+            f"off; it makes {self.run_in_share:.0%} of the worn volume here, and made {RUN_IN.share:.0%} of the growth "
             "of an RV reducer's lost motion in 1550 h (Lubricants 13 (2025) 362)",
             "interval: coefficient and run-in of all surfaces at their 5 or 95 % percentile together",
             *dict.fromkeys(f"k of {item.law.material}: {item.law.coefficient.source}" for item in self.surfaces),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from cycloid_mj.base.units import FREEZING_POINT
 from cycloid_mj.design import PARTNERS, PARTS
 from cycloid_mj.design.materials import MATERIALS
-from cycloid_mj.design.model import Service
+from cycloid_mj.design.model import REFERENCE_TEMPERATURE, Service
 from cycloid_mj.life.bearings import bearing_losses
 from cycloid_mj.life.item import RatedItem
 from cycloid_mj.life.loading import Loading
@@ -28,9 +28,6 @@ Grundfos, "Shaft Seals", p. 22: nitrile rubber to 100 °C (120 for a short time)
 
 STILL_AIR = 8.0, 15.0
 """Range of the heat transfer coefficient of a housing in still air [W/(m2 K)]."""
-
-REFERENCE = 20.0
-"""Reference temperature of the clearances [°C] (ISO 1)."""
 
 
 def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedItem]:
@@ -78,7 +75,7 @@ def rate_heat(reducer: Reducer, loadings: Sequence[Loading]) -> Iterator[RatedIt
         f"{', '.join(f'{limit.temperature:g} °C {limit.name} ({limit.source})' for limit in limits)}",
     )
     for kind in design.pair_kinds:
-        grown = clearance_growth(reducer, kind) * (temperature - REFERENCE)
+        grown = clearance_growth(reducer, kind) * (temperature - REFERENCE_TEMPERATURE)
         clearance = getattr(design.clearance, kind)
         materials = " on ".join(design.material_of(part).name or "unnamed" for part in PARTNERS[kind])
         yield RatedItem(

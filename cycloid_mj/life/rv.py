@@ -20,8 +20,8 @@ from cycloid_mj.life.surfaces import pitting_cycles, pitting_limit
 from cycloid_mj.reducer import RvReducer
 from cycloid_mj.statics.rv_sheet import balance_rv, ideal_rv, springs_over_turn
 
-TAPER_ROLLERS, TAPER_ROLLER_SHARE, TAPER_LENGTH_SHARE, TAPER_PITCH_SHARE = 13, 0.14, 0.24, 0.73
-"""Assumed rollers of a tapered bearing, and their diameter, length and pitch diameter over its outer diameter."""
+TAPERS = RollerRow(13, 0.14, 0.24, 0.73)
+"""Assumed rollers of a tapered bearing; lengths over its outer diameter."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ def _crank_bearing_rows(reducer: RvReducer, torques: Array) -> Iterator[_Row]:
         cranks.needles, 2.0 * cranks.needle_radius, width, 2.0 * (cranks.eccentric_radius + cranks.needle_radius)
     )
     outer = 2.0 * cranks.taper_radius
-    tapers = RollerRow(TAPER_ROLLERS, TAPER_ROLLER_SHARE * outer, TAPER_LENGTH_SHARE * outer, TAPER_PITCH_SHARE * outer)
+    tapers = RollerRow(TAPERS.rollers, TAPERS.diameter * outer, TAPERS.length * outer, TAPERS.pitch * outer)
     forces = [_crank_forces(reducer, float(torque)) for torque in torques]
     in_discs = tuple(np.linalg.norm(force, axis=-1).reshape(len(force), -1) for force in forces)
     in_flanges = tuple(_flange_forces(reducer, force) for force in forces)

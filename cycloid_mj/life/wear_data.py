@@ -81,12 +81,25 @@ Lost motion of the RV reducer grew by 12.9 arcsec in 1550 h, 0.0024 arcsec/h of 
 1.3 um of both surfaces. The play of the printed drives grew by 54 and 112 um of both.
 """
 
-RUN_IN_FACTOR = 30.0
-"""Coefficient of wear of new surfaces over the steady one: the least for which 99 % of the RV reducer's run-in are over
-after 600 h, exp(-29 * 600 h * 0.0024 arcsec/h / 9.2 arcsec) = 0.011."""
 
-RUN_IN_SHARE = 0.71
-"""Share of run-in in the growth of the RV reducer's lost motion after 1550 h, 9.2 of 12.9 arcsec."""
+@dataclass(frozen=True)
+class RunIn:
+    """Run-in of an RV reducer (Lubricants 13 (2025) 362).
+
+    Attributes
+    ----------
+    factor
+        Coefficient of wear of new surfaces over the steady one: the least for which 99 % of the run-in are over after
+        600 h, exp(-29 * 600 h * 0.0024 arcsec/h / 9.2 arcsec) = 0.011.
+    share
+        Share of run-in in the growth of the lost motion after 1550 h, 9.2 of 12.9 arcsec.
+    """
+
+    factor: float = 30.0
+    share: float = 0.71
+
+
+RUN_IN = RunIn()
 
 
 def wear_coefficient(service: Service, material: Material) -> Interval:
@@ -115,7 +128,7 @@ def worn_depth(dose: Array, coefficient: float, run_in: float) -> Array:
     """Compute the depth of wear of a surface [m], in the shape of `dose`.
 
     h = k X + h_r (1 - exp(-(R - 1) k X/h_r)): Archard's law with a coefficient that falls from R k to k while run-in
-    removes the depth h_r; R is `RUN_IN_FACTOR`.
+    removes the depth h_r; R is `RunIn.factor`.
 
     Parameters
     ----------
@@ -133,11 +146,11 @@ def worn_depth(dose: Array, coefficient: float, run_in: float) -> Array:
 def wear_rate(dose: Array, coefficient: float, run_in: float) -> Array:
     """Compute the derivative of `worn_depth` by the dose [1/Pa], in its shape; parameters as there."""
     left = 1.0 - _run_in_progress(coefficient * dose, run_in) if run_in else 0.0
-    return np.asarray(coefficient * (1.0 + (RUN_IN_FACTOR - 1.0) * left) * np.ones_like(dose))
+    return np.asarray(coefficient * (1.0 + (RUN_IN.factor - 1.0) * left) * np.ones_like(dose))
 
 
 def _run_in_progress(steady: Array, run_in: float) -> Array:
     """Compute the part of the run-in that is over [1] at a depth of steady wear [m]."""
     if not run_in:
         return np.zeros_like(steady)
-    return np.asarray(-np.expm1(-(RUN_IN_FACTOR - 1.0) * steady / run_in))
+    return np.asarray(-np.expm1(-(RUN_IN.factor - 1.0) * steady / run_in))

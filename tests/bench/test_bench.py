@@ -37,7 +37,7 @@ from cycloid_mj.bench.loop_figures import loop_figures
 from cycloid_mj.bench.model_selection import compare_fits
 from cycloid_mj.bench.overlay import LoopCondition, apply_values, model_branches
 from cycloid_mj.bench.parameters import DEFAULT, Model, fit_parameters
-from cycloid_mj.bench.search import FAILED_RESIDUAL, MODEL_ERROR, FitProblem, Trials
+from cycloid_mj.bench.search import MODEL_ERROR, SETTINGS, FitProblem, Trials
 from cycloid_mj.bench.uncertainty import INTERVAL, FitUncertainty, autocorrelation_time, estimate_uncertainty
 from cycloid_mj.checks import require_sound
 from cycloid_mj.cli.app import main
@@ -661,7 +661,7 @@ def test_a_loop_without_any_balance_is_told_by_name() -> None:
     class Locked(FitProblem):
         def residuals_by_loop(self, places: Array) -> list[Array]:
             _, other = super().residuals_by_loop(places)
-            return [np.full(len(loops[0].torque) - loops[0].points_left_out, FAILED_RESIDUAL), other]
+            return [np.full(len(loops[0].torque) - loops[0].points_left_out, SETTINGS.failed_residual), other]
 
     chosen = fit_parameters(Reducer(resolve("printed")), ("drag",), loops)
     problem = Locked(locked_model(1.0), chosen, tuple(loops), LoopCondition("crank", 0.0, 25.0), Trials())

@@ -141,7 +141,7 @@ def test_a_crank_starts_where_it_leaves_for_good(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--rated-nm", "-3"], "more than 0"),
+        (["--rated-nm", "-3"], "greater than 0"),
         (["--angles", "0"], "from 1 to 360"),
         (["--loop", "none.csv"], "cannot read"),
         (["--starting", "none.csv"], "cannot read"),

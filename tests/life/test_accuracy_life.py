@@ -14,7 +14,7 @@ from cycloid_mj.geometry import profile
 from cycloid_mj.life.accuracy_life import Course, WearLife, wear
 from cycloid_mj.life.duty import constant_duty
 from cycloid_mj.life.wear_course import WearingDrive, WearSettings, lost_motion, wear_steps
-from cycloid_mj.life.wear_data import RUN_IN_FACTOR, wear_coefficient, wear_rate, worn_depth
+from cycloid_mj.life.wear_data import RUN_IN, wear_coefficient, wear_rate, worn_depth
 from cycloid_mj.life.wearing_surfaces import TABLE, dose_rate, sliding_contacts, sum_over_cells
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.worn import WornGaps
@@ -38,7 +38,7 @@ def test_depth_is_k_times_pressure_times_distance() -> None:
 def test_run_in_begins_at_its_factor_and_adds_its_depth() -> None:
     dose, coefficient, run_in = np.linspace(0.0, 5e12, 51), 1e-18, 0.5e-6
     depth, rate = worn_depth(dose, coefficient, run_in), wear_rate(dose, coefficient, run_in)
-    assert rate[0] == pytest.approx(RUN_IN_FACTOR * coefficient)
+    assert rate[0] == pytest.approx(RUN_IN.factor * coefficient)
     assert rate[-1] == pytest.approx(coefficient, rel=1e-6)
     assert depth[-1] == pytest.approx(coefficient * dose[-1] + run_in, rel=1e-6)
     step = 1e6
