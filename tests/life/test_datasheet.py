@@ -68,7 +68,7 @@ def test_each_key_has_one_value(sheet) -> None:
 
 
 def test_former_key_of_the_nominal_torque_is_accepted_with_a_warning() -> None:
-    with pytest.warns(CycloidWarning, match="rated_torque_nm is now nominal_torque_nm"):
+    with pytest.warns(CycloidWarning, match="rated_torque_nm is deprecated: use nominal_torque_nm"):
         assert figure("rated_torque_nm").key == "nominal_torque_nm"
 
 
