@@ -159,5 +159,5 @@ def test_a_loop_in_newton_millimetres_is_refused_before_the_work(tmp_path: Path)
     first, *rows = loop.read_text().splitlines()
     split = [row.split(",") for row in rows]
     (tmp_path / "loop.csv").write_text("\n".join([first, *(f"{1000.0 * float(t)},{d}" for t, d in split)]))
-    with pytest.raises(UsageError, match="If torque_output_Nm is in N mm"):
+    with pytest.raises(UsageError, match="If the column torque_output_Nm is in N mm"):
         protocol(Reducer(PRESETS["printed"]), BenchFiles((read_loop(tmp_path / "loop.csv"),)), 10.4)
