@@ -96,7 +96,7 @@ __all__ = [
 
 registry.register(
     draw_result="cycloid_mj.plots.result:figure_of",
-    measure="cycloid_mj.measure:measured",
+    measure="cycloid_mj.measure:measure_quantity",
     upper_figures="cycloid_mj.upper_figures:UPPER_FIGURES",
     further_validation="cycloid_mj.life.witnesses:PARTS",
 )

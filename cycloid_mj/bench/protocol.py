@@ -307,7 +307,7 @@ def compute_model_loop(reducer: Reducer, rated_torque: float, crank: float) -> M
         turn = follow_locked_path(solve_locked_curve(reducer, rated_torque, crank), elements, course)
         torque, turn = course[-2 * SETTINGS.branch_points + 1 :], turn[-2 * SETTINGS.branch_points + 1 :]
     else:
-        loop = hysteresis.loop(reducer, crank, rated_torque, hysteresis.slow_period(reducer, rated_torque))
+        loop = hysteresis.run_loop(reducer, crank, rated_torque, hysteresis.quasi_static_period(reducer, rated_torque))
         torque, turn = loop.torque, loop.turn
     return measured_loop(f"model at {crank / DEGREE:.3g} deg", torque, turn / DEGREE)
 

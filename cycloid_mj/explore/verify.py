@@ -10,8 +10,9 @@ from cycloid_mj.base.errors import CycloidError
 from cycloid_mj.base.units import ARCSECONDS
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.figures import SAMPLED, compute, figure
+from cycloid_mj.measure.conditions import STEADY
 from cycloid_mj.measure.contact_pressure import contact_pressures
-from cycloid_mj.measure.steady import SETTLING_TIME, run_steady, steady_design
+from cycloid_mj.measure.steady import run_steady, steady_design
 from cycloid_mj.reducer import Reducer
 
 CONTACT_KINDS = {"output_pin_force_n": "output", "cam_force_n": "cam"}
@@ -53,7 +54,7 @@ def _dynamics(reducer: Reducer, solver: Solver) -> dict[str, float]:
     """Run a design over a crank turn under its nominal torque; return its figures by key."""
     design = reducer.design
     loaded = steady_design(reducer).but(load={"torque": design.rated_torque})
-    run = run_steady(loaded, SETTLING_TIME, design.ring.teeth, solver)
+    run = run_steady(loaded, STEADY.settling_time, design.ring.teeth, solver)
     error = run["output_angle"] - reducer.member.output_angle(run["crank_angle"])
     contacts = contact_pressures(run, loaded)
     kinds = {"tooth_force_n": design.tooth_pair, **CONTACT_KINDS}

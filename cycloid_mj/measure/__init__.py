@@ -22,7 +22,7 @@ MEASURES: Mapping[str, Callable[..., Measurement]] = {
 }
 """Name on the command line -> measure. Each takes a design, its own options, `quick`, and `progress`."""
 
-__all__ = ["MEASURES", "Measurement", "backlash", "efficiency", "loads", "lost_motion", "measured"]
+__all__ = ["MEASURES", "Measurement", "backlash", "efficiency", "loads", "lost_motion", "measure_quantity"]
 __all__ += ["te", "torque", "vibration"]
 
 
@@ -36,7 +36,7 @@ def _quantities(reducer: Reducer, measure: str) -> Mapping[str, Quantity]:
     return MEASURES[measure](reducer.design).quantities
 
 
-def measured(reducer: Reducer, measure: str, quantity: str) -> float:
+def measure_quantity(reducer: Reducer, measure: str, quantity: str) -> float:
     """Measure a quantity of a design at the default conditions of its measure, in the quantity's unit.
 
     Errors are those of the measure.

@@ -41,20 +41,20 @@ START = BreakAwaySettings()
 
 
 @dataclass(frozen=True, eq=False)
-class FromRest:
+class StartFromRest:
     """A free crank under a growing output torque, from one position at rest."""
 
     torque: float
     """Output torque from which the crank speeds up [N m]; not a number where it stays at rest: self-locking."""
     error: float
     """Largest change of the torque if only the first quarter, or the second half, of the samples is used [N m]."""
-    largest: float
+    max_torque: float
     """Largest output torque that was tried [N m]."""
     run: Run
     """The run."""
 
     @property
-    def locked(self) -> bool:
+    def is_locked(self) -> bool:
         """True if the crank stays at rest."""
         return math.isnan(self.torque)
 
@@ -63,22 +63,22 @@ class FromRest:
 class BreakAway:
     """The same from several positions: `starts`, the first being that of the design itself."""
 
-    starts: tuple[FromRest, ...]
+    starts: tuple[StartFromRest, ...]
 
     @property
-    def turning(self) -> tuple[FromRest, ...]:
+    def turning(self) -> tuple[StartFromRest, ...]:
         """The starts from which the crank turns."""
-        return tuple(start for start in self.starts if not start.locked)
+        return tuple(start for start in self.starts if not start.is_locked)
 
     @property
-    def locked(self) -> bool:
+    def is_locked(self) -> bool:
         """True if the crank stays at rest from most starts: self-locking, though weight may turn it from some."""
         return 2 * len(self.turning) < len(self.starts)
 
     @property
     def spread(self) -> StartSpread | None:
         """The torque [N m] over the starts from which the crank turns; None where it is self-locking."""
-        return None if self.locked else StartSpread.of(start.torque for start in self.turning)
+        return None if self.is_locked else StartSpread.of(start.torque for start in self.turning)
 
     @property
     def torque(self) -> float:
@@ -106,7 +106,7 @@ class BreakAway:
     def note(self) -> str:
         """Explanation of the torque, or of a missing value."""
         if self.spread is None:
-            largest = max(start.largest for start in self.starts)
+            largest = max(start.max_torque for start in self.starts)
             turns = f", but from {len(self.turning)} of {len(self.starts)} starts" if self.turning else ""
             return f"{SELF_LOCKING} with no torque on the crank, by up to {largest:g} N m on the output{turns}"
         if not self.exceeds_error:
@@ -137,46 +137,55 @@ class BreakAway:
 
 
 def break_away(reducer: Reducer, solver: Solver = "planar") -> BreakAway:
-    """Increase the output torque from zero on a reducer at rest with free crank, from several independent starts.
+    """Increase the output torque from zero with a free crank until the crank starts, from several independent starts.
 
     Contacts have the stiffness of the rated load, or they would creep under the growing one. Friction without a load is
     that by weight and inertia of the parts; friction in proportion to the load is part of the back-driving efficiency.
-    The crank's speed follows T t^2/2 - T0 t: its acceleration, a straight line, is zero at the torque T0.
+    The crank's speed follows T t^2/2 - T0 t: its acceleration, a straight line, is zero at the break-away torque T0.
     """
     return BreakAway(
-        tuple(each_in_threads(lambda start: _from_rest(Reducer(start), solver), independent_starts(reducer)))
+        tuple(each_in_threads(lambda start: _find_break_away(Reducer(start), solver), independent_starts(reducer)))
     )
 
 
-def _from_rest(reducer: Reducer, solver: Solver) -> FromRest:
-    """Increase the torque from one start, to a larger share where the crank stays at rest."""
+def _find_break_away(reducer: Reducer, solver: Solver) -> StartFromRest:
+    """Find the break-away torque from one start; try a larger torque if the crank stays at rest.
+
+    The torques are `START.growths` of the rated output torque, in turn, until the crank turns.
+    """
     for growth in START.growths:
-        start = _under(reducer, growth * reducer.design.rated_torque, solver)
-        if start.torque + start.error < start.largest:
+        start = _run_growing_torque(reducer, growth * reducer.design.rated_torque, solver)
+        if start.torque + start.error < start.max_torque:
             break
     return start
 
 
-def _under(reducer: Reducer, largest: float, solver: Solver) -> FromRest:
-    """Run with an output torque that rises to `largest` [N m]."""
+def _run_growing_torque(reducer: Reducer, max_torque: float, solver: Solver) -> StartFromRest:
+    """Simulate with an output torque that rises linearly from 0 to `max_torque` [N m]; fit the break-away torque.
+
+    The torque is NaN if the crank turns by less than a share of the rotation of a crank without friction.
+    """
     forward = -braking(reducer)
     compiled = model_for(solver, reducer.at_rated_load, held="")
-    light = largest / (6.0 * reducer.design.reduction * compiled.crank_inertia)
+    frictionless_rate = max_torque / (6.0 * reducer.design.reduction * compiled.crank_inertia)
     # a torque that rises in this time crosses the output's play in a share of it
-    crossing = math.sqrt(6.0 * reducer.play * turning_inertia(reducer) / (largest * START.crossing**3))
-    grows_for = max(START.min_time, math.sqrt(START.min_rotation / light), crossing)
-    course = DriveCycle(0.0, 0.0, drive=np.zeros_like, load=lambda time: forward * largest * time / grows_for)
-    run = simulate(reducer.at_rated_load.but(drive={"ramp": 0.0, "hold": grows_for}).design, compiled, course)
+    crossing_time = math.sqrt(6.0 * reducer.play * turning_inertia(reducer) / (max_torque * START.crossing**3))
+    growth_time = max(START.min_time, math.sqrt(START.min_rotation / frictionless_rate), crossing_time)
+    cycle = DriveCycle(0.0, 0.0, drive=np.zeros_like, load=lambda time: forward * max_torque * time / growth_time)
+    run = simulate(reducer.at_rated_load.but(drive={"ramp": 0.0, "hold": growth_time}).design, compiled, cycle)
     moving = run.select(np.abs(run["crank_angle"]) > START.turned)
-    if abs(run["crank_angle"][-1]) < START.min_travel * light * grows_for**2 or len(moving) < START.min_samples:
-        return FromRest(math.nan, math.nan, largest, run)
-    growth, count = largest / grows_for, len(moving)
-    parts = [slice(None), slice(0, count // 4), slice(count // 2, None)]
-    torque, *others = (growth * _start(moving.select(part)) for part in parts)
-    return FromRest(torque, max(abs(other - torque) for other in others), largest, run)
+    if (
+        abs(run["crank_angle"][-1]) < START.min_travel * frictionless_rate * growth_time**2
+        or len(moving) < START.min_samples
+    ):
+        return StartFromRest(math.nan, math.nan, max_torque, run)
+    growth, count = max_torque / growth_time, len(moving)
+    windows = [slice(None), slice(0, count // 4), slice(count // 2, None)]
+    torque, *other_torques = (growth * _zero_acceleration_time(moving.select(part)) for part in windows)
+    return StartFromRest(torque, max(abs(other - torque) for other in other_torques), max_torque, run)
 
 
-def _start(moving: Run) -> float:
-    """Compute the time [s] at which a parabola through the crank's speed has no acceleration."""
-    square, linear, _ = np.polyfit(moving.time - moving.time[0], moving["crank_speed"], 2)
-    return float(moving.time[0] - linear / (2.0 * square))
+def _zero_acceleration_time(run: Run) -> float:
+    """Fit a parabola to the crank speed of a run by least squares; return its vertex's time [s]."""
+    quadratic, linear, _ = np.polyfit(run.time - run.time[0], run["crank_speed"], 2)
+    return float(run.time[0] - linear / (2.0 * quadratic))

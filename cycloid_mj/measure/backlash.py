@@ -27,7 +27,7 @@ from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.dynamics.settling import rotation_time
 from cycloid_mj.measure import bench, rigid_backlash
 from cycloid_mj.measure.measurement import Measurement
-from cycloid_mj.measure.sampled import Known, add_errors, error_of_mean, extreme_quantities
+from cycloid_mj.measure.sampled import ClosedForm, add_errors, error_of_mean, extreme_quantities
 from cycloid_mj.reducer import Reducer, limits
 
 
@@ -89,13 +89,7 @@ class StopPair:
 
     @property
     def backlash(self) -> float:
-        """Angle from stop to stop [rad].
-
-        Returns
-        -------
-        Measurement
-            Figures with their numerical errors and closed forms, curves and tables.
-        """
+        """Angle from stop to stop [rad]."""
         return self.high - self.low
 
 
@@ -126,44 +120,64 @@ def backlash(
         The number of angles is not positive.
     RunError
         A run failed, or the disc jams.
+
+    Returns
+    -------
+    Measurement
+        Figures with their numerical errors and closed forms, curves and tables.
     """
     reducer = Reducer(resolve(design))
     angles = (PRESS.quick_angles if quick else PRESS.angles) if angles is None else angles
     if angles < 1:
         raise UsageError(f"the number of crank angles is {angles}, which is out of range: give 1 or more")
     reducer = reducer.at_rated_load
-    cranks = [float(crank) for crank in bench.crank_angles(reducer, angles)]
+    crank_angles = [float(crank) for crank in bench.crank_angles(reducer, angles)]
+    by_kind, checks = _run_presses(reducer, crank_angles, solver, progress)
+    closed_forms = _compute_closed_forms(reducer, crank_angles)
+    return Measurement(
+        measure="backlash",
+        design=reducer.design,
+        condition=f"crank locked, without friction and weight, {SOLVERS[solver]}",
+        quantities=by_key(_quantities(by_kind, checks, closed_forms)),
+        curves=_curves(reducer, by_kind, closed_forms),
+        assumptions=_assumptions(reducer, [pair.run for pairs in by_kind.values() for pair in pairs], solver),
+        runs={name: presses[0].run for name, presses in by_kind.items()},
+        details={"angles": _angle_rows(by_kind, closed_forms)},
+    )
+
+
+def _run_presses(
+    reducer: Reducer, crank_angles: list[float], solver: Solver, progress: Progress
+) -> tuple[dict[str, list[StopPair]], dict[str, StopPair]]:
+    """Simulate the stops with all clearances ("all") and with each kind alone, at every crank angle [rad].
+
+    Returns the stops by name of the case, one per crank angle, and those of the numerical checks at the first angle,
+    which press for a longer time with a shorter time step.
+    """
     cases = {_ALL: bench.without_friction(reducer)} | {
         kind: with_single_clearance(reducer, kind) for kind in reducer.design.pair_kinds
     }
     if solver == "planar":
         cases = {name: massless(case) for name, case in cases.items()}
-    longer = {name: PRESS.all_clearances if name == _ALL else 1.0 for name in cases}
-    finer = PRESS.planar_ratio if solver == "planar" and not reducer.design.settings.timestep else 1.0
-    jobs = [(case, cranks[0], PRESS.longer * longer[name], PRESS.finer * finer) for name, case in cases.items()]
-    jobs += [(case, crank, longer[name], finer) for name, case in cases.items() for crank in cranks]
-    runs = each_in_threads(lambda job: press_to_stops(*job, solver), jobs, progress)
-    checked = dict(zip(cases, runs, strict=False))
-    rest = runs[len(cases) :]
-    by_kind = {name: rest[number * angles : (number + 1) * angles] for number, name in enumerate(cases)}
-    closed = _closed_forms(reducer, cranks)
-    return Measurement(
-        measure="backlash",
-        design=reducer.design,
-        condition=f"crank locked, without friction and weight, {SOLVERS[solver]}",
-        quantities=by_key(_quantities(by_kind, checked, closed)),
-        curves=_curves(reducer, by_kind, closed),
-        assumptions=_assumptions(reducer, [pair.run for pairs in by_kind.values() for pair in pairs], solver),
-        runs={name: presses[0].run for name, presses in by_kind.items()},
-        details={"angles": _by_angle(by_kind, closed)},
-    )
+    time_factors = {name: PRESS.all_clearances if name == _ALL else 1.0 for name in cases}
+    divisor = PRESS.planar_ratio if solver == "planar" and not reducer.design.settings.timestep else 1.0
+    jobs = [
+        (case, crank_angles[0], PRESS.longer * time_factors[name], PRESS.finer * divisor)
+        for name, case in cases.items()
+    ]
+    jobs += [(case, angle, time_factors[name], divisor) for name, case in cases.items() for angle in crank_angles]
+    pairs = each_in_threads(lambda job: press_to_stops(*job, solver), jobs, progress)
+    checks, presses = dict(zip(cases, pairs, strict=False)), pairs[len(cases) :]
+    count = len(crank_angles)
+    by_kind = {name: presses[number * count : (number + 1) * count] for number, name in enumerate(cases)}
+    return by_kind, checks
 
 
 def with_single_clearance(reducer: Reducer, kind: str) -> Reducer:
-    """Return the design with the clearance of one kind of pairs only, without errors, friction and weight."""
+    """Return the design with the clearance of one kind of pair only, and no errors, friction or weight."""
     design = reducer.design
-    others = {other: PRESS.no_clearance for other in design.pair_kinds if other != kind}
-    clearance = design.clearance.model_copy(update=others)
+    tiny = {other: PRESS.no_clearance for other in design.pair_kinds if other != kind}
+    clearance = design.clearance.model_copy(update=tiny)
     output = design.output.model_copy(update={"hole_radius": design.output.pin_radius + design.gear.eccentricity})
     ideal = {"errors": Errors(), "measured": Measured(), "modification": Modification()}
     exact = {"clearance": clearance, "output": output, **ideal}
@@ -171,95 +185,117 @@ def with_single_clearance(reducer: Reducer, kind: str) -> Reducer:
 
 
 def press_to_stops(
-    reducer: Reducer, crank: float, longer: float = 1.0, finer: float = 1.0, solver: Solver = "planar"
+    reducer: Reducer, crank_angle: float, time_factor: float = 1.0, step_divisor: float = 1.0, solver: Solver = "planar"
 ) -> StopPair:
-    """Press the output of a design without friction and weight against both stops, at a crank angle [rad].
+    """Simulate pressing the output against both stops with the crank locked at an angle [rad]; return the stops.
 
-    `longer` multiplies the time at each torque, `finer` divides the time step.
+    The torque follows the sequence `PRESS.levels`; at each stop the line through the angles at two torques is
+    extrapolated to zero torque. The design has no friction and no weight. `time_factor` multiplies the time at each
+    torque, `step_divisor` divides the time step.
     """
     torque = PRESS.share * reducer.design.rated_torque
-    dwell = longer * PRESS.settling * rotation_time(reducer, limits.widest_play(reducer, crank), torque)
-    levels = torque * np.array(PRESS.levels)
+    press_time = time_factor * PRESS.settling * rotation_time(reducer, limits.widest_play(reducer, crank_angle), torque)
+    torques = torque * np.array(PRESS.levels)
 
     def signal(time: Array) -> Array:
-        return levels[np.minimum(time / dwell, len(PRESS.levels) - 0.5).astype(int)]
+        return torques[np.minimum(time / press_time, len(PRESS.levels) - 0.5).astype(int)]
 
-    largest, duration, samples = (
+    max_torque, duration, samples = (
         max(PRESS.levels) * torque,
-        len(PRESS.levels) * dwell,
+        len(PRESS.levels) * press_time,
         len(PRESS.levels) * PRESS.samples,
     )
-    run = bench.run_to_the_end(reducer, crank, signal, largest, duration, samples, finer, solver)
-    turn, phase = output_error(run, reducer), run.time / dwell
-    ends = [float(turn[(phase > n + 1 - PRESS.read_share) & (phase < n + 1)].mean()) for n in range(len(PRESS.levels))]
-    return StopPair(crank, low=2.0 * ends[5] - ends[4], high=2.0 * ends[2] - ends[1], run=run)
+    run = bench.run_with_step_retries(reducer, crank_angle, signal, max_torque, duration, samples, step_divisor, solver)
+    error, phase = output_error(run, reducer), run.time / press_time
+    stop_angles = [
+        float(error[(phase > n + 1 - PRESS.read_share) & (phase < n + 1)].mean()) for n in range(len(PRESS.levels))
+    ]
+    return StopPair(
+        crank_angle, low=2.0 * stop_angles[5] - stop_angles[4], high=2.0 * stop_angles[2] - stop_angles[1], run=run
+    )
 
 
-def _closed_forms(reducer: Reducer, cranks: list[float]) -> dict[str, Known]:
-    """Compute the backlash by closed forms [rad], by all clearances and by each alone; none for a preloaded ring."""
+def _compute_closed_forms(reducer: Reducer, crank_angles: list[float]) -> dict[str, ClosedForm]:
+    """Compute the backlash [rad] by a linear programme (all clearances) and by closed forms (each kind of clearance).
+
+    The result maps "all" and each kind of pair to the values at `crank_angles` [rad] and over the turn; empty for a
+    preloaded ring.
+    """
     if reducer.design.ring.preload:
         return {}
-    turn = rigid_backlash.turn_angles(reducer)
+    turn_angles = rigid_backlash.full_turn_angles(reducer)
     closed_forms = {}
     if rigid_backlash.has_linear_gaps(reducer):
-        closed_forms[_ALL] = Known(
-            rigid_backlash.total_backlash(reducer, np.array(cranks)), rigid_backlash.backlash_over_turn(reducer)[1]
+        closed_forms[_ALL] = ClosedForm(
+            rigid_backlash.total_backlash(reducer, np.array(crank_angles)),
+            rigid_backlash.backlash_over_turn(reducer)[1],
         )
     for kind in reducer.design.pair_kinds:
         single = with_single_clearance(reducer, kind)
-        sampled, full = (rigid_backlash.backlash_of_each(single, angles)[kind] for angles in (np.array(cranks), turn))
-        closed_forms[kind] = Known(sampled, full)
+        sampled, full = (
+            rigid_backlash.single_clearance_backlash(single, angles)[kind]
+            for angles in (np.array(crank_angles), turn_angles)
+        )
+        closed_forms[kind] = ClosedForm(sampled, full)
     return closed_forms
 
 
 def _quantities(
-    by_kind: dict[str, list[StopPair]], checked: dict[str, StopPair], closed: dict[str, Known]
+    presses_by_kind: dict[str, list[StopPair]], checks: dict[str, StopPair], closed_forms: dict[str, ClosedForm]
 ) -> Iterator[Quantity]:
-    """Yield the backlash by all clearances with its extremes, by each alone, and the sum of these."""
-    parts = []
-    for name, presses in by_kind.items():
-        values, known = np.array([pair.backlash for pair in presses]), closed.get(name)
-        numerical = abs(checked[name].backlash - presses[0].backlash)
-        error = add_errors(numerical, error_of_mean(values, known))
+    """Yield the backlash [arcmin] by all clearances with its extremes, by each clearance alone, and the sum of these.
+
+    `presses_by_kind` maps "all" and each kind of pair to the stops at each crank angle, `checks` to those of the run
+    with longer time and shorter step at the first angle.
+    """
+    single_clearances = []
+    for name, presses in presses_by_kind.items():
+        values, closed_form = np.array([pair.backlash for pair in presses]), closed_forms.get(name)
+        numerical = abs(checks[name].backlash - presses[0].backlash)
+        error = add_errors(numerical, error_of_mean(values, closed_form))
         error = None if error is None else error / ARCMINUTE
-        reference = None if known is None else float(known.turn.mean()) / ARCMINUTE
+        reference = None if closed_form is None else float(closed_form.turn.mean()) / ARCMINUTE
         mean = float(values.mean()) / ARCMINUTE
         if name == _ALL:
-            source = "" if known is None else "rigid contacts: linear programme"
+            source = "" if closed_form is None else "rigid contacts: linear programme"
             yield Quantity("backlash", "backlash of the output, mean", mean, "arcmin", error, reference, source)
             measured = "backlash", "backlash", values, numerical, "arcmin"
-            yield from extreme_quantities(*measured, scale=ARCMINUTE, known=known, reference=known, source=source)
+            yield from extreme_quantities(
+                *measured, scale=ARCMINUTE, closed_form=closed_form, reference=closed_form, source=source
+            )
         else:
             label, source = f"by clearance of {NAMES[name]} alone, mean", _FORMULAS.get(name, _MESH_FORMULA)
-            parts.append(Quantity(f"backlash_{name}", label, mean, "arcmin", error, reference, source))
-    yield from parts
+            single_clearances.append(Quantity(f"backlash_{name}", label, mean, "arcmin", error, reference, source))
+    yield from single_clearances
     yield Quantity(
         "sum_of_parts",
         "sum of the parts",
-        sum(part.value for part in parts),
+        sum(part.value for part in single_clearances),
         "arcmin",
-        add_errors(*(part.error for part in parts)),
+        add_errors(*(part.error for part in single_clearances)),
         note="less than the total: together, the clearances allow motions of the disc that none allows alone",
     )
 
 
-def _curves(reducer: Reducer, by_kind: dict[str, list[StopPair]], closed: dict[str, Known]) -> tuple[Curve, ...]:
-    """Return the backlash over the crank angle, by runs and closed forms."""
+def _curves(
+    reducer: Reducer, presses_by_kind: dict[str, list[StopPair]], closed_forms: dict[str, ClosedForm]
+) -> tuple[Curve, ...]:
+    """Return curves of the backlash [arcmin] over the crank angle [deg], simulated and by closed form."""
     drawn = []
     axes = "crank angle [deg]", "backlash [arcmin]"
-    for name, presses in by_kind.items():
+    for name, presses in presses_by_kind.items():
         panel = "all clearances" if name == _ALL else f"clearance of {NAMES[name]} alone"
         crank = np.degrees([pair.crank for pair in presses])
-        if name in closed:
-            turn = np.degrees(rigid_backlash.turn_angles(reducer))
-            drawn.append(Curve(panel, "closed form", turn, closed[name].turn / ARCMINUTE, *axes, "theory"))
+        if name in closed_forms:
+            turn = np.degrees(rigid_backlash.full_turn_angles(reducer))
+            drawn.append(Curve(panel, "closed form", turn, closed_forms[name].turn / ARCMINUTE, *axes, "theory"))
         values = np.array([pair.backlash for pair in presses]) / ARCMINUTE
         drawn.append(Curve(panel, "simulated", crank, values, *axes, "points"))
     return tuple(drawn)
 
 
 def _assumptions(reducer: Reducer, runs: list[Run], solver: Solver) -> tuple[str, ...]:
-    """List the assumptions of the runs."""
+    """Return the sentences on the simulation of the stops: torques, friction, contact stiffness, step and errors."""
     torque = PRESS.share * reducer.design.rated_torque
     return (
         f"the crank is locked; the output is pressed against its stops by {torque:.2g} and {2.0 * torque:.2g} N m, and "
@@ -269,23 +305,27 @@ def _assumptions(reducer: Reducer, runs: list[Run], solver: Solver) -> tuple[str
         f"{reducer.contacts.working_forces_text(reducer.design.pair_kinds)}",
         f"a clearance alone: the others are {1e6 * PRESS.no_clearance:g} um, without manufacturing errors and "
         "modification",
-        f"time step {bench.steps_text(runs)}; numerical error: change with {PRESS.longer:g} times the time at each "
+        f"time step {bench.timesteps_text(runs)}; numerical error: change with {PRESS.longer:g} times the time at each "
         f"torque and a {PRESS.finer:g} times shorter time step at the first crank angle, and the error of the turn's "
         "mean and extremes by its angles (by the closed form, and by the scatter of the remainder)",
         *(assumptions(reducer, "all runs") if solver == "planar" else ()),
     )
 
 
-def _by_angle(by_kind: dict[str, list[StopPair]], closed: dict[str, Known]) -> list[dict[str, Any]]:
-    """Convert the stops at each crank angle to JSON values."""
+def _angle_rows(
+    presses_by_kind: dict[str, list[StopPair]], closed_forms: dict[str, ClosedForm]
+) -> list[dict[str, Any]]:
+    """Convert the stops, backlash and time step of each crank angle to a list of JSON objects."""
     return [
         {
             "crank_angle_deg": math.degrees(pair.crank),
             "low_arcmin": pair.low / ARCMINUTE,
             "high_arcmin": pair.high / ARCMINUTE,
-            "backlash_arcmin": {name: pairs[index].backlash / ARCMINUTE for name, pairs in by_kind.items()},
-            "timestep_s": {name: bench.step_of(pairs[index].run) for name, pairs in by_kind.items()},
-            "closed_form_arcmin": {name: float(known.sampled[index]) / ARCMINUTE for name, known in closed.items()},
+            "backlash_arcmin": {name: pairs[index].backlash / ARCMINUTE for name, pairs in presses_by_kind.items()},
+            "timestep_s": {name: bench.timestep_of(pairs[index].run) for name, pairs in presses_by_kind.items()},
+            "closed_form_arcmin": {
+                name: float(closed_form.sampled[index]) / ARCMINUTE for name, closed_form in closed_forms.items()
+            },
         }
-        for index, pair in enumerate(by_kind[_ALL])
+        for index, pair in enumerate(presses_by_kind[_ALL])
     ]

@@ -85,44 +85,64 @@ def without_friction(reducer: Reducer) -> Reducer:
     return Reducer(reducer.design.model_copy(update={"friction": friction, "environment": level}))
 
 
-def step(reducer: Reducer, torque: float, solver: Solver = "planar") -> float:
-    """Compute the time step [s] for a torque on the output [N m]; that of the design file has precedence."""
+def bench_timestep(reducer: Reducer, torque: float, solver: Solver = "planar") -> float:
+    """Return the time step [s] of a run with locked crank: that of the design file, or the longest that stays stable.
+
+    With MuJoCo and moving pins it is a share of the stability limit 2 sqrt(m/k) of the pin that the largest ideal force
+    under the output `torque` [N m] presses; k is the stiffness of its rolling in the clearance.
+    """
     design = reducer.design
     if design.settings.timestep:
         return design.settings.timestep
     if solver == "planar":
-        longest = BENCH.max_planar_step
-        return longest if design.ring.has_pin_bodies else max(longest, swing_period(reducer) / BENCH.steps_per_swing)
-    ring, kind = design.ring, "pin_sleeve" if design.ring.has_sleeves else "pin_socket"
+        max_step = BENCH.max_planar_step
+        return max_step if design.ring.has_pin_bodies else max(max_step, swing_period(reducer) / BENCH.steps_per_swing)
+    ring, seat_pair = design.ring, "pin_sleeve" if design.ring.has_sleeves else "pin_socket"
     if not ring.has_pin_bodies or torque == 0.0:
         return BENCH.max_step
-    sticks = min(design.friction_of("pin_gear"), design.friction_of(kind)) > 0.0
-    bore = ring.sleeve_bore_radius if ring.has_sleeves else 0.0
-    mass = math.pi * (ring.pin_radius**2 - bore**2) * design.gear.face_width * design.material_of("pin").density
+    pins_stick = min(design.friction_of("pin_gear"), design.friction_of(seat_pair)) > 0.0
+    bore_radius = ring.sleeve_bore_radius if ring.has_sleeves else 0.0
+    mass = math.pi * (ring.pin_radius**2 - bore_radius**2) * design.gear.face_width * design.material_of("pin").density
     force = float(ideal_loads.ideal_load_sharing(tooth_profile(design), abs(torque), 0.0).forces.max())
-    bowl = force / (design.pin_play + force / reducer.contacts[kind].stiffness)
-    return min(BENCH.max_step, (BENCH.held_pin_step if sticks else BENCH.pin_step) * 2.0 * math.sqrt(mass / bowl))
+    rolling_stiffness = force / (design.pin_play + force / reducer.contacts[seat_pair].stiffness)
+    return min(
+        BENCH.max_step,
+        (BENCH.held_pin_step if pins_stick else BENCH.pin_step) * 2.0 * math.sqrt(mass / rolling_stiffness),
+    )
 
 
 def prepare_bench(
-    reducer: Reducer, torque: float, duration: float, samples: int, finer: float = 1.0, solver: Solver = "planar"
+    reducer: Reducer, torque: float, duration: float, samples: int, step_divisor: float = 1.0, solver: Solver = "planar"
 ) -> Reducer:
-    """Return the design for a run of some `duration` [s] under torques up to `torque` [N m]; `finer` divides the step.
+    """Return the design with time step, contact damping, duration and log rate for a slow run with locked crank.
 
     Below the creep speed the model's friction is viscous, so that a slow motion would have nearly none. The creep speed
     is therefore as low as the time step allows.
+
+    Parameters
+    ----------
+    reducer
+        The drive.
+    torque
+        Largest torque on the output [N m].
+    duration, samples
+        Duration of the run [s], and number of its samples.
+    step_divisor
+        Divisor of the time step.
+    solver
+        Solver of the run.
     """
     design = reducer.design
-    timestep = step(reducer, torque, solver) / finer
-    slowest = _rubbing(reducer) / (
+    timestep = bench_timestep(reducer, torque, solver) / step_divisor
+    min_creep_speed = _max_friction_force(reducer) / (
         FRICTION.impratio * BENCH.friction_step**2 * reducer.contacts[design.tooth_pair].stiffness * timestep
     )
-    creep = min(design.contact.creep_speed or math.inf, slowest or reducer.contacts.creep_speed)
-    contact = {"damping_ratio": BENCH.damping_ratio, "creep_speed": creep}
+    creep_speed = min(design.contact.creep_speed or math.inf, min_creep_speed or reducer.contacts.creep_speed)
+    contact_changes = {"damping_ratio": BENCH.damping_ratio, "creep_speed": creep_speed}
     return Reducer(
         design.model_copy(
             update={
-                "contact": design.contact.model_copy(update=contact),
+                "contact": design.contact.model_copy(update=contact_changes),
                 "drive": design.drive.model_copy(update={"ramp": 0.0, "hold": duration}),
                 "settings": design.settings.model_copy(update={"timestep": timestep, "log_rate": samples / duration}),
             }
@@ -130,44 +150,46 @@ def prepare_bench(
     )
 
 
-def locked_run(reducer: Reducer, crank: float, torque: Signal, solver: Solver = "planar") -> Run:
-    """Run a design of `prepare_bench`: crank locked at an angle [rad], a torque [N m] over time [s] on the output."""
+def locked_run(reducer: Reducer, crank_angle: float, torque: Signal, solver: Solver = "planar") -> Run:
+    """Simulate a design of `prepare_bench` at a locked crank angle [rad] with output `torque` [N m] over time [s]."""
     timestep = reducer.design.settings.timestep
     if solver == "planar":
-        planar = _planar(reducer.but(drive={"ramp": 0.0, "hold": 1.0}, settings={"log_rate": 1.0 / timestep}), timestep)
-        return simulate(reducer.design, planar, locked_crank(planar, crank, torque))
-    made_for = timestep * BENCH.contact_step * (BENCH.friction_step if _rubbing(reducer) else 1.0)
+        model = _build_planar_model(
+            reducer.but(drive={"ramp": 0.0, "hold": 1.0}, settings={"log_rate": 1.0 / timestep}), timestep
+        )
+        return simulate(reducer.design, model, locked_crank(model, crank_angle, torque))
+    contact_timestep = timestep * BENCH.contact_step * (BENCH.friction_step if _max_friction_force(reducer) else 1.0)
     drive = Drive(rotor_inertia=reducer.design.drive.rotor_inertia)
-    same = {"drive": drive, "load": Load(), "settings": Settings(timestep=made_for)}
-    compiled = _reducer(Reducer(reducer.design.model_copy(update=same)), timestep)
-    return simulate(reducer.design, compiled, locked_crank(compiled, crank, torque))
+    replaced = {"drive": drive, "load": Load(), "settings": Settings(timestep=contact_timestep)}
+    compiled = _build_mujoco_model(Reducer(reducer.design.model_copy(update=replaced)), timestep)
+    return simulate(reducer.design, compiled, locked_crank(compiled, crank_angle, torque))
 
 
-def run_to_the_end(
+def run_with_step_retries(
     reducer: Reducer,
-    crank: float,
+    crank_angle: float,
     torque: Signal,
-    largest: float,
+    max_torque: float,
     duration: float,
     samples: int,
-    finer: float = 1.0,
+    step_divisor: float = 1.0,
     solver: Solver = "planar",
 ) -> Run:
-    """Run a design as in `prepare_bench` and `locked_run`, and repeat a run that fails with half the time step.
+    """Simulate with a locked crank as in `prepare_bench` and `locked_run`; repeat a failed run with half the time step.
 
     Parameters
     ----------
     reducer
         The drive.
-    crank
+    crank_angle
         Angle at which the crank is locked [rad].
     torque
-        Torque on the output [N m] over time [s].
-    largest
+        Function from times [s] to torques on the output [N m].
+    max_torque
         Largest torque [N m].
     duration, samples
         Duration of the run [s], and number of its samples.
-    finer
+    step_divisor
         Divisor of the first time step.
     solver
         Solver of the run.
@@ -175,7 +197,7 @@ def run_to_the_end(
     Returns
     -------
     Run
-        The run; `step_of` returns its time step.
+        The run; `timestep_of` returns its time step.
 
     Raises
     ------
@@ -184,31 +206,31 @@ def run_to_the_end(
     """
     shortest, problem = 0.0, None
     for halvings in range(BENCH.max_halvings + 1):
-        prepared = prepare_bench(reducer, largest, duration, samples, finer * 2.0**halvings, solver)
+        prepared = prepare_bench(reducer, max_torque, duration, samples, step_divisor * 2.0**halvings, solver)
         shortest = prepared.design.settings.timestep
         try:
-            return locked_run(prepared, crank, torque, solver)
+            return locked_run(prepared, crank_angle, torque, solver)
         except (RunError, ContactError) as error:
             problem = error
     raise RunError(
-        f"with the crank locked at {math.degrees(crank):.1f} deg and up to {largest:.4g} N m on the output: {problem} "
-        f"(even at a time step of {1e6 * shortest:.3g} us, halved {BENCH.max_halvings} times). Reduce the torque"
+        f"with the crank locked at {math.degrees(crank_angle):.1f} deg and up to {max_torque:.4g} N m on the output: "
+        f"{problem} (even at a time step of {1e6 * shortest:.3g} us, halved {BENCH.max_halvings} times). Reduce the torque"
     ) from problem
 
 
-def step_of(run: Run) -> float:
+def timestep_of(run: Run) -> float:
     """Return the time step of a run [s]."""
     return float(run.provenance["timestep_s"])
 
 
-def steps_text(runs: Iterable[Run]) -> str:
+def timesteps_text(runs: Iterable[Run]) -> str:
     """Format the time steps of runs in microseconds, the longest first."""
-    return " and ".join(f"{1e6 * step:.3g} us" for step in sorted({step_of(run) for run in runs}, reverse=True))
+    return " and ".join(f"{1e6 * step:.3g} us" for step in sorted({timestep_of(run) for run in runs}, reverse=True))
 
 
 @once
-def _reducer(reducer: Reducer, timestep: float) -> ReducerModel:
-    """Build a model once for all crank angles; a run does not change it."""
+def _build_mujoco_model(reducer: Reducer, timestep: float) -> ReducerModel:
+    """Build the MuJoCo model once for all crank angles, with a time step [s]; a run does not change it."""
     compiled = build(reducer.design)
     compiled = replace(compiled, warnings=at_rest(reducer, compiled.laws))
     compiled.spec.option.timestep = compiled.model.opt.timestep = timestep
@@ -216,23 +238,23 @@ def _reducer(reducer: Reducer, timestep: float) -> ReducerModel:
 
 
 @once
-def _planar(reducer: Reducer, timestep: float) -> PlanarModel:
+def _build_planar_model(reducer: Reducer, timestep: float) -> PlanarModel:
     """Build a planar model once for all crank angles."""
     return planar_model(reducer, timestep=timestep)
 
 
-def _rubbing(reducer: Reducer) -> float:
-    """Return the largest friction of a contact at its working force [N]."""
+def _max_friction_force(reducer: Reducer) -> float:
+    """Return the largest friction force of all contacts at their working forces [N]."""
     return max(reducer.design.friction_of(kind) * reducer.contacts[kind].force for kind in reducer.design.pair_kinds)
 
 
 def centre_lead(run: Run, reducer: Reducer) -> Array:
-    """Compute how far the gear's centre leads its ideal position on the eccentric's circle [m], counter-clockwise.
+    """Compute how far the disc's centre leads its ideal position along the eccentric's circle [m], shape (n,).
 
-    It is the mean of all discs.
+    Positive is counter-clockwise; with several discs it is their mean.
     """
     leads = []
     for gear, phase in zip(reducer.gears, reducer.phases, strict=True):
-        (x, y, _), ahead = names.planar_joints(gear), run["crank_angle"] + phase
-        leads.append(-run[x] * np.cos(ahead) - run[y] * np.sin(ahead))
+        (x, y, _), eccentric_angle = names.planar_joints(gear), run["crank_angle"] + phase
+        leads.append(-run[x] * np.cos(eccentric_angle) - run[y] * np.sin(eccentric_angle))
     return np.asarray(np.mean(leads, axis=0))

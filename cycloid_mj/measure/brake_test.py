@@ -25,32 +25,32 @@ all of its torque, as with induction motors (2 to 10 %)."""
 
 
 def run_brake_test(reducer: Reducer, torque: float, periods: int, solver: Solver = "planar") -> Run:
-    """Run with a torque on the crank [N m] against the brake; return the samples of some mesh periods.
+    """Simulate a motor torque on the crank [N m] against a brake at constant output speed; return some mesh periods.
 
-    Contacts have the stiffness of the output torque without losses. Without a torque the crank is free, and the output
-    drives it.
+    The returned samples begin after the oscillation has decayed. Contacts have the stiffness of the output torque
+    without losses. Without a torque the crank is free, and the output drives it.
     """
     reducer = reducer.working_at(torque * reducer.design.reduction) if torque else reducer
     speed = reducer.design.drive.speed
     compiled = model_for(solver, reducer, held="output")
-    slope = 2.0 * compiled.crank_inertia / DECAY if torque else 0.0
-    compiled = with_slope(compiled, slope)
-    drive = rising(math.copysign(torque, torque * speed), 2e-3)
-    course = braked_output(compiled, reducer, lambda time: drive(time) + slope * speed)
+    speed_slope = 2.0 * compiled.crank_inertia / DECAY if torque else 0.0
+    compiled = with_speed_slope(compiled, speed_slope)
+    motor_torque = rising(math.copysign(torque, torque * speed), 2e-3)
+    cycle = braked_output(compiled, reducer, lambda time: motor_torque(time) + speed_slope * speed)
     # the oscillation is below 0.2 % of the torque then
     # the motor turns the crank across all of its play, at the speed at which the slope consumes its torque
-    crossing = reducer.play * reducer.design.reduction * slope / abs(torque) if torque else 0.0
-    settled = max(15e-3, crossing / slowness(reducer))
-    return run_steady(reducer, settled, periods, solver, compiled, course)
+    crossing_turn = reducer.play * reducer.design.reduction * speed_slope / abs(torque) if torque else 0.0
+    settling_time = max(15e-3, crossing_turn / slowness(reducer))
+    return run_steady(reducer, settling_time, periods, solver, compiled, cycle)
 
 
-def with_slope(compiled: Model, slope: float) -> Model:
-    """Return the model with a crank torque of its command less `slope` [N m s/rad] times the crank's speed."""
+def with_speed_slope(compiled: Model, speed_slope: float) -> Model:
+    """Return the model with an additional crank torque of -`speed_slope` [N m s/rad] times the crank speed."""
     if isinstance(compiled, PlanarModel):
-        return compiled.with_slope(slope)
+        return compiled.with_slope(speed_slope)
     import mujoco
 
     motor = compiled.spec.actuator(DRIVE)
     motor.biastype = mujoco.mjtBias.mjBIAS_AFFINE
-    motor.biasprm = [0.0, 0.0, -slope, *[0.0] * (len(motor.biasprm) - 3)]
+    motor.biasprm = [0.0, 0.0, -speed_slope, *[0.0] * (len(motor.biasprm) - 3)]
     return replace(compiled, model=compiled.spec.compile())

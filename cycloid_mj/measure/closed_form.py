@@ -17,45 +17,45 @@ AS_BUILT = (
 
 
 @dataclass(frozen=True)
-class Closed:
+class EfficiencyReference:
     """An efficiency by a closed form, and its source."""
 
     efficiency: float
     source: str
 
 
-def ideal_efficiency(reducer: Reducer, load: float) -> Closed:
-    """Compute the efficiency under a load torque [N m] with equally stiff contacts without clearance and a rigid cam.
+def ideal_efficiency(reducer: Reducer, load: float) -> EfficiencyReference:
+    """Compute the efficiency under a load torque [N m] by ideal load sharing, a rigid cam and Coulomb friction.
 
-    The contacts also carry the drag of the output's seals.
+    Contacts are equally stiff and without clearance; they also carry the drag of the output's seals.
     """
     design = reducer.design
-    carried = load + design.drag.output
+    contact_torque = load + design.drag.output
     crank = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)
-    lost = sum(ideal_losses(reducer.but(load={"torque": carried}), crank, design.mesh_friction))
-    supplied = carried / of_output(reducer, 1.0 / (1.0 + lost))
-    return Closed(load / (supplied + design.drag.crank * design.reduction), "ideal sharing, Coulomb")
+    relative_loss = sum(ideal_losses(reducer.but(load={"torque": contact_torque}), crank, design.mesh_friction))
+    supplied = contact_torque / efficiency_of_output_member(reducer, 1.0 / (1.0 + relative_loss))
+    return EfficiencyReference(load / (supplied + design.drag.crank * design.reduction), "ideal sharing, Coulomb")
 
 
 def ideal_limit(reducer: Reducer) -> Reducer:
-    """Return the design for which ideal sharing holds: fixed pins of equal friction, nearly no play, and a rigid cam.
+    """Return the design for which ideal sharing is valid: fixed pins, equal friction, nearly no play, a rigid cam.
 
     The cam deflects by a hundredth of the deflection of the teeth.
     """
     design = reducer.design
-    gear = mass_properties(gear_solid(reducer)).mass
+    disc_mass = mass_properties(gear_solid(reducer)).mass
     return reducer.but(
         ring={} if design.ring.kind == "nonpin" else {"pins": "fixed"},
         clearance=dict.fromkeys((design.tooth_pair, "cam", "output"), 1e-9),
         friction={design.tooth_pair: design.mesh_friction},
         # per mass of the disc [1/s2], and the limit of the design file
-        stiffness={"cam": min(3e11 * gear, 1e12)},
+        stiffness={"cam": min(3e11 * disc_mass, 1e12)},
         contact={"stiffness_law": "uniform"},
         settings={"timestep": 0.0},
     )
 
 
-def wang_efficiency(reducer: Reducer) -> Closed:
+def wang_efficiency(reducer: Reducer) -> EfficiencyReference:
     """Compute eta_x eta_sx of Wang, Luo and Su 2016, without the efficiencies of the bearings that they multiply by.
 
     eta_nx = 1 - 4 mu (Dp - d)/(K1 z Dp pi), eta_x = eta_nx/(1 + z (1 - eta_nx)), eta_sx = 1 - 4 f K1 Dp/(pi Dw), with
@@ -65,14 +65,14 @@ def wang_efficiency(reducer: Reducer) -> Closed:
     ring, lobes = design.ring, design.lobes
     shortening = design.gear.eccentricity * ring.teeth / ring.pin_circle_radius
     reach = (ring.pin_circle_radius - ring.pin_radius) / ring.pin_circle_radius
-    meshing = 1.0 - 4.0 * design.mesh_friction * reach / (shortening * lobes * math.pi)
-    pins = shortening * ring.pin_circle_radius / design.output.pin_circle_radius
-    output = 1.0 - 4.0 * design.friction_of("output") * pins / math.pi
-    carrier = meshing / (1.0 + lobes * (1.0 - meshing)) * output
-    return Closed(of_output(reducer, carrier), "Wang et al. 2016")
+    mesh_efficiency = 1.0 - 4.0 * design.mesh_friction * reach / (shortening * lobes * math.pi)
+    radius_ratio = shortening * ring.pin_circle_radius / design.output.pin_circle_radius
+    output_efficiency = 1.0 - 4.0 * design.friction_of("output") * radius_ratio / math.pi
+    product = mesh_efficiency / (1.0 + lobes * (1.0 - mesh_efficiency)) * output_efficiency
+    return EfficiencyReference(efficiency_of_output_member(reducer, product), "Wang et al. 2016")
 
 
-def of_output(reducer: Reducer, carrier: float) -> float:
+def efficiency_of_output_member(reducer: Reducer, carrier: float) -> float:
     """Compute the efficiency of a drive from that where the carrier turns, eta; where the ring does, 1-(1-eta)(N-1)/N.
 
     Of the power of a ring that turns, the carrier's torque has the share (N-1)/N; the crank's passes no mesh.

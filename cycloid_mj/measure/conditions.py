@@ -1,14 +1,39 @@
 """Common conditions of the measures that turn the crank: time step, speed, load and log rate of their runs."""
 
+from collections.abc import Mapping
+from dataclasses import dataclass
+
 from cycloid_mj.base.errors import DesignError
 from cycloid_mj.dynamics.run import STEP_RULES, Solver
 from cycloid_mj.reducer import Reducer
 
-LOG_RATE = 20e3
-"""Log rate of the runs at least [Hz]."""
 
-DRAG_SHARE = 0.01
-"""Torque that keeps the flanks of an unloaded reducer in contact, relative to the rated one."""
+@dataclass(frozen=True)
+class SteadySettings:
+    """Settings of runs at constant crank speed, and of the averages over them."""
+
+    log_rate: float = 20e3
+    """Smallest log rate of the runs [Hz]."""
+    drag_share: float = 0.01
+    """Torque that keeps the flanks of an unloaded reducer in contact, relative to the rated one."""
+    settling_time: float = 0.01
+    """Time before the first evaluated sample of a driven crank [s]: rise of the load, and decay of its oscillation."""
+    periods: int = 12
+    quick_periods: int = 4
+    """Smallest number of mesh periods of an average, and that of a quick measurement: a third of a crank turn or less.
+    """
+    period_tolerance: float = 0.1
+    """Accepted deviation of an average from a whole number of periods of the output pins, in periods."""
+    heavy_disc_share: float = 0.02
+    """Weight of the discs relative to the load's force on their cams from which on losses vary over the crank turn, by
+    1 %."""
+
+    def min_periods(self, quick: bool) -> int:
+        """Return the smallest number of mesh periods of an average."""
+        return self.quick_periods if quick else self.periods
+
+
+STEADY = SteadySettings()
 
 
 def require_motion(reducer: Reducer) -> None:
@@ -38,3 +63,27 @@ def drag_assumption(reducer: Reducer) -> str:
 def halve_time_step(reducer: Reducer, solver: Solver) -> Reducer:
     """Return the design with half the time step that the solver would choose."""
     return reducer.but(settings={"timestep": 0.5 * STEP_RULES[solver].choose(reducer).seconds})
+
+
+def load_cases(reducer: Reducer, load: float | None, drag: float | None = None) -> dict[str, float]:
+    """Return the output torques [N m] of the conditions "unloaded" and "loaded".
+
+    Parameters
+    ----------
+    reducer
+        The drive.
+    load
+        Torque of the loaded condition [N m]; by default the rated one.
+    drag
+        Torque of the unloaded condition [N m]; by default `SteadySettings.drag_share` of the rated one.
+    """
+    rated = reducer.design.rated_torque
+    return {
+        "unloaded": STEADY.drag_share * rated if drag is None else drag,
+        "loaded": rated if load is None else load,
+    }
+
+
+def describe_loads(torques: Mapping[str, float]) -> str:
+    """Format the output torques [N m] of several conditions, for the title of a measurement."""
+    return " and ".join(f"{name} {torque:.3g} N m" for name, torque in torques.items())

@@ -9,9 +9,7 @@ from cycloid_mj.base.array import Array, Mask
 from cycloid_mj.base.record import Run
 from cycloid_mj.geometry import envelope
 from cycloid_mj.reducer import Reducer
-
-CARRYING_SHARE = 0.01
-"""Share of the largest force of its kind from which a contact counts as loaded."""
+from cycloid_mj.statics.kernel import CARRYING_SHARE
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,31 +76,31 @@ class ContactPressures:
 
 
 def contact_pressures(run: Run, reducer: Reducer) -> dict[str, ContactPressures]:
-    """Compute forces and pressures of all contacts of a run, by kind of pair."""
-    crank = run["crank_angle"]
-    angle = crank - 2.0 * math.pi * np.floor(crank[0] / (2.0 * math.pi))
+    """Compute forces [N] and Hertz pressures [Pa] of all contacts in the samples of a run, by kind of mating pair."""
+    crank_angle = run["crank_angle"]
+    shifted_angle = crank_angle - 2.0 * math.pi * np.floor(crank_angle[0] / (2.0 * math.pi))
     contacts = {}
     for kind in reducer.mechanism.kinds:
         vector = run.forces(kind)
-        curvature = relative_curvature(reducer, kind, reducer.member.against_ring(crank))
+        curvature = relative_curvature(reducer, kind, reducer.member.against_ring(crank_angle))
         contact = reducer.contacts[kind]
         force = np.hypot(vector[..., 0], vector[..., 1]) * contact.line_share
         pressure, holds = contact.pressure(force, curvature), contact.hertz_holds(force, curvature)
-        contacts[kind] = ContactPressures(kind, angle, vector, pressure, holds)
+        contacts[kind] = ContactPressures(kind, shifted_angle, vector, pressure, holds)
     return contacts
 
 
 def relative_curvature(reducer: Reducer, kind: str, crank_angle: Array) -> Array:
-    """Compute the relative curvature [1/m] of a kind's contacts, shape (n, contacts) or one that broadcasts to it.
+    """Compute the relative curvature [1/m] of the contacts of one kind, shape (n, contacts), or (1,) if it is constant.
 
-    `crank_angle` [rad], shape (n,), is that from the ring.
+    `crank_angle` [rad], shape (n,), is that relative to the ring.
     """
     if kind == reducer.design.tooth_pair:
-        gear = reducer.tooth_profile
-        lines = [
-            [envelope.arc_contacts(gear, float(angle)).relative_curvature for angle in crank_angle + phase]
+        profile = reducer.tooth_profile
+        tooth_curvatures = [
+            [envelope.arc_contacts(profile, float(angle)).relative_curvature for angle in crank_angle + phase]
             for phase in reducer.phases
         ]
         halves = reducer.design.ring.halves
-        return np.concatenate([np.stack(of_disc) for of_disc in lines for _ in range(halves)], axis=1)
+        return np.concatenate([np.stack(of_disc) for of_disc in tooth_curvatures for _ in range(halves)], axis=1)
     return np.array([reducer.contacts[kind].relative_curvature])

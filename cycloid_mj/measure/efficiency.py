@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -17,19 +18,26 @@ from cycloid_mj.dynamics.massless import assumptions
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure import loss_breakdown, spread
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency, wang_efficiency
-from cycloid_mj.measure.conditions import drag_assumption
-from cycloid_mj.measure.efficiency_map import EfficiencyMap, Point, run_map
+from cycloid_mj.measure.conditions import STEADY, drag_assumption
+from cycloid_mj.measure.efficiency_map import EfficiencyMap, OperatingPoint, run_map
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.published import Published
-from cycloid_mj.measure.sensitivity import friction_for
-from cycloid_mj.measure.steady import steady_design, whole_periods
+from cycloid_mj.measure.sensitivity import interpolate_friction
+from cycloid_mj.measure.steady import averaging_periods, steady_design
 from cycloid_mj.reducer import Reducer
 
-TORQUES, SPEEDS = (0.25, 0.5, 1.0), (0.5, 1.0, 1.5)
-"""Points of the map, relative to the rated output torque without losses, and to the design's speed."""
 
-PERIODS, QUICK_PERIODS = 12, 4
-"""Mesh periods of an average at least: a third of a crank turn, or less."""
+@dataclass(frozen=True)
+class MapSettings:
+    """Default operating points of the efficiency map."""
+
+    torques: tuple[float, ...] = (0.25, 0.5, 1.0)
+    """Output torques relative to the rated one without losses."""
+    speeds: tuple[float, ...] = (0.5, 1.0, 1.5)
+    """Crank speeds relative to the design's."""
+
+
+MAP = MapSettings()
 
 NO_FRICTION = "0, as the friction of this pair is 0"
 
@@ -51,9 +59,9 @@ def efficiency(
     design
         A design, or the name of a preset or a file.
     loads
-        Output torques of the map [N m], above 0; by default `TORQUES` of the rated one.
+        Output torques of the map [N m], above 0; by default `MAP.torques` of the rated one.
     speeds
-        Crank speeds of the map [rad/s], above 0; by default `SPEEDS` of the design's.
+        Crank speeds of the map [rad/s], above 0; by default `MAP.speeds` of the design's.
     quick
         Whether to average over a shorter time, skip the run with half the time step, and by default measure only the
         rated point.
@@ -70,13 +78,15 @@ def efficiency(
     reducer = Reducer(resolve(design))
     steady = steady_design(reducer)
     rated, speed = steady.design.rated_torque, steady.design.drive.speed
-    torques = loads or [share * rated for share in ((1.0,) if quick else TORQUES)]
-    speeds = speeds or [share * speed for share in ((1.0,) if quick else SPEEDS)]
-    periods = QUICK_PERIODS if quick else PERIODS
+    torques = loads or [share * rated for share in ((1.0,) if quick else MAP.torques)]
+    speeds = speeds or [share * speed for share in ((1.0,) if quick else MAP.speeds)]
+    periods = STEADY.min_periods(quick)
     efficiency_map = run_map(steady, torques, speeds, periods, not quick, progress, solver)
     point = efficiency_map.rated
     rated_point = _rated_quantities(steady, efficiency_map)
-    beside = [replace(item, friction=friction_for(efficiency_map.by_friction, item.rate)) for item in published]
+    published = [
+        replace(item, friction=interpolate_friction(efficiency_map.by_friction, item.rate)) for item in published
+    ]
     return Measurement(
         measure="efficiency",
         design=steady.design,
@@ -84,27 +94,33 @@ def efficiency(
         quantities=by_key(rated_point, _losses(point), _drag_quantities(steady, efficiency_map)),
         curves=_curves(efficiency_map),
         tables=(
-            loss_breakdown.table(point.powers, beside, efficiency_map.error),
+            loss_breakdown.table(point.powers, published, efficiency_map.error),
             spread.table(f"efficiency at {rated:g} N m", point.powers.efficiency, efficiency_map.by_input),
             *_tables(efficiency_map),
         ),
-        assumptions=_assumptions(steady, whole_periods(steady, periods)),
-        details={
-            "losses_by_pair": [
-                {"torque_nm": each.torque, "speed_rpm": each.speed / RPM, **each.powers.loss_shares()}
-                for each in efficiency_map.grid
-            ],
-            **loss_breakdown.as_json(point.powers, beside),
-            **spread.as_json(point.powers.efficiency, efficiency_map.by_input),
-            **efficiency_map.rest.as_json(),
-        },
+        assumptions=_assumptions(steady, averaging_periods(steady, periods)),
+        details=_details(efficiency_map, published),
         runs={"rated": point.run, "backward": efficiency_map.backward.run, "from-rest": efficiency_map.rest.run},
     )
 
 
+def _details(efficiency_map: EfficiencyMap, published: Sequence[Published]) -> dict[str, Any]:
+    """Convert losses by pair, losses by part, effects of the inputs and the starts from rest to JSON values."""
+    rated = efficiency_map.rated.powers
+    return {
+        "losses_by_pair": [
+            {"torque_nm": point.torque, "speed_rpm": point.speed / RPM, **point.powers.loss_shares()}
+            for point in efficiency_map.grid
+        ],
+        **loss_breakdown.as_json(rated, published),
+        **spread.as_json(rated.efficiency, efficiency_map.by_input),
+        **efficiency_map.rest.as_json(),
+    }
+
+
 def _rated_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
-    """List efficiency and residual at the rated point."""
-    ours, load = 1e2 * efficiency_map.rated.powers.efficiency, efficiency_map.rated.torque
+    """Return the efficiency at the rated point, that of the ideal limit, and the energy balance's residual [%]."""
+    efficiency, load = 1e2 * efficiency_map.rated.powers.efficiency, efficiency_map.rated.torque
     ideal, wang = ideal_efficiency(reducer, load), wang_efficiency(reducer)
     error, residual = 1e2 * efficiency_map.error, max((each.powers.residual for each in efficiency_map.grid), key=abs)
     condition = f"at {load:g} N m, {efficiency_map.rated.speed / RPM:g} rpm"
@@ -112,7 +128,7 @@ def _rated_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Q
         Quantity(
             "efficiency",
             f"efficiency {condition}",
-            ours,
+            efficiency,
             "%",
             error,
             1e2 * ideal.efficiency,
@@ -134,52 +150,72 @@ def _rated_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Q
     ]
 
 
-def _losses(rated: Point) -> list[Quantity]:
-    """List the losses of the rated point by pair [W]."""
-    whole, shorter = rated.powers, rated.shorter
+def _losses(rated: OperatingPoint) -> list[Quantity]:
+    """Return friction by kind of pair, power of normal forces, input and output power at the rated point [W].
+
+    Errors are the differences from the first half of the run.
+    """
+    powers, first_half = rated.powers, rated.shorter
     quantities = []
-    for kind, power in whole.friction.items():
-        error, note = abs(power - shorter.friction[kind]), "" if power else NO_FRICTION
-        quantities.append(Quantity(f"{kind}_friction_power", f"friction of {kind}", power, "W", error, note=note))
-    normal, note = sum(whole.normal.values()), "damping, and errors of the time step, which cancel between the pairs"
-    error = abs(normal - sum(shorter.normal.values()))
+    for kind, power in powers.friction.items():
+        error, damping_note = abs(power - first_half.friction[kind]), "" if power else NO_FRICTION
+        quantities.append(
+            Quantity(f"{kind}_friction_power", f"friction of {kind}", power, "W", error, note=damping_note)
+        )
+    normal_power, damping_note = (
+        sum(powers.normal.values()),
+        "damping, and errors of the time step, which cancel between the pairs",
+    )
+    error = abs(normal_power - sum(first_half.normal.values()))
     return [
         *quantities,
-        Quantity("normal_power", "normal forces, all pairs", normal, "W", error, note=note),
-        Quantity("input_power", "input power", whole.supplied, "W"),
-        Quantity("output_power", "output power", whole.delivered, "W"),
+        Quantity("normal_power", "normal forces, all pairs", normal_power, "W", error, note=damping_note),
+        Quantity("input_power", "input power", powers.supplied, "W"),
+        Quantity("output_power", "output power", powers.delivered, "W"),
     ]
 
 
 def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Quantity]:
-    """List the no-load torque, and the torques that drive the output backwards."""
+    """Return no-load torque and back-driving torques [N m], and the efficiency of back-driving [%]."""
     design = reducer.design
-    ratio, rest = design.reduction, efficiency_map.rest
-    forward = efficiency_map.rated.powers.efficiency
-    driven = efficiency_map.backward
-    backward, shift = (0.0, 0.0) if driven.powers.note else (driven.powers.efficiency, driven.shift)
+    ratio, from_rest = design.reduction, efficiency_map.rest
+    forward_efficiency = efficiency_map.rated.powers.efficiency
+    back_driven = efficiency_map.backward
+    backward, shift = (0.0, 0.0) if back_driven.powers.note else (back_driven.powers.efficiency, back_driven.shift)
     locked = not backward > 0.0
-    against = math.nan if locked else design.rated_torque / backward
-    lock = f"{SELF_LOCKING} against {design.drive.torque:g} N m on the crank"
+    driving_torque = math.nan if locked else design.rated_torque / backward
+    lock_note = f"{SELF_LOCKING} against {design.drive.torque:g} N m on the crank"
     contacts = f"contacts, {drag_assumption(reducer)}; the bearings of the shafts are neglected"
-    idle, coasting = efficiency_map.unloaded, efficiency_map.coasting
-    moving, moving_error, moving_note = math.nan, None, f"{SELF_LOCKING} with no torque on the crank"
+    unloaded, coasting = efficiency_map.unloaded, efficiency_map.coasting
+    moving_torque, moving_torque_error, moving_torque_note = (
+        math.nan,
+        None,
+        f"{SELF_LOCKING} with no torque on the crank",
+    )
     if coasting is not None:
-        moving, moving_error, moving_note = ratio * coasting.drag, ratio * coasting.drag_shift, contacts
-    from_rest = "back_driving_torque_static", "back-driving torque from rest, crank free"
-    static, static_error = (rest.torque, rest.error) if rest.exceeds_error else (math.nan, None)
-    at_speed = "back_driving_torque_moving", "back-driving torque at speed, crank free"
+        moving_torque, moving_torque_error, moving_torque_note = (
+            ratio * coasting.drag,
+            ratio * coasting.drag_shift,
+            contacts,
+        )
+    static_names = "back_driving_torque_static", "back-driving torque from rest, crank free"
+    static_torque, static_torque_error = (
+        (from_rest.torque, from_rest.error) if from_rest.exceeds_error else (math.nan, None)
+    )
+    moving_names = "back_driving_torque_moving", "back-driving torque at speed, crank free"
     return [
-        Quantity("no_load_torque", "no-load torque, on the crank", idle.drag, "N m", idle.drag_shift, note=contacts),
-        Quantity(*at_speed, moving, "N m", moving_error, note=moving_note),
-        Quantity(*from_rest, static, "N m", static_error, note=rest.note),
+        Quantity(
+            "no_load_torque", "no-load torque, on the crank", unloaded.drag, "N m", unloaded.drag_shift, note=contacts
+        ),
+        Quantity(*moving_names, moving_torque, "N m", moving_torque_error, note=moving_torque_note),
+        Quantity(*static_names, static_torque, "N m", static_torque_error, note=from_rest.note),
         Quantity(
             "back_driving_torque_rated",
             f"output torque that drives against {design.drive.torque:g} N m on the crank",
-            against,
+            driving_torque,
             "N m",
-            None if locked else against * shift / backward,
-            note=lock if locked else "from the efficiency of back-driving",
+            None if locked else driving_torque * shift / backward,
+            note=lock_note if locked else "from the efficiency of back-driving",
         ),
         Quantity(
             "back_driving_efficiency",
@@ -187,69 +223,86 @@ def _drag_quantities(reducer: Reducer, efficiency_map: EfficiencyMap) -> list[Qu
             1e2 * backward,
             "%",
             1e2 * shift,
-            1e2 * (2.0 - 1.0 / forward),
+            1e2 * (2.0 - 1.0 / forward_efficiency),
             "2 - 1/eta, for equal losses in both directions; self-locking below 0",
-            lock if locked else "",
+            lock_note if locked else "",
         ),
     ]
 
 
 def _tables(efficiency_map: EfficiencyMap) -> tuple[Table, ...]:
-    """Tabulate the map with the losses at each of its points."""
+    """Return the table of the map: efficiency, its numerical error, and losses by pair at each speed and torque."""
     rows: list[tuple[str | float, ...]] = []
     for point in efficiency_map.grid:
         powers = point.powers
-        numbers = [1e2 * powers.efficiency, 1e2 * point.shift, *_shares(point).values(), 1e2 * powers.residual]
+        numbers = [
+            1e2 * powers.efficiency,
+            1e2 * point.shift,
+            *_loss_percentages(point).values(),
+            1e2 * powers.residual,
+        ]
         rows.append((f"{point.speed / RPM:g}", point.torque, *(round(number, 4) for number in numbers)))
-    header = ("speed [rpm]", "torque [N m]", "efficiency", "num. error", *_shares(efficiency_map.grid[0]), "residual")
+    header = (
+        "speed [rpm]",
+        "torque [N m]",
+        "efficiency",
+        "num. error",
+        *_loss_percentages(efficiency_map.grid[0]),
+        "residual",
+    )
     return (Table("efficiency, and losses by pair, in % of the input power", header, tuple(rows)),)
 
 
-def _shares(point: Point) -> dict[str, float]:
-    """Compute the losses of a point in % of its input: friction by pair, and the normal forces of all."""
+def _loss_percentages(point: OperatingPoint) -> dict[str, float]:
+    """Compute the losses of an operating point in % of its input power: friction by pair, and "normal" forces."""
     powers = point.powers
     losses = {**powers.friction, "normal": sum(powers.normal.values())}
     return {name: 1e2 * power / powers.supplied for name, power in losses.items()}
 
 
 def _curves(efficiency_map: EfficiencyMap) -> tuple[Curve, ...]:
-    """List the efficiency over the torque for each speed, the losses, and the crank's start from rest."""
+    """Return efficiency over torque for each speed, losses over torque, and crank speed over torque from rest."""
     x, rest = "output torque [N m]", efficiency_map.rest.run
     speeds = list(dict.fromkeys(point.speed for point in efficiency_map.grid))
-    drawn = []
+    curves = []
     for speed in speeds:
-        points = _at(efficiency_map.grid, speed)
+        points = _points_at_speed(efficiency_map.grid, speed)
         efficiency = [1e2 * point.powers.efficiency for point in points]
-        drawn.append(_line("efficiency", f"{speed / RPM:g} rpm", points, efficiency, "efficiency [%]"))
-    shown = efficiency_map.rated.speed if efficiency_map.rated.speed in speeds else speeds[-1]
-    points = _at(efficiency_map.grid, shown)
-    for loss in [loss for loss, share in _shares(points[0]).items() if share]:
-        shares = [_shares(point)[loss] for point in points]
+        curves.append(_curve_over_torque("efficiency", f"{speed / RPM:g} rpm", points, efficiency, "efficiency [%]"))
+    shown_speed = efficiency_map.rated.speed if efficiency_map.rated.speed in speeds else speeds[-1]
+    points = _points_at_speed(efficiency_map.grid, shown_speed)
+    for loss in [loss for loss, share in _loss_percentages(points[0]).items() if share]:
+        shares = [_loss_percentages(point)[loss] for point in points]
         name = "normal forces" if loss == "normal" else f"friction of {loss}"
-        drawn.append(_line(f"losses at {shown / RPM:g} rpm", name, points, shares, "share of the input [%]"))
+        curves.append(
+            _curve_over_torque(f"losses at {shown_speed / RPM:g} rpm", name, points, shares, "share of the input [%]")
+        )
     torque, crank = np.abs(rest["load_torque"]), np.abs(rest["crank_speed"])
     return (
-        *drawn,
+        *curves,
         Curve("from rest with free crank under growing output torque", "", torque, crank, x, "crank [rad/s]"),
     )
 
 
-def _at(grid: Sequence[Point], speed: float) -> list[Point]:
+def _points_at_speed(grid: Sequence[OperatingPoint], speed: float) -> list[OperatingPoint]:
     return sorted((point for point in grid if point.speed == speed), key=lambda point: point.torque)
 
 
-def _line(panel: str, name: str, points: Sequence[Point], y: Sequence[float], label: str) -> Curve:
+def _curve_over_torque(
+    panel: str, name: str, points: Sequence[OperatingPoint], values: Sequence[float], label: str
+) -> Curve:
+    """Return a curve of values, one per operating point, over the output torque [N m]."""
     style = "line" if len(points) > 1 else "points"
-    x = np.array([point.torque for point in points])
-    return Curve(panel, name, x, np.array(y), "output torque [N m]", label, style)
+    torques = np.array([point.torque for point in points])
+    return Curve(panel, name, torques, np.array(values), "output torque [N m]", label, style)
 
 
 def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:
-    """List the assumptions of the runs."""
+    """Return the sentences on friction, contact stiffness, averaging and numerical errors of the runs."""
     design = reducer.design
     pins = round(periods * design.output.pins / design.lobes, 2)
     kinds = reducer.mechanism.kinds
-    creep = 1e3 * reducer.contacts.creep_speed
+    creep_speed = 1e3 * reducer.contacts.creep_speed
     return (
         f"friction: {', '.join(f'{pair} {design.friction_of(pair):g}' for pair in kinds)}; "
         f"{drag_assumption(reducer)}; the bearings of the shafts are neglected",
@@ -258,7 +311,8 @@ def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:
         f"{reducer.at_rated_load.contacts.working_forces_text(kinds)}",
         f"mean over {periods} mesh periods, {pins:g} periods of the output pins (two crank turns under loads where "
         "the weight of the discs matters); constant speed of the crank, or of the output where the crank is free",
-        f"friction rises with the sliding speed up to {creep:g} mm/s under the working force, and is constant above",
+        f"friction rises with the sliding speed up to {creep_speed:g} mm/s under the working force, and is constant "
+        "above",
         "numerical error: change with half the time step (unless --quick) or half the averaging time, whichever is "
         "larger; elsewhere with half the averaging time",
         *assumptions(reducer, "the map, and the rated point with an input varied"),

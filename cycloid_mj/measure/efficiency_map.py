@@ -17,9 +17,9 @@ from cycloid_mj.measure import sensitivity
 from cycloid_mj.measure.back_driving import BreakAway, break_away
 from cycloid_mj.measure.brake_test import run_brake_test
 from cycloid_mj.measure.closed_form import ideal_limit
-from cycloid_mj.measure.conditions import halve_time_step
-from cycloid_mj.measure.spread import INPUTS, Input, InputEffect, inputs, pair_rates, slow_ends
-from cycloid_mj.measure.steady import SETTLING_TIME, first_half, run_steady, whole_periods
+from cycloid_mj.measure.conditions import STEADY, halve_time_step
+from cycloid_mj.measure.spread import INPUTS, Input, InputEffect, assumed_inputs, creep_variants, input_effects
+from cycloid_mj.measure.steady import averaging_periods, first_half, run_steady
 from cycloid_mj.reducer import Reducer
 
 _RUNS = {
@@ -34,7 +34,7 @@ _RUNS = {
 
 
 @dataclass(frozen=True, eq=False)
-class Point:
+class OperatingPoint:
     """A steady run."""
 
     torque: float
@@ -74,13 +74,13 @@ class EfficiencyMap:
     teeth. There is no coasting run where a free crank locks the reducer, as the driven output would jam.
     """
 
-    grid: tuple[Point, ...]
-    rated: Point
-    halved: Point | None
-    ideal: Point
-    unloaded: Point
-    coasting: Point | None
-    backward: Point
+    grid: tuple[OperatingPoint, ...]
+    rated: OperatingPoint
+    halved: OperatingPoint | None
+    ideal: OperatingPoint
+    unloaded: OperatingPoint
+    coasting: OperatingPoint | None
+    backward: OperatingPoint
     rest: BreakAway
     by_input: tuple[InputEffect, ...]
     by_friction: Mapping[float, float]
@@ -92,13 +92,20 @@ class EfficiencyMap:
         return max(step, self.rated.shift)
 
 
-Floats = Sequence[float]
+Values = Sequence[float]
+Task = Callable[[], OperatingPoint]
 
 
 def run_map(
-    reducer: Reducer, torques: Floats, speeds: Floats, periods: int, check: bool, progress: Progress, solver: Solver
+    reducer: Reducer,
+    torques: Values,
+    speeds: Values,
+    periods: int,
+    check_step: bool,
+    progress: Progress,
+    solver: Solver,
 ) -> EfficiencyMap:
-    """Run the points of the map, the variants of the rated one, and those driven backward, several at a time.
+    """Simulate all runs of the efficiency measure in threads, and collect their operating points.
 
     The map, and the rated point with a varied input, use massless pins where pins move.
 
@@ -109,8 +116,8 @@ def run_map(
     torques, speeds
         Torques on the output [N m] and crank speeds [rad/s] of the map.
     periods
-        Mesh periods of each run at least.
-    check
+        Smallest number of mesh periods of each run.
+    check_step
         Whether to run the rated point with half the time step.
     progress, solver
         Progress report, and solver of the runs.
@@ -118,33 +125,27 @@ def run_map(
     design = reducer.design
     rated, speed = design.rated_torque, design.drive.speed
     # The longest runs come first, so that no processor waits for one at the end.
-    grid = [(torque, pace) for pace in sorted(speeds, key=abs) for torque in torques]
+    conditions = [(torque, crank_speed) for crank_speed in sorted(speeds, key=abs) for torque in torques]
     rest = break_away(reducer, solver)
-    light = massless(reducer)
-    tasks: dict[Hashable, Callable[[], Point]] = {
-        place: partial(forward, light, *place, periods, solver)
-        for place in grid
-        if light != reducer or place != (rated, speed)
+    massless_pins = massless(reducer)
+    tasks: dict[Hashable, Task] = {
+        condition: partial(run_forward, massless_pins, *condition, periods, solver)
+        for condition in conditions
+        if massless_pins != reducer or condition != (rated, speed)
     }
-    tasks["rated"] = partial(forward, reducer, rated, speed, periods, solver)
-    tasks["ideal"] = partial(forward, ideal_limit(reducer), rated, speed, periods, solver)
-    tasks["unloaded"] = partial(forward, reducer, 0.0, speed, periods, solver)
-    tasks["backward"] = partial(backward, reducer, design.drive.torque, periods, solver)
-    if not rest.locked:
-        tasks["coasting"] = partial(backward, reducer, 0.0, periods, solver)
-    if check:
-        tasks["halved"] = partial(forward, halve_time_step(reducer, solver), rated, speed, periods, solver)
-    assumed = inputs(reducer)
-    varied: dict[Hashable, Reducer] = {end: Reducer(end) for item in assumed for end in item.ends}
-    varied |= {value: sensitivity.with_common_friction(reducer, value) for value in sensitivity.COMMON}
-    tasks |= {key: partial(forward, massless(end), rated, speed, INPUTS.periods, solver) for key, end in varied.items()}
+    tasks |= _named_tasks(reducer, periods, check_step, rest.is_locked, solver)
+    varied_inputs = assumed_inputs(reducer)
+    variants: dict[Hashable, Reducer] = {variant: Reducer(variant) for item in varied_inputs for variant in item.ends}
+    variants |= {value: sensitivity.with_common_friction(reducer, value) for value in sensitivity.FRICTION_TABLE.common}
+    for key, variant in variants.items():
+        tasks[key] = partial(run_forward, massless(variant), rated, speed, INPUTS.periods, solver)
     points = all_in_threads(tasks, progress)
-    slow = slow_ends(assumed)
-    named = {_run_name(key, points[key], assumed): points[key].reducer for key in tasks if key not in slow}
-    warn(design.name, creeping_in(named))
-    rates = {key: points[key].powers.efficiency for key in varied}
+    reported = tasks.keys() - creep_variants(varied_inputs)
+    names = {key: _run_name(key, points[key], varied_inputs) for key in tasks if key in reported}
+    warn(design.name, creeping_in({name: points[key].reducer for key, name in names.items()}))
+    efficiency_by_variant = {key: points[key].powers.efficiency for key in variants}
     return EfficiencyMap(
-        grid=tuple(points.get(place, points["rated"]) for place in grid),
+        grid=tuple(points.get(condition, points["rated"]) for condition in conditions),
         rated=points["rated"],
         halved=points.get("halved"),
         ideal=points["ideal"],
@@ -152,45 +153,63 @@ def run_map(
         coasting=points.get("coasting"),
         backward=points["backward"],
         rest=rest,
-        by_input=pair_rates(assumed, rates),
-        by_friction={value: rates[value] for value in sensitivity.COMMON},
+        by_input=input_effects(varied_inputs, efficiency_by_variant),
+        by_friction={value: efficiency_by_variant[value] for value in sensitivity.FRICTION_TABLE.common},
     )
 
 
-def forward(reducer: Reducer, torque: float, speed: float, periods: int, solver: Solver) -> Point:
-    """Run under an output torque [N m] at a constant crank speed [rad/s]."""
+def _named_tasks(
+    reducer: Reducer, periods: int, check_step: bool, is_locked: bool, solver: Solver
+) -> dict[Hashable, Task]:
+    """Return the runs outside of the map by their key in `_RUNS`; a self-locking drive does not coast."""
+    rated, speed = reducer.design.rated_torque, reducer.design.drive.speed
+    tasks: dict[Hashable, Task] = {
+        "rated": partial(run_forward, reducer, rated, speed, periods, solver),
+        "ideal": partial(run_forward, ideal_limit(reducer), rated, speed, periods, solver),
+        "unloaded": partial(run_forward, reducer, 0.0, speed, periods, solver),
+        "backward": partial(run_backward, reducer, reducer.design.drive.torque, periods, solver),
+    }
+    if not is_locked:
+        tasks["coasting"] = partial(run_backward, reducer, 0.0, periods, solver)
+    if check_step:
+        tasks["halved"] = partial(run_forward, halve_time_step(reducer, solver), rated, speed, periods, solver)
+    return tasks
+
+
+def run_forward(reducer: Reducer, torque: float, speed: float, periods: int, solver: Solver) -> OperatingPoint:
+    """Simulate a steady run with an output torque [N m] against the motion, at a constant crank speed [rad/s]."""
     loaded = reducer.but(drive={"speed": speed}, load={"torque": torque})
     with suppress_warnings(tuple(creeping(loaded))):
-        run = run_steady(loaded, SETTLING_TIME, whole_periods(loaded, periods, torque), solver)
-    return _point(torque, speed, run, loaded)
+        run = run_steady(loaded, STEADY.settling_time, averaging_periods(loaded, periods, torque), solver)
+    return _operating_point(torque, speed, run, loaded)
 
 
-def backward(reducer: Reducer, torque: float, periods: int, solver: Solver) -> Point:
-    """Drive the output against a torque on the crank [N m]; without a torque, the crank is free.
+def run_backward(reducer: Reducer, torque: float, periods: int, solver: Solver) -> OperatingPoint:
+    """Simulate the output driving against a torque on the crank [N m]; without a torque, the crank is free.
 
     The crank runs at constant speed against the torque, so that its rotor does not have to cross the clearance first.
     The driving torque follows from a shorter run; for a self-locking drive it is that without losses.
     """
     if not torque:
         with suppress_warnings(tuple(creeping(reducer))):
-            run = run_brake_test(reducer, torque, whole_periods(reducer, periods, torque), solver)
-        return _point(torque, reducer.design.drive.speed, run, reducer)
-    speed, driving = reducer.design.drive.speed, torque * reducer.design.reduction
-    point = forward(reducer, -driving, speed, INPUTS.periods, solver)
+            run = run_brake_test(reducer, torque, averaging_periods(reducer, periods, torque), solver)
+        return _operating_point(torque, reducer.design.drive.speed, run, reducer)
+    speed, driving_torque = reducer.design.drive.speed, torque * reducer.design.reduction
+    point = run_forward(reducer, -driving_torque, speed, INPUTS.periods, solver)
     if point.powers.efficiency > 0.0:
-        point = forward(reducer, -driving / point.powers.efficiency, speed, periods, solver)
+        point = run_forward(reducer, -driving_torque / point.powers.efficiency, speed, periods, solver)
     return replace(point, torque=torque)
 
 
-def _point(torque: float, speed: float, run: Run, reducer: Reducer) -> Point:
-    return Point(torque, speed, mean_powers(run), mean_powers(first_half(run)), run, reducer)
+def _operating_point(torque: float, speed: float, run: Run, reducer: Reducer) -> OperatingPoint:
+    return OperatingPoint(torque, speed, mean_powers(run), mean_powers(first_half(run)), run, reducer)
 
 
-def _run_name(key: Hashable, point: Point, assumed: Sequence[Input]) -> str:
-    """Return the name of a run: its load and speed, or its varied input."""
-    if isinstance(key, Design):
-        return next(item.names[key] for item in assumed if key in item.ends)
-    if isinstance(key, float):
-        return sensitivity.common_name(key)
+def _run_name(run_key: Hashable, point: OperatingPoint, varied_inputs: Sequence[Input]) -> str:
+    """Return the name of a run for warnings: its load and speed, or the input that is varied in it."""
+    if isinstance(run_key, Design):
+        return next(item.names[run_key] for item in varied_inputs if run_key in item.ends)
+    if isinstance(run_key, float):
+        return sensitivity.common_name(run_key)
     condition = f"{point.torque:.4g} N m at {abs(point.speed) / RPM:.4g} rpm"
-    return condition if isinstance(key, tuple) else _RUNS[str(key)].format(condition)
+    return condition if isinstance(run_key, tuple) else _RUNS[str(run_key)].format(condition)

@@ -46,6 +46,12 @@ class SlowLoopSettings:
     """Samples of a period."""
     lead: float = 0.25
     """Periods before the loop."""
+    angles: int = 6
+    quick_angles: int = 2
+    """Number of crank angles by default, and of a quick measurement."""
+    slower: float = 2.0
+    finer: float = 4.0
+    """Factors of the numerical checks: on the period, and on the number of time steps."""
 
 
 LOOP = SlowLoopSettings()
@@ -70,33 +76,42 @@ class HysteresisLoop:
     run: Run
     """The whole run."""
 
-    def at(self, share: float, loading: bool, side: int, values: Array | None = None) -> float:
-        """Read a branch of the curve at a share of the nominal torque: by the straight line through the points nearby.
+    def read_branch(self, share: float, loading: bool, sign: int, values: Array | None = None) -> float:
+        """Read a branch of the loop at a share of the nominal torque, by a least-squares line through points nearby.
 
-        `side` is +1 or -1; `values` (n,) instead of the turn.
+        Parameters
+        ----------
+        share
+            Torque relative to the nominal torque.
+        loading
+            Whether to read the loading branch.
+        sign
+            Sign of the torque, +1 or -1.
+        values
+            Values over the loop, shape (n,); by default the turn of the output [rad].
         """
-        line = self._line((1.0 - LOOP.window) * share, (1.0 + LOOP.window) * share, loading, side, values)
-        return float(np.polyval(line, side * share * self.rated))
+        coefficients = self._fit_branch((1.0 - LOOP.window) * share, (1.0 + LOOP.window) * share, loading, sign, values)
+        return float(np.polyval(coefficients, sign * share * self.rated))
 
-    def middle(self, share: float, side: int, values: Array | None = None) -> float:
-        """Read the middle between the two branches."""
-        return 0.5 * (self.at(share, True, side, values) + self.at(share, False, side, values))
+    def read_middle(self, share: float, sign: int, values: Array | None = None) -> float:
+        """Return the mean of both branches at a share of the nominal torque; arguments as in `read_branch`."""
+        return 0.5 * (self.read_branch(share, True, sign, values) + self.read_branch(share, False, sign, values))
 
     @property
     def lost_motion(self) -> float:
         """Turn between the middles of the branches at +3 % and -3 % of the nominal torque [rad]."""
-        return self.middle(LOST_MOTION_SHARE, 1) - self.middle(LOST_MOTION_SHARE, -1)
+        return self.read_middle(LOST_MOTION_SHARE, 1) - self.read_middle(LOST_MOTION_SHARE, -1)
 
     @property
     def backlash(self) -> float:
         """Turn between the unloading branches, extrapolated to zero torque [rad]."""
-        low, high = (float(np.polyval(self._line(*LOOP.unloading, False, side), 0.0)) for side in (-1, 1))
+        low, high = (float(np.polyval(self._fit_branch(*LOOP.unloading, False, side), 0.0)) for side in (-1, 1))
         return high - low
 
     @property
     def offset(self) -> float:
         """Middle of the loop at +3 % and -3 % of the nominal torque [rad]: where weight shifts it."""
-        return 0.5 * (self.middle(LOST_MOTION_SHARE, 1) + self.middle(LOST_MOTION_SHARE, -1))
+        return 0.5 * (self.read_middle(LOST_MOTION_SHARE, 1) + self.read_middle(LOST_MOTION_SHARE, -1))
 
     @property
     def stiffness(self) -> float:
@@ -113,7 +128,7 @@ class HysteresisLoop:
     @property
     def width(self) -> float:
         """Mean width between the branches at half the nominal torque [rad]: friction."""
-        widths = [abs(self.at(0.5, False, side) - self.at(0.5, True, side)) for side in (-1, 1)]
+        widths = [abs(self.read_branch(0.5, False, side) - self.read_branch(0.5, True, side)) for side in (-1, 1)]
         return float(np.mean(widths))
 
     @property
@@ -123,50 +138,72 @@ class HysteresisLoop:
         return float(np.trapezoid(torque, turn))
 
     def compliance(self, values: Array | None = None) -> float:
-        """Slope of the turn [rad/(N m)], or of other values (n,), over the straight part; mean of both sides."""
+        """Compute the slope of the turn [rad/(N m)], or of `values` (n,), over the straight part (both sides)."""
         low, high = STRAIGHT
-        rise = [side * (self.middle(high, side, values) - self.middle(low, side, values)) for side in (-1, 1)]
-        return float(np.mean(rise)) / ((high - low) * self.rated)
+        rises = [
+            side * (self.read_middle(high, side, values) - self.read_middle(low, side, values)) for side in (-1, 1)
+        ]
+        return float(np.mean(rises)) / ((high - low) * self.rated)
 
-    def _line(self, low: float, high: float, loading: bool, side: int, values: Array | None = None) -> Array:
-        quarter = {(False, 1): 0, (True, -1): 1, (False, -1): 2, (True, 1): 3}[loading, side]
-        share = side * self.torque / self.rated
-        near = (np.floor((self.phase - LOOP.lead) * 4.0) == quarter) & (low <= share) & (share <= high)
-        chosen = self.turn if values is None else values
-        return np.asarray(np.polyfit(self.torque[near], chosen[near], 1))
+    def _fit_branch(
+        self, min_share: float, max_share: float, loading: bool, sign: int, values: Array | None = None
+    ) -> Array:
+        """Fit a line to a branch between two shares of the nominal torque; return slope and intercept."""
+        quarter = {(False, 1): 0, (True, -1): 1, (False, -1): 2, (True, 1): 3}[loading, sign]
+        torque_share = sign * self.torque / self.rated
+        inside = (
+            (np.floor((self.phase - LOOP.lead) * 4.0) == quarter)
+            & (min_share <= torque_share)
+            & (torque_share <= max_share)
+        )
+        ordinates = self.turn if values is None else values
+        return np.asarray(np.polyfit(self.torque[inside], ordinates[inside], 1))
 
 
-def signal(rated: float, period: float) -> Signal:
+def loop_torque(rated: float, period: float) -> Signal:
     """Return the torque of the loop [N m]."""
     return lambda time: rated * np.sin(2.0 * np.pi * time / period) ** LOOP.power
 
 
-def loop(
-    reducer: Reducer, crank: float, rated: float, period: float, finer: float = 1.0, solver: Solver = "planar"
+def run_loop(
+    reducer: Reducer,
+    crank_angle: float,
+    peak_torque: float,
+    period: float,
+    step_divisor: float = 1.0,
+    solver: Solver = "planar",
 ) -> HysteresisLoop:
-    """Run the loop at a crank angle [rad]; `period` [s]; `finer` divides the step, see `bench.run_to_the_end`."""
+    """Simulate the torque loop at a locked crank angle [rad]; return its last period.
+
+    `peak_torque` [N m] and `period` [s] are those of the torque, `step_divisor` divides the time step; for retries and
+    errors see `bench.run_with_step_retries`.
+    """
     duration, samples = (1.0 + LOOP.lead) * period, round((1.0 + LOOP.lead) * LOOP.samples)
-    run = bench.run_to_the_end(reducer, crank, signal(rated, period), rated, duration, samples, finer, solver)
-    whole = run.select(run.time >= LOOP.lead * period)
+    run = bench.run_with_step_retries(
+        reducer, crank_angle, loop_torque(peak_torque, period), peak_torque, duration, samples, step_divisor, solver
+    )
+    last_period = run.select(run.time >= LOOP.lead * period)
     return HysteresisLoop(
-        crank=crank,
-        rated=rated,
-        phase=whole.time / period,
-        torque=whole["load_torque"],
-        turn=output_error(whole, reducer) + wind_up(reducer) * whole["load_torque"],
-        gear_turn=gear_error(whole, reducer),
-        centre_lead=reducer.member.sense * bench.centre_lead(whole, reducer),
+        crank=crank_angle,
+        rated=peak_torque,
+        phase=last_period.time / period,
+        torque=last_period["load_torque"],
+        turn=output_error(last_period, reducer) + wind_up(reducer) * last_period["load_torque"],
+        gear_turn=gear_error(last_period, reducer),
+        centre_lead=reducer.member.sense * bench.centre_lead(last_period, reducer),
         run=run,
     )
 
 
-def slow_period(reducer: Reducer, rated: float) -> float:
-    """Compute the period [s] of a loop in which inertia does not matter.
+def quasi_static_period(reducer: Reducer, peak_torque: float) -> float:
+    """Compute the period [s] of a torque loop that is so slow that inertia does not matter.
 
-    The torque's T (omega t)^5 carries output and gear, inertia J [kg m2], over their play b [rad] in
-    (omega t)^7 = 42 J b omega^2/T; it has then the share (omega t)^5 of T, which shall be `LOOP.arrival`. And the
-    period is at least `LOOP.slowness` periods of J on the stiffness of the reducer.
+    The torque's T (omega t)^5 carries output and gear, inertia J [kg m2], over their play b [rad] in (omega t)^7 = 42 J
+    b omega^2/T; it has then the share (omega t)^5 of T, which shall be `LOOP.arrival`. The period is also at least
+    `LOOP.slowness` oscillation periods of J on the stiffness of the reducer.
     """
     inertia = turning_inertia(reducer)
-    crossing = math.sqrt(LOOP.arrival ** (7.0 / LOOP.power) * rated / (42.0 * inertia * max(reducer.play, 1e-9)))
-    return 2.0 * math.pi * max(1.0 / crossing, LOOP.slowness * math.sqrt(inertia / closed_stiffness(reducer)))
+    angular_frequency = math.sqrt(
+        LOOP.arrival ** (7.0 / LOOP.power) * peak_torque / (42.0 * inertia * max(reducer.play, 1e-9))
+    )
+    return 2.0 * math.pi * max(1.0 / angular_frequency, LOOP.slowness * math.sqrt(inertia / closed_stiffness(reducer)))

@@ -21,15 +21,16 @@ from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.dynamics.settling import penetration_limit
 from cycloid_mj.geometry import ideal_loads
 from cycloid_mj.geometry.profile import unit
-from cycloid_mj.measure.conditions import halve_time_step
-from cycloid_mj.measure.contact_pressure import CARRYING_SHARE, ContactPressures, contact_pressures
+from cycloid_mj.measure.conditions import STEADY, halve_time_step
+from cycloid_mj.measure.contact_pressure import ContactPressures, contact_pressures
 from cycloid_mj.measure.measurement import Measurement
-from cycloid_mj.measure.reaction import of_discs
-from cycloid_mj.measure.steady import SETTLING_TIME, run_steady, steady_design
+from cycloid_mj.measure.reaction import bearing_reactions
+from cycloid_mj.measure.steady import run_steady, steady_design
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.contact import CONTACT, STRIBECK
 from cycloid_mj.statics.ideal import ideal_peak
+from cycloid_mj.statics.kernel import CARRYING_SHARE
 from cycloid_mj.statics.sheet import disc_shares, reaction_quantities
 
 
@@ -118,59 +119,97 @@ def loads(
     run, finer = _run_at_two_steps(loaded, periods, solver, lambda done, _: progress(done, last))
     contacts, fine = contact_pressures(run, loaded), contact_pressures(finer, loaded)
     coarse = contact_pressures(run.select(slice(0, len(finer))), loaded)
-    limits, lasting = (_limits(contacts, loaded, allowed) for _, allowed in CAPACITIES.values())
-    missed = {kind: _peak_excess(loaded, contact) for kind, contact in contacts.items()}
-    weakest = min(limits, key=lambda kind: limits[kind], default="")
-    unsure = missed[weakest] + _pressure_error(contacts[weakest], coarse[weakest], fine[weakest]) if weakest else 0.0
-    capacity, shakedown = (
-        _capacity(key, loaded, weakest, torque * factors[weakest], unsure, solver) if weakest else _no_capacity(key)
-        for key, factors in (("capacity", limits), ("capacity_shakedown", lasting))
-    )
+    missed = {kind: _missed_peak(loaded, contact) for kind, contact in contacts.items()}
+    capacities, capacity_details = _capacities(loaded, contacts, coarse, fine, missed, solver)
     progress(last, last)
-    by_kind = (_of_kind(loaded, contacts[kind], coarse[kind], fine[kind], missed[kind]) for kind in contacts)
-    discs = _of_discs(run, finer, loaded) if reducer.design.gear.discs > 1 else ()
+    by_kind = (_kind_quantities(loaded, contacts[kind], coarse[kind], fine[kind], missed[kind]) for kind in contacts)
+    discs = _disc_quantities(run, finer, loaded) if reducer.design.gear.discs > 1 else ()
     return Measurement(
         measure="loads",
         design=reducer.design,
         condition=f"{torque:.4g} N m, {abs(reducer.design.drive.speed) / RPM:.0f} rpm, {SOLVERS[solver]}",
-        quantities=by_key(*by_kind, discs, [capacity, shakedown]),
+        quantities=by_key(*by_kind, discs, capacities),
         curves=_curves(contacts, loaded),
         assumptions=_assumptions(loaded),
         runs={"loaded": run},
-        details={"load_torque_nm": torque, **_capacity_details(reducer, torque, weakest, limits, lasting)},
+        details={"load_torque_nm": torque, **capacity_details},
     )
 
 
 def _run_at_two_steps(reducer: Reducer, periods: int, solver: Solver, progress: Progress) -> list[Run]:
-    """Run a loaded drive for some mesh periods, and for `LOADS.periods` at half of the time step."""
+    """Simulate a loaded drive twice: for `periods` mesh periods, and for `LOADS.periods` with half the time step."""
     tasks = [(reducer, periods), (halve_time_step(reducer, solver), LOADS.periods)]
-    return each_in_threads(lambda task: run_steady(task[0], SETTLING_TIME, task[1], solver), tasks, progress)
+    return each_in_threads(lambda task: run_steady(task[0], STEADY.settling_time, task[1], solver), tasks, progress)
+
+
+def _capacities(
+    reducer: Reducer,
+    contacts: Kinds,
+    first_periods: Kinds,
+    half_step: Kinds,
+    missed: Mapping[str, float],
+    solver: Solver,
+) -> tuple[list[Quantity], dict[str, Any]]:
+    """Compute the torques at which the weakest kind of contact first yields and reaches shakedown, and JSON details.
+
+    Parameters
+    ----------
+    reducer
+        The loaded drive.
+    contacts
+        Contacts of all samples.
+    first_periods, half_step
+        Contacts of the first mesh periods with the full and with half the time step, for the error.
+    missed
+        Relative excess of the largest force over the turn, by kind.
+    solver
+        Solver of the runs.
+    """
+    torque = reducer.design.load.torque
+    yield_factors, shakedown_factors = (_torque_factors(contacts, reducer, limit) for _, limit in CAPACITIES.values())
+    weakest = min(yield_factors, key=lambda kind: yield_factors[kind], default="")
+    details = _capacity_details(reducer, torque, weakest, yield_factors, shakedown_factors)
+    if not weakest:
+        return [_no_capacity(key) for key in CAPACITIES], details
+    error = missed[weakest] + _pressure_error(contacts[weakest], first_periods[weakest], half_step[weakest])
+    factors = zip(CAPACITIES, (yield_factors, shakedown_factors), strict=True)
+    quantities = [
+        _capacity(key, reducer, weakest, torque * by_kind[weakest], error, solver) for key, by_kind in factors
+    ]
+    return quantities, details
 
 
 def _capacity_details(
-    reducer: Reducer, torque: float, weakest: str, limits: Mapping[str, float], lasting: Mapping[str, float]
+    reducer: Reducer,
+    torque: float,
+    weakest: str,
+    yield_factors: Mapping[str, float],
+    shakedown_factors: Mapping[str, float],
 ) -> dict[str, Any]:
-    """Convert the torques at which each kind reaches its limits to JSON values, by factors on a torque [N m]."""
+    """Convert the torques [N m] at which each kind of contact reaches first yield and shakedown to JSON values.
+
+    `yield_factors` and `shakedown_factors` map kinds to factors on `torque` [N m].
+    """
     return {
         "nominal_torque_nm": reducer.design.rated_torque,
         "rated_torque_nm": reducer.design.rated_torque,  # the former key, for one release
         "weakest": weakest,
-        "capacity_by_kind_nm": {kind: torque * factor for kind, factor in limits.items()},
-        "shakedown_by_kind_nm": {kind: torque * factor for kind, factor in lasting.items()},
+        "capacity_by_kind_nm": {kind: torque * factor for kind, factor in yield_factors.items()},
+        "shakedown_by_kind_nm": {kind: torque * factor for kind, factor in shakedown_factors.items()},
     }
 
 
-def _pressure_error(contacts: ContactPressures, coarse: ContactPressures, fine: ContactPressures) -> float:
-    """Compute the relative error of the force by that of the largest pressure, which is proportional to its root.
+def _pressure_error(contacts: ContactPressures, first_periods: ContactPressures, half_step: ContactPressures) -> float:
+    """Estimate the relative error of the force from the largest pressures, which are proportional to its square root.
 
     The pressures of all samples and of those with half the time step are compared with the first mesh periods.
     """
-    ratios = (each.peak_pressure / coarse.peak_pressure for each in (contacts, fine))
+    ratios = (compared.peak_pressure / first_periods.peak_pressure for compared in (contacts, half_step))
     return sum(2.0 * abs(ratio - 1.0) for ratio in ratios)
 
 
-def _peak_excess(reducer: Reducer, contacts: ContactPressures) -> float:
-    """Compute the relative excess of a kind's largest force over the turn above that of the samples, by ideal sharing.
+def _missed_peak(reducer: Reducer, contacts: ContactPressures) -> float:
+    """Compute the relative excess of a kind's largest ideal force over the turn above that in the samples.
 
     It is 0 where the samples cover the turn.
     """
@@ -183,47 +222,53 @@ def _no_capacity(key: str) -> Quantity:
     return Quantity(key, CAPACITIES[key][0], math.nan, "N m", note=UNDECIDED)
 
 
-def _capacity(key: str, reducer: Reducer, weakest: str, torque: float, unsure: float, solver: Solver) -> Quantity:
-    """Compute the torque at which the weakest kind reaches the pressure of a capacity, by fixed-point iteration.
+def _capacity(key: str, reducer: Reducer, kind: str, torque: float, force_error: float, solver: Solver) -> Quantity:
+    """Compute the torque at which a kind of contact reaches the pressure of a capacity, by fixed-point iteration.
 
-    `torque` is the start, `unsure` the relative error of the forces of the runs.
+    `key` is one of `CAPACITIES`, `torque` [N m] the start value, `force_error` the relative error of the contact
+    forces.
     """
     name, allowed = CAPACITIES[key]
     allowed_depth = penetration_limit(reducer)
     for _ in range(LOADS.max_iterations):
         # penetration grows with the force: its limit is to detect failed runs, so it grows as well
-        deeper = min(allowed_depth * max(1.0, torque / reducer.design.load.torque), LOADS.max_penetration)
-        guess = reducer.but(load={"torque": torque}, contact={"max_penetration": deeper})
-        run = run_steady(guess, SETTLING_TIME, LOADS.periods, solver)
-        factor = _limits(contact_pressures(run, reducer), reducer, allowed).get(weakest)
-        if factor is None:
+        depth_limit = min(allowed_depth * max(1.0, torque / reducer.design.load.torque), LOADS.max_penetration)
+        loaded = reducer.but(load={"torque": torque}, contact={"max_penetration": depth_limit})
+        run = run_steady(loaded, STEADY.settling_time, LOADS.periods, solver)
+        torque_factor = _torque_factors(contact_pressures(run, reducer), reducer, allowed).get(kind)
+        if torque_factor is None:
             return _no_capacity(key)
-        before, torque = torque, torque * factor
-        if abs(torque - before) < LOADS.capacity_rtol * torque:
+        previous, torque = torque, torque * torque_factor
+        if abs(torque - previous) < LOADS.capacity_rtol * torque:
             break
     rated = reducer.design.rated_torque
     note = (
-        f"limited by {weakest}, whose largest pressure reaches {allowed:.3g} x the yield strength at "
+        f"limited by {kind}, whose largest pressure reaches {allowed:.3g} x the yield strength at "
         f"{torque / rated:.2f} of the rated {rated:.4g} N m; over {LOADS.periods} mesh periods"
     )
-    return Quantity(key, name, torque, "N m", error=abs(torque - before) + unsure * torque, note=note)
+    return Quantity(key, name, torque, "N m", error=abs(torque - previous) + force_error * torque, note=note)
 
 
-def _of_kind(
-    reducer: Reducer, contacts: ContactPressures, coarse: ContactPressures, fine: ContactPressures, missed: float
+def _kind_quantities(
+    reducer: Reducer,
+    contacts: ContactPressures,
+    first_periods: ContactPressures,
+    half_step: ContactPressures,
+    missed_peak: float,
 ) -> Iterator[Quantity]:
-    """Yield the quantities of one kind.
+    """Yield forces, number of loaded contacts, Hertz pressure and margin of one kind of contact.
 
-    Errors: change with half the time step over the first mesh periods, plus the error by the samples' part of the turn:
-    of a peak `missed`, relative to the force; of a mean half its change between the halves of the samples.
+    `contacts` are those of all samples, `first_periods` and `half_step` those of the first mesh periods with the full
+    and with half the time step; their difference is the error. For peaks `missed_peak`, relative to the force, is
+    added, for means half of the change between the halves of the samples.
     """
     kind = contacts.kind
-    allowed = YIELD_PRESSURE * reducer.contacts[kind].strength
-    peak_error = abs(coarse.peak_force - fine.peak_force) + missed * contacts.peak_force
-    one, other = contacts.halves
-    mean_error = abs(coarse.mean_force - fine.mean_force) + 0.5 * abs(one.mean_force - other.mean_force)
+    yield_pressure = YIELD_PRESSURE * reducer.contacts[kind].strength
+    peak_error = abs(first_periods.peak_force - half_step.peak_force) + missed_peak * contacts.peak_force
+    first, second = contacts.halves
+    mean_error = abs(first_periods.mean_force - half_step.mean_force) + 0.5 * abs(first.mean_force - second.mean_force)
     pressure = contacts.peak_pressure
-    pressure_error = abs(coarse.peak_pressure - fine.peak_pressure) + 0.5 * missed * pressure
+    pressure_error = abs(first_periods.peak_pressure - half_step.peak_pressure) + 0.5 * missed_peak * pressure
     yield Quantity(
         f"{kind}_peak_force",
         f"{kind}: largest force",
@@ -237,70 +282,80 @@ def _of_kind(
     name = f"{kind}: mean force of the loaded contacts"
     yield Quantity(f"{kind}_mean_force", name, contacts.mean_force, "N", mean_error)
     name = f"{kind}: loaded contacts, mean number"
-    error = abs(coarse.carrying - fine.carrying) + 0.5 * abs(one.carrying - other.carrying)
+    error = abs(first_periods.carrying - half_step.carrying) + 0.5 * abs(first.carrying - second.carrying)
     yield Quantity(f"{kind}_carrying", name, contacts.carrying, "1", error)
     name = f"{kind}: largest Hertz pressure"
     note = "" if pressure > 0.0 else UNPRESSED if pressure == 0.0 else CONFORMAL
     yield Quantity(f"{kind}_pressure", name, 1e-6 * pressure, "MPa", 1e-6 * pressure_error, note=note)
-    name, margin = f"{kind}: margin against first yield", allowed / (pressure or math.nan)
-    yield Quantity(f"{kind}_margin", name, margin, "1", margin * margin * pressure_error / allowed, note=note)
+    name, margin = f"{kind}: margin against first yield", yield_pressure / (pressure or math.nan)
+    yield Quantity(f"{kind}_margin", name, margin, "1", margin * margin * pressure_error / yield_pressure, note=note)
 
 
-def _of_discs(run: Run, finer: Run, reducer: Reducer) -> Iterator[Quantity]:
-    """Yield the shares of several discs and the reactions of the bearings; errors are changes with half the step."""
-    coarse = run.select(slice(0, len(finer)))
-    whole, first, fine = ([*_spatial(one, reducer)] for one in (run, coarse, finer))
-    for one, other, again in zip(whole, first, fine, strict=True):
-        yield replace(one, error=abs(other.value - again.value))
+def _disc_quantities(run: Run, half_step_run: Run, reducer: Reducer) -> Iterator[Quantity]:
+    """Yield the load shares of several discs and the bearing reactions; errors are changes with half the time step."""
+    first_periods = run.select(slice(0, len(half_step_run)))
+    all_samples, coarse, fine = (
+        [*_disc_and_bearing_quantities(quantity, reducer)] for quantity in (run, first_periods, half_step_run)
+    )
+    for quantity, coarse_quantity, fine_quantity in zip(all_samples, coarse, fine, strict=True):
+        yield replace(quantity, error=abs(coarse_quantity.value - fine_quantity.value))
 
 
-def _spatial(run: Run, reducer: Reducer) -> Iterator[Quantity]:
-    """Yield the shares of the discs in the torque on the output, and the reactions of the bearings, over a run."""
+def _disc_and_bearing_quantities(run: Run, reducer: Reducer) -> Iterator[Quantity]:
+    """Yield the shares of the discs in the output torque, and the reactions of the bearings, over a run."""
     design = reducer.design
     output = design.output
     pins = -run.forces("output").reshape(len(run), design.gear.discs, -1, 2)
     _, carrier = reducer.member.ring_and_carrier(run["output_angle"])
-    around = 2.0 * math.pi * np.arange(output.pins) / output.pins - carrier[:, np.newaxis]
-    position = output.pin_circle_radius * unit(around)[:, np.newaxis]
-    moments = np.sum(cross(position, pins), axis=-1)
+    pin_angles = 2.0 * math.pi * np.arange(output.pins) / output.pins - carrier[:, np.newaxis]
+    arms = output.pin_circle_radius * unit(pin_angles)[:, np.newaxis]
+    moments = np.sum(cross(arms, pins), axis=-1)
     total = moments.sum(axis=1, keepdims=True)
     # without a load, as parts cross their clearance, there are no shares
     yield from disc_shares(moments[total[:, 0] != 0.0] / total[total != 0.0][:, np.newaxis])
-    yield from reaction_quantities(of_discs(run, reducer))
+    yield from reaction_quantities(bearing_reactions(run, reducer))
 
 
-def _limits(kinds: Kinds, reducer: Reducer, allowed: float) -> dict[str, float]:
-    """Compute the factor on the torque at which the pressure of each kind reaches a limit.
+def _torque_factors(contacts_by_kind: Kinds, reducer: Reducer, pressure_limit: float) -> dict[str, float]:
+    """Compute by kind the factor on the torque at which the largest pressure reaches a limit.
 
-    Kinds that are conformal or without pressure are omitted; `allowed` is the limit relative to the yield strength.
+    Pressures grow with the square root of the force. `pressure_limit` is relative to the yield strength; conformal or
+    unloaded kinds are omitted.
     """
-    pressures = {kind: each.peak_pressure for kind, each in kinds.items() if each.peak_pressure > 0.0}
-    return {kind: (allowed * reducer.contacts[kind].strength / most) ** 2 for kind, most in pressures.items()}
+    pressures = {
+        kind: contacts.peak_pressure for kind, contacts in contacts_by_kind.items() if contacts.peak_pressure > 0.0
+    }
+    return {kind: (pressure_limit * reducer.contacts[kind].strength / peak) ** 2 for kind, peak in pressures.items()}
 
 
 def _curves(kinds: Kinds, reducer: Reducer) -> tuple[Curve, ...]:
-    single = [curve for kind in kinds.values() if kind.kind != "cam" for curve in _contacts(kind, reducer)]
-    cams = [curve for disc, phase in enumerate(reducer.phases) for curve in _cam(kinds["cam"], disc, phase)]
+    single = [curve for kind in kinds.values() if kind.kind != "cam" for curve in _contact_curves(kind, reducer)]
+    cams = [curve for disc, phase in enumerate(reducer.phases) for curve in _cam_curves(kinds["cam"], disc, phase)]
     return (*single, *cams, *_ring_curves(kinds[reducer.design.tooth_pair], reducer))
 
 
-def _contacts(contacts: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
-    """Yield the force on some of the loaded contacts of a kind, including the most loaded.
+def _contact_curves(contacts: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
+    """Yield the force [N] over the crank angle on some loaded contacts of one kind, including the most loaded one.
 
-    That of teeth is shown with ideal sharing.
+    For teeth the ideal force of the most loaded one is added.
     """
     peaks = contacts.force.max(axis=0)
     loaded = np.flatnonzero(peaks > CARRYING_SHARE * contacts.peak_force)
-    most = int(np.argmax(peaks))
-    spread = loaded[np.linspace(0, len(loaded) - 1, min(LOADS.shown, len(loaded))).astype(int)]
-    places = sorted({*spread[spread != most][: LOADS.shown - 1].tolist(), most})
-    panel = f"{contacts.kind}: force on {len(places)} of the {len(loaded)} that carry, of {len(peaks)}"
-    degrees = np.degrees(contacts.angle)
+    most_loaded = int(np.argmax(peaks))
+    evenly_spaced = loaded[np.linspace(0, len(loaded) - 1, min(LOADS.shown, len(loaded))).astype(int)]
+    shown = sorted({*evenly_spaced[evenly_spaced != most_loaded][: LOADS.shown - 1].tolist(), most_loaded})
+    panel = f"{contacts.kind}: force on {len(shown)} of the {len(loaded)} that carry, of {len(peaks)}"
+    angle_deg = np.degrees(contacts.angle)
     if contacts.kind == reducer.design.tooth_pair:
-        ideal, of = _ideal_forces(reducer, contacts.angle)[:, most], _contact_name(reducer, len(peaks), most)
-        yield Curve(panel, "ideal sharing", degrees, ideal, _CRANK, _FORCE, "theory", of)
-    for index in places:
-        yield Curve(panel, _contact_name(reducer, len(peaks), index), degrees, contacts.force[:, index], _CRANK, _FORCE)
+        ideal_force, contact_name = (
+            _ideal_forces(reducer, contacts.angle)[:, most_loaded],
+            _contact_name(reducer, len(peaks), most_loaded),
+        )
+        yield Curve(panel, "ideal sharing", angle_deg, ideal_force, _CRANK, _FORCE, "theory", contact_name)
+    for index in shown:
+        yield Curve(
+            panel, _contact_name(reducer, len(peaks), index), angle_deg, contacts.force[:, index], _CRANK, _FORCE
+        )
 
 
 def _contact_name(reducer: Reducer, contacts: int, index: int) -> str:
@@ -309,42 +364,44 @@ def _contact_name(reducer: Reducer, contacts: int, index: int) -> str:
     return f"number {number + 1}" + (f", disc {disc + 1}" if reducer.design.gear.discs > 1 else "")
 
 
-def _cam(contacts: ContactPressures, disc: int, phase: float) -> Iterator[Curve]:
-    """Yield size and direction of the force of the cam at a phase on the crank [rad] on its disc."""
-    degrees, (x, y) = np.degrees(contacts.angle), contacts.vector[:, disc].T
+def _cam_curves(contacts: ContactPressures, disc: int, phase: float) -> Iterator[Curve]:
+    """Yield size [N] and direction [deg] of the cam's force on a disc; `phase` [rad] is that of its eccentric."""
+    angle_deg, (x, y) = np.degrees(contacts.angle), contacts.vector[:, disc].T
     name = f"disc {disc + 1}" if contacts.vector.shape[1] > 1 else ""
-    yield Curve("cam: force", name, degrees, np.hypot(x, y), _CRANK, _FORCE)
-    towards = np.mod(np.degrees(np.arctan2(y, x) - phase) - degrees - 90.0, 360.0)
+    yield Curve("cam: force", name, angle_deg, np.hypot(x, y), _CRANK, _FORCE)
+    direction = np.mod(np.degrees(np.arctan2(y, x) - phase) - angle_deg - 90.0, 360.0)
     panel = "cam: direction of the force on the disc from the eccentric, counter-clockwise"
-    yield Curve(panel, name, degrees, towards, _CRANK, "direction [deg]")
+    yield Curve(panel, name, angle_deg, direction, _CRANK, "direction [deg]")
 
 
 def _ring_curves(teeth: ContactPressures, reducer: Reducer) -> Iterator[Curve]:
-    """Yield the forces of a disc around the ring at the largest force, with ideal sharing."""
+    """Yield polar curves of the tooth forces on one disc at the instant of the largest force, simulated and ideal."""
     count, row = reducer.design.ring.teeth, int(np.argmax(teeth.force.max(axis=1)))
-    ring = int(np.argmax(teeth.force[row])) // count  # of a disc or, of a ring in two halves, of one of them
-    of_ring, disc = slice(ring * count, (ring + 1) * count), ring // reducer.design.ring.halves
-    about = np.degrees(2.0 * math.pi * np.arange(count + 1) / count)
+    ring_index = int(np.argmax(teeth.force[row])) // count  # of a disc or, of a ring in two halves, of one of them
+    columns, disc = slice(ring_index * count, (ring_index + 1) * count), ring_index // reducer.design.ring.halves
+    pin_angle_deg = np.degrees(2.0 * math.pi * np.arange(count + 1) / count)
     panel = f"{teeth.kind} at {math.degrees(teeth.peak_angle):.0f} deg of crank"
     panel += f", disc {disc + 1}" if reducer.design.gear.discs > 1 else ""
-    ideal = _ideal_forces(reducer, teeth.angle)[row, of_ring]
-    for name, forces in (("simulated", teeth.force[row, of_ring]), ("ideal", ideal)):
-        yield Curve(panel, name, about, np.append(forces, forces[0]), "", _FORCE, "polar")
+    ideal = _ideal_forces(reducer, teeth.angle)[row, columns]
+    for name, forces in (("simulated", teeth.force[row, columns]), ("ideal", ideal)):
+        yield Curve(panel, name, pin_angle_deg, np.append(forces, forces[0]), "", _FORCE, "polar")
 
 
-def _ideal_forces(reducer: Reducer, crank: Array) -> Array:
-    """Compute the forces of ideal sharing on the teeth [N], shape (n, D mates), at crank angles [rad], shape (n,)."""
+def _ideal_forces(reducer: Reducer, crank_angle: Array) -> Array:
+    """Compute the tooth forces by ideal load sharing [N], shape (n, D mates), at crank angles [rad], shape (n,)."""
     design, halves = reducer.design, reducer.design.ring.halves
     torque = reducer.share * math.copysign(design.load.torque, design.drive.speed) / (design.gear.discs * halves)
-    gear, turned = tooth_profile(design), reducer.member.against_ring(crank)
-    each = [ideal_loads.ideal_load_sharing(gear, torque, turned + phase).forces for phase in reducer.phases]
-    return np.concatenate([forces for forces in each for _ in range(halves)], axis=1)
+    gear, relative_angle = tooth_profile(design), reducer.member.against_ring(crank_angle)
+    forces_by_disc = [
+        ideal_loads.ideal_load_sharing(gear, torque, relative_angle + phase).forces for phase in reducer.phases
+    ]
+    return np.concatenate([forces for forces in forces_by_disc for _ in range(halves)], axis=1)
 
 
 def _assumptions(reducer: Reducer) -> tuple[str, ...]:
-    """List the assumptions of the runs."""
+    """Return the sentences on contact stiffness, Hertz pressure, ideal sharing, yield limits and numerical errors."""
     design = reducer.design
-    bearing = (
+    bearing_sentence = (
         f"the cam turns in a full-complement roller bearing of {design.contact.cam_rollers} rollers "
         f"(contact.cam_rollers), of which the most loaded carries {STRIBECK}/Z of the force (Stribeck)"
         if design.gear.bearing == "rolling"
@@ -362,7 +419,7 @@ def _assumptions(reducer: Reducer) -> tuple[str, ...]:
         "stresses keep rolling elastic (shakedown: Johnson 1985, 9.2, without friction); neither includes fatigue",
         f"there is no pressure where Hertz's strip would be wider than {CONTACT.hertz_reach} of the thinner body's "
         "radius to each side (conformal, as pins in close sockets)",
-        bearing,
+        bearing_sentence,
         f"a contact counts as loaded from {CARRYING_SHARE:.0%} of the largest force of its kind; numerical error: "
         f"change with half the time step over the first {LOADS.periods} mesh periods, for means plus half the change "
         "between the halves of the samples, for peaks plus their excess over a full turn by ideal sharing; for the "

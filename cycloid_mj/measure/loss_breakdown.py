@@ -25,7 +25,7 @@ def loss_shares(powers: Powers) -> dict[str, float]:
 
 
 def table(powers: Powers, published: Sequence[Published], error: float) -> Table:
-    """Tabulate the losses in percent of the input power, followed by the published rates.
+    """Return a table of the losses in percent of the input power, part by part, followed by the published rates.
 
     `error` is the numerical error of the efficiency [1].
     """
@@ -37,9 +37,14 @@ def table(powers: Powers, published: Sequence[Published], error: float) -> Table
         ("efficiency", 1e2 * (1.0 - powers.efficiency), 1e2 * powers.efficiency, f"numerical error {1e2 * error:.2g}")
     )
     for item in published:
-        needed = f"{item.friction:.3f}" if item.friction == item.friction else "outside of the range run"
+        friction_text = f"{item.friction:.3f}" if item.friction == item.friction else "outside of the range run"
         rows.append(
-            (f"the paper, {item.way}", 1e2 * (1.0 - item.rate), 1e2 * item.rate, f"friction of the teeth: {needed}")
+            (
+                f"the paper, {item.way}",
+                1e2 * (1.0 - item.rate),
+                1e2 * item.rate,
+                f"friction of the teeth: {friction_text}",
+            )
         )
     return Table("losses, in % of the input power", ("part", "loss", "remainder", "note"), tuple(rows))
 

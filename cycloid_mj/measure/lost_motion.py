@@ -8,15 +8,13 @@ from cycloid_mj.design import Named, resolve
 from cycloid_mj.dynamics.massless import assumptions, massless
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure import bench, hysteresis
-from cycloid_mj.measure.lost_motion_table import LostMotionLoops, by_angle, curves, quantities
+from cycloid_mj.measure.hysteresis import LOOP
+from cycloid_mj.measure.lost_motion_table import LostMotionLoops, angle_rows, curves, quantities
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.structure import structure_text
 from cycloid_mj.statics.windup import Windup, solve_windups
 
-ANGLES, QUICK_ANGLES = 6, 2
-SLOWER, FINER = 2.0, 4.0
-"""Factors of the checks: a slower loop, and a loop with a shorter time step."""
 LEFT_OUT = "no values by statics: no static balance was found"
 
 
@@ -38,9 +36,9 @@ def lost_motion(
     load
         Largest torque of the loop at the output [N m]; by default the rated input torque times the ratio.
     angles
-        Number of crank angles, spread over the turn and over the mesh period; by default `ANGLES`.
+        Number of crank angles, spread over the turn and over the mesh period; by default `SlowLoopSettings.angles`.
     quick
-        Whether the default is `QUICK_ANGLES`.
+        Whether the default is `SlowLoopSettings.quick_angles`.
     progress, solver
         Called after each run with the numbers of finished and of all runs; solver of the runs.
 
@@ -58,26 +56,15 @@ def lost_motion(
     """
     reducer = Reducer(resolve(design))
     rated = reducer.design.rated_torque if load is None else load
-    angles = (QUICK_ANGLES if quick else ANGLES) if angles is None else angles
+    angles = (LOOP.quick_angles if quick else LOOP.angles) if angles is None else angles
     if not rated > 0.0 or angles < 1:
         raise UsageError(
             f"the torque is {rated:g} N m and the number of crank angles is {angles}: give a torque greater than 0 N m "
             "and at least 1 crank angle"
         )
     reducer = reducer.working_at(rated)
-    cranks = [float(crank) for crank in bench.crank_angles(reducer, angles)]
-    period, level = hysteresis.slow_period(reducer, rated), bench.without_friction(reducer)
-    if solver == "planar":
-        level = massless(level)
-    # the longest first, so that no processor waits for one at the end
-    settings = ((period, FINER), (SLOWER * period, 1.0))
-    jobs = [(drive, cranks[0], *setting) for drive in (reducer, level) for setting in settings]
-    jobs += [(drive, crank, period, 1.0) for drive in (reducer, level) for crank in cranks]
-    loops = each_in_threads(lambda job: hysteresis.loop(job[0], job[1], rated, *job[2:], solver), jobs, progress)
-    checks, loops = loops[:4], loops[4:]
-    measured = LostMotionLoops(
-        reducer, loops[:angles], loops[angles:], checks[:2], checks[2:], _statics(reducer, cranks, rated)
-    )
+    period = hysteresis.quasi_static_period(reducer, rated)
+    measured = _run_loops(reducer, rated, period, angles, solver, progress)
     loop = {"nominal_torque_nm": rated, "rated_torque_nm": rated, "period_s": period}
     return Measurement(
         measure="lost-motion",
@@ -87,34 +74,59 @@ def lost_motion(
         curves=curves(measured),
         assumptions=_assumptions(measured, period, solver),
         runs={"loop": measured.service[0].run, "loop-ideal": measured.ideal[0].run},
-        details={**loop, "angles": by_angle(measured)},
+        details={**loop, "angles": angle_rows(measured)},
     )
 
 
-def _statics(reducer: Reducer, cranks: list[float], rated: float) -> list[Windup]:
-    """List the static solutions; none where no balance exists."""
+def _run_loops(
+    reducer: Reducer, peak_torque: float, period: float, angles: int, solver: Solver, progress: Progress
+) -> LostMotionLoops:
+    """Simulate the torque loops at several crank angles, as designed and without friction and weight; solve statics.
+
+    At the first angle both are repeated with a shorter time step and with a slower loop, for the numerical error.
+    `peak_torque` [N m] and `period` [s] are those of the loop.
+    """
+    crank_angles = [float(angle) for angle in bench.crank_angles(reducer, angles)]
+    ideal = bench.without_friction(reducer)
+    if solver == "planar":
+        ideal = massless(ideal)
+    # the longest first, so that no processor waits for one at the end
+    settings = ((period, LOOP.finer), (LOOP.slower * period, 1.0))
+    jobs = [(drive, crank_angles[0], *setting) for drive in (reducer, ideal) for setting in settings]
+    jobs += [(drive, angle, period, 1.0) for drive in (reducer, ideal) for angle in crank_angles]
+    loops = each_in_threads(
+        lambda job: hysteresis.run_loop(job[0], job[1], peak_torque, *job[2:], solver), jobs, progress
+    )
+    checks, loops = loops[:4], loops[4:]
+    statics = _solve_statics(reducer, crank_angles, peak_torque)
+    return LostMotionLoops(reducer, loops[:angles], loops[angles:], checks[:2], checks[2:], statics)
+
+
+def _solve_statics(reducer: Reducer, crank_angles: list[float], rated: float) -> list[Windup]:
+    """Solve the static wind-up at each crank angle [rad] up to the torque [N m]; empty if no equilibrium exists."""
     try:
-        return solve_windups(reducer, cranks, rated)
+        return solve_windups(reducer, crank_angles, rated)
     except RunError:
         return []
 
 
-def _assumptions(measured: LostMotionLoops, period: float, solver: Solver) -> tuple[str, ...]:
-    """List the assumptions of the loops."""
-    steps = [bench.steps_text(loop.run for loop in loops) for loops in (measured.service, measured.ideal)]
-    checks = [bench.steps_text([loops[0].run]) for loops in (measured.service_checks, measured.ideal_checks)]
-    beyond = () if measured.statics else (LEFT_OUT,)
+def _assumptions(data: LostMotionLoops, period: float, solver: Solver) -> tuple[str, ...]:
+    """Return the sentences on the torque loop, time steps, friction, structure and contact stiffness."""
+    timesteps = [bench.timesteps_text(loop.run for loop in loops) for loops in (data.service, data.ideal)]
+    check_timesteps = [bench.timesteps_text([loops[0].run]) for loops in (data.service_checks, data.ideal_checks)]
+    missing_statics = () if data.statics else (LEFT_OUT,)
     return (
         f"the crank is locked; the torque at the output follows sin^5 over {1e3 * period:.3g} ms, up to "
-        f"{measured.service[0].rated:.4g} N m (rated input torque times the ratio by default)",
-        f"time step {steps[0]}, without friction and weight {steps[1]}; numerical error: changes with a {SLOWER:g} "
-        f"times slower loop and with time steps of {checks[0]} and {checks[1]} at the first crank angle, and the error "
-        "of the turn's mean by its angles (by the backlash of rigid parts, and by the scatter of the readings)",
+        f"{data.service[0].rated:.4g} N m (rated input torque times the ratio by default)",
+        f"time step {timesteps[0]}, without friction and weight {timesteps[1]}; numerical error: changes with a "
+        f"{LOOP.slower:g} times slower loop and with time steps of {check_timesteps[0]} and {check_timesteps[1]} at "
+        "the first crank angle, and the error of the turn's mean by its angles (by the backlash of rigid parts, and "
+        "by the scatter of the readings)",
         "friction is viscous below the creep speed, which is as low as the time step allows: with free pins a shorter "
         "time step lowers the stiffness by some percent",
-        structure_text(measured.reducer),
+        structure_text(data.reducer),
         f"contacts have the secant stiffness of one working force, that at the loop's end: "
-        f"{measured.reducer.contacts.working_forces_text(measured.reducer.design.pair_kinds)}",
-        *(assumptions(measured.reducer, "runs without friction and weight") if solver == "planar" else ()),
-        *beyond,
+        f"{data.reducer.contacts.working_forces_text(data.reducer.design.pair_kinds)}",
+        *(assumptions(data.reducer, "runs without friction and weight") if solver == "planar" else ()),
+        *missing_statics,
     )

@@ -11,7 +11,7 @@ from cycloid_mj.base.result import Curve, Quantity, by_key
 from cycloid_mj.base.units import ARCMINUTE
 from cycloid_mj.measure import bench, rigid_backlash
 from cycloid_mj.measure.hysteresis import HysteresisLoop
-from cycloid_mj.measure.sampled import Known, add_errors, error_of_extreme, error_of_mean, extreme_quantities
+from cycloid_mj.measure.sampled import ClosedForm, add_errors, error_of_extreme, error_of_mean, extreme_quantities
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.windup import LOST_MOTION_SHARE, SERIES, Windup, split_in_series
 
@@ -51,39 +51,57 @@ class LostMotionLoops:
 
 def quantities(measured: LostMotionLoops) -> dict[str, Quantity]:
     """Collect all quantities of the measurement."""
-    return by_key(_motions(measured), _stiffness(measured), _friction(measured))
+    return by_key(_lost_motion_quantities(measured), _stiffness_quantities(measured), _friction_quantities(measured))
 
 
-def _quantity(
+def _mean_quantity(
     key: str,
     name: str,
     read: Reading,
     loops: Loops,
-    checks: Loops,
+    check_loops: Loops,
     unit: str = "arcmin",
-    closed: Sequence[float] | Array = (),
+    reference_values: Sequence[float] | Array = (),
     source: str = "",
     note: str = "",
-    known: Known | None = None,
+    turn_form: ClosedForm | None = None,
 ) -> Quantity:
-    """Compute the mean of a reading over the crank angles; `known` is for the error of the mean over the turn."""
-    reference = float(np.mean(closed)) if len(closed) else None
+    """Return the mean of a reading over the crank angles, with its errors and the mean of the reference values.
+
+    Parameters
+    ----------
+    key, name, unit, source, note
+        As of `Quantity`.
+    read
+        Function from a loop to the reading, in the unit.
+    loops
+        Loops, one per crank angle.
+    check_loops
+        Loops at the first crank angle with other settings, for the numerical error.
+    reference_values
+        Reference at some crank angles; empty for none.
+    turn_form
+        Closed form over the turn near the readings, for the error of the mean over the turn.
+    """
+    reference = float(np.mean(reference_values)) if len(reference_values) else None
     values = [read(loop) for loop in loops]
-    error = add_errors(_error(read, loops, checks), error_of_mean(values, known))
-    return Quantity(key, name, float(np.mean(values)), unit, error, reference, source if len(closed) else "", note)
+    error = add_errors(_numerical_error(read, loops, check_loops), error_of_mean(values, turn_form))
+    return Quantity(
+        key, name, float(np.mean(values)), unit, error, reference, source if len(reference_values) else "", note
+    )
 
 
-def _error(read: Reading, loops: Loops, checks: Loops) -> float:
-    """Compute the sum of the changes of a reading at the first crank angle with each check."""
-    return sum(abs(read(check) - read(loops[0])) for check in checks)
+def _numerical_error(read: Reading, loops: Loops, check_loops: Loops) -> float:
+    """Return the sum of the changes of a reading at the first crank angle with each check loop."""
+    return sum(abs(read(check) - read(loops[0])) for check in check_loops)
 
 
-def _extremes(
-    key: str, name: str, read: Reading, loops: Loops, checks: Loops, unit: str, known: Known | None = None
+def _extreme_quantities(
+    key: str, name: str, read: Reading, loops: Loops, check_loops: Loops, unit: str, turn_form: ClosedForm | None = None
 ) -> list[Quantity]:
-    """List the smallest and the largest of a reading over the crank angles."""
-    values, numerical = [read(loop) for loop in loops], _error(read, loops, checks)
-    return list(extreme_quantities(key, name, values, numerical, unit, known=known))
+    """Return the smallest and the largest reading over the crank angles; arguments as in `_mean_quantity`."""
+    values, numerical = [read(loop) for loop in loops], _numerical_error(read, loops, check_loops)
+    return list(extreme_quantities(key, name, values, numerical, unit, closed_form=turn_form))
 
 
 def lost_motion(loop: HysteresisLoop) -> float:
@@ -101,55 +119,74 @@ def stiffness(loop: HysteresisLoop) -> float:
     return loop.stiffness * ARCMINUTE
 
 
-def _motions(measured: LostMotionLoops) -> Iterator[Quantity]:
-    """Yield lost motion and backlash, as designed and without friction and weight."""
-    solved = [windup.lost_motion / ARCMINUTE for windup in measured.statics]
-    known = _rigid(measured)
-    rigid = known.turn if known is not None else ()
-    loops = {"": (measured.service, measured.service_checks), "_ideal": (measured.ideal, measured.ideal_checks)}
-    for suffix, pair in loops.items():
+def _lost_motion_quantities(data: LostMotionLoops) -> Iterator[Quantity]:
+    """Yield lost motion and backlash [arcmin], as designed and without friction and weight."""
+    static_values = [windup.lost_motion / ARCMINUTE for windup in data.statics]
+    rigid_form = _rigid_backlash(data)
+    rigid_values = rigid_form.turn if rigid_form is not None else ()
+    loops = {"": (data.service, data.service_checks), "_ideal": (data.ideal, data.ideal_checks)}
+    for suffix, loop_sets in loops.items():
         case = f", {IDEAL}" if suffix else ""
         label = f"lost motion at +-3 % of nominal torque{case}"
-        yield _quantity("lost_motion" + suffix, label, lost_motion, *pair, closed=solved, source=STATICS, known=known)
+        yield _mean_quantity(
+            "lost_motion" + suffix,
+            label,
+            lost_motion,
+            *loop_sets,
+            reference_values=static_values,
+            source=STATICS,
+            turn_form=rigid_form,
+        )
         if not suffix:
-            yield from _extremes("lost_motion", "lost motion", lost_motion, *pair, "arcmin", known)
+            yield from _extreme_quantities("lost_motion", "lost motion", lost_motion, *loop_sets, "arcmin", rigid_form)
         name = f"backlash{case}"
-        backlash = "backlash" + suffix
-        yield _quantity(
-            backlash, name, lambda loop: loop.backlash / ARCMINUTE, *pair, closed=rigid, source=RIGID, known=known
+        backlash_key = "backlash" + suffix
+        yield _mean_quantity(
+            backlash_key,
+            name,
+            lambda loop: loop.backlash / ARCMINUTE,
+            *loop_sets,
+            reference_values=rigid_values,
+            source=RIGID,
+            turn_form=rigid_form,
         )
 
 
-def _rigid(measured: LostMotionLoops) -> Known | None:
-    """Return the backlash of rigid parts [arcmin] at the crank angles and over the turn; lost motion varies with it."""
-    if measured.reducer.design.ring.preload or not rigid_backlash.has_linear_gaps(measured.reducer):
+def _rigid_backlash(data: LostMotionLoops) -> ClosedForm | None:
+    """Return the backlash of rigid parts [arcmin] at the crank angles and over the turn; lost motion varies with it.
+
+    None where the linear programme is not valid: a preloaded ring, or modified flanks.
+    """
+    if data.reducer.design.ring.preload or not rigid_backlash.has_linear_gaps(data.reducer):
         return None
-    cranks = np.array([loop.crank for loop in measured.service])
-    return Known(
-        rigid_backlash.total_backlash(measured.reducer, cranks) / ARCMINUTE,
-        rigid_backlash.backlash_over_turn(measured.reducer)[1] / ARCMINUTE,
+    crank_angles = np.array([loop.crank for loop in data.service])
+    return ClosedForm(
+        rigid_backlash.total_backlash(data.reducer, crank_angles) / ARCMINUTE,
+        rigid_backlash.backlash_over_turn(data.reducer)[1] / ARCMINUTE,
     )
 
 
-def _stiffness(measured: LostMotionLoops) -> Iterator[Quantity]:
-    """Yield the torsional stiffness and the compliances of its parts."""
+def _stiffness_quantities(data: LostMotionLoops) -> Iterator[Quantity]:
+    """Yield the torsional stiffness [N m/arcmin] and the compliances of its parts in series [arcmin/(N m)]."""
     unit = "N m/arcmin"
-    solved = [ARCMINUTE / item.compliance(item.turn) for item in measured.statics]
+    static_values = [ARCMINUTE / item.compliance(item.turn) for item in data.statics]
     name = "torsional stiffness, 50 to 100 % of nominal torque"
     note = "friction holds the parts where the torque reverses, which makes the curve steeper there"
-    pair, ideal = (measured.service, measured.service_checks), (measured.ideal, measured.ideal_checks)
-    yield _quantity("stiffness", name, stiffness, *pair, unit, solved, STATICS, note)
-    yield from _extremes("stiffness", "stiffness", stiffness, *pair, unit)
-    yield _quantity("stiffness_ideal", f"{name}, {IDEAL}", stiffness, *ideal, unit, solved, STATICS)
-    called = _OF_SPRINGS if measured.reducer.design.structure == "springs" else _PARTS
+    service, ideal = (data.service, data.service_checks), (data.ideal, data.ideal_checks)
+    yield _mean_quantity("stiffness", name, stiffness, *service, unit, static_values, STATICS, note)
+    yield from _extreme_quantities("stiffness", "stiffness", stiffness, *service, unit)
+    yield _mean_quantity("stiffness_ideal", f"{name}, {IDEAL}", stiffness, *ideal, unit, static_values, STATICS)
+    part_names = _OF_SPRINGS if data.reducer.design.structure == "springs" else _PARTS
     for part in SERIES:
-        closed = [item.series(measured.reducer)[part] / ARCMINUTE for item in measured.statics]
+        static_compliances = [item.series(data.reducer)[part] / ARCMINUTE for item in data.statics]
 
         def compliance(loop: HysteresisLoop, part: str = part) -> float:
-            return loop_series(measured.reducer, loop)[part] / ARCMINUTE
+            return loop_series(data.reducer, loop)[part] / ARCMINUTE
 
-        name = f"compliance by the motion of {called[part]}, {IDEAL}"
-        yield _quantity(f"compliance_{part}", name, compliance, *ideal, "arcmin/(N m)", closed, STATICS, BY_WAY)
+        name = f"compliance by the motion of {part_names[part]}, {IDEAL}"
+        yield _mean_quantity(
+            f"compliance_{part}", name, compliance, *ideal, "arcmin/(N m)", static_compliances, STATICS, BY_WAY
+        )
 
 
 def loop_series(reducer: Reducer, loop: HysteresisLoop) -> dict[str, float]:
@@ -159,25 +196,28 @@ def loop_series(reducer: Reducer, loop: HysteresisLoop) -> dict[str, float]:
     )
 
 
-def _friction(measured: LostMotionLoops) -> list[Quantity]:
-    """List width, work and shift of the loop."""
-    pair, width = (measured.service, measured.service_checks), "width of the loop at half the nominal torque"
-    damped = float(np.mean([loop.width for loop in measured.ideal])) / ARCMINUTE
-    viscous = (
-        f"friction, and {damped:.2g} arcmin of damping, which vanishes in slower loops; friction is viscous below the "
-        "creep speed, which is as low as the time step allows: free pins roll, and their sliding speeds are below it"
+def _friction_quantities(data: LostMotionLoops) -> list[Quantity]:
+    """Return width [arcmin] and work [mJ] of the loop, and its largest shift by weight and friction [arcmin]."""
+    service, width = (data.service, data.service_checks), "width of the loop at half the nominal torque"
+    damping_width = float(np.mean([loop.width for loop in data.ideal])) / ARCMINUTE
+    width_note = (
+        f"friction, and {damping_width:.2g} arcmin of damping, which vanishes in slower loops; friction is viscous "
+        "below the creep speed, which is as low as the time step allows: free pins roll, and their sliding speeds are "
+        "below it"
     )
-    shifts = [abs(a.offset - b.offset) / ARCMINUTE for a, b in zip(measured.service, measured.ideal, strict=True)]
-    numerical = (_error(offset, *pair) + _error(offset, measured.ideal, measured.ideal_checks)) / ARCMINUTE
+    shifts = [abs(a.offset - b.offset) / ARCMINUTE for a, b in zip(data.service, data.ideal, strict=True)]
+    numerical = (
+        _numerical_error(offset, *service) + _numerical_error(offset, data.ideal, data.ideal_checks)
+    ) / ARCMINUTE
     return [
-        _quantity("hysteresis", width, lambda loop: loop.width / ARCMINUTE, *pair, note=viscous),
-        _quantity(
+        _mean_quantity("hysteresis", width, lambda loop: loop.width / ARCMINUTE, *service, note=width_note),
+        _mean_quantity(
             "loop_work",
             "work of one loop",
             lambda loop: 1e3 * loop.work,
-            *pair,
+            *service,
             "mJ",
-            [1e3 * loop.dissipation for loop in measured.service],
+            [1e3 * loop.dissipation for loop in data.service],
             "friction and damping, logged",
             "the area is the result; the logged powers of light free pins may differ where the time step does not "
             "resolve them",
@@ -193,46 +233,53 @@ def _friction(measured: LostMotionLoops) -> list[Quantity]:
     ]
 
 
-def curves(measured: LostMotionLoops) -> tuple[Curve, ...]:
-    """List the loop at the first crank angle, in full and near zero, and the readings over the crank angle."""
-    loop, ideal = measured.service[0], measured.ideal[0]
+def curves(data: LostMotionLoops) -> tuple[Curve, ...]:
+    """Return the loop at the first crank angle, in full and near zero torque, and readings over the crank angle."""
+    service, ideal = data.service[0], data.ideal[0]
     torque, turn = "torque [N m]", "turn [arcmin]"
-    near = np.abs(loop.torque) <= 3.0 * LOST_MOTION_SHARE * loop.rated
-    title = f"hysteresis, crank at {np.degrees(loop.crank):.1f}°"
-    drawn = [
+    near_zero = np.abs(service.torque) <= 3.0 * LOST_MOTION_SHARE * service.rated
+    title = f"hysteresis, crank at {np.degrees(service.crank):.1f}°"
+    result = [
         Curve(title, "no friction", ideal.torque, ideal.turn / ARCMINUTE, torque, turn, "theory"),
-        Curve(title, "as designed", loop.torque, loop.turn / ARCMINUTE, torque, turn),
-        Curve("near zero torque", "as designed", loop.torque[near], loop.turn[near] / ARCMINUTE, torque, turn),
+        Curve(title, "as designed", service.torque, service.turn / ARCMINUTE, torque, turn),
+        Curve(
+            "near zero torque",
+            "as designed",
+            service.torque[near_zero],
+            service.turn[near_zero] / ARCMINUTE,
+            torque,
+            turn,
+        ),
     ]
-    marks = LOST_MOTION_SHARE * loop.rated * np.array([-1.0, 1.0])
-    middles = np.array([loop.middle(LOST_MOTION_SHARE, side) for side in (-1, 1)]) / ARCMINUTE
-    drawn.append(Curve("near zero torque", "±3 %", marks, middles, torque, turn, "points"))
-    if measured.statics:
-        shares = sorted(measured.statics[0].turn)
-        turns = np.array([measured.statics[0].turn[share] for share in shares]) / ARCMINUTE
-        drawn.append(Curve(title, "statics", np.array(shares) * loop.rated, turns, torque, turn, "points"))
-    crank = np.degrees([item.crank for item in measured.service])
+    mark_torques = LOST_MOTION_SHARE * service.rated * np.array([-1.0, 1.0])
+    mark_turns = np.array([service.read_middle(LOST_MOTION_SHARE, side) for side in (-1, 1)]) / ARCMINUTE
+    result.append(Curve("near zero torque", "±3 %", mark_torques, mark_turns, torque, turn, "points"))
+    if data.statics:
+        shares = sorted(data.statics[0].turn)
+        turns = np.array([data.statics[0].turn[share] for share in shares]) / ARCMINUTE
+        result.append(Curve(title, "statics", np.array(shares) * service.rated, turns, torque, turn, "points"))
+    crank = np.degrees([item.crank for item in data.service])
     over_angle = {
-        ("lost motion at ±3 %", "arcmin"): (lost_motion, [item.lost_motion / ARCMINUTE for item in measured.statics]),
-        ("stiffness", "N m/arcmin"): (stiffness, [ARCMINUTE / item.compliance(item.turn) for item in measured.statics]),
+        ("lost motion at ±3 %", "arcmin"): (lost_motion, [item.lost_motion / ARCMINUTE for item in data.statics]),
+        ("stiffness", "N m/arcmin"): (stiffness, [ARCMINUTE / item.compliance(item.turn) for item in data.statics]),
     }
-    known = _rigid(measured)
-    for (panel, unit), (read, solved) in over_angle.items():
+    known = _rigid_backlash(data)
+    for (panel, unit), (read, static_values) in over_angle.items():
         axes = "crank angle [deg]", f"{panel.split(' at')[0]} [{unit}]"
         if read is lost_motion and known is not None:
-            everywhere = np.degrees(rigid_backlash.turn_angles(measured.reducer))
-            drawn.append(Curve(panel, "backlash of rigid parts", everywhere, known.turn, *axes, "theory"))
-        if solved:
-            drawn.append(Curve(panel, "statics", crank, np.array(solved), *axes, "rings"))
-        for name, loops in (("as designed", measured.service), ("no friction", measured.ideal)):
-            drawn.append(Curve(panel, name, crank, np.array([read(item) for item in loops]), *axes, "points"))
-    return tuple(drawn)
+            turn_angles = np.degrees(rigid_backlash.full_turn_angles(data.reducer))
+            result.append(Curve(panel, "backlash of rigid parts", turn_angles, known.turn, *axes, "theory"))
+        if static_values:
+            result.append(Curve(panel, "statics", crank, np.array(static_values), *axes, "rings"))
+        for name, loops in (("as designed", data.service), ("no friction", data.ideal)):
+            result.append(Curve(panel, name, crank, np.array([read(item) for item in loops]), *axes, "points"))
+    return tuple(result)
 
 
-def by_angle(measured: LostMotionLoops) -> list[dict[str, Any]]:
-    """Convert the readings at each crank angle to JSON values."""
+def angle_rows(data: LostMotionLoops) -> list[dict[str, Any]]:
+    """Convert the readings at each crank angle to a list of JSON objects."""
     rows: list[dict[str, Any]] = []
-    for index, (service, ideal) in enumerate(zip(measured.service, measured.ideal, strict=True)):
+    for index, (service, ideal) in enumerate(zip(data.service, data.ideal, strict=True)):
         row: dict[str, Any] = {"crank_angle_deg": float(np.degrees(service.crank))}
         for name, loop in (("service", service), ("ideal", ideal)):
             row[name] = {
@@ -240,13 +287,13 @@ def by_angle(measured: LostMotionLoops) -> list[dict[str, Any]]:
                 "stiffness_nm_per_arcmin": stiffness(loop),
                 "backlash_arcmin": loop.backlash / ARCMINUTE,
                 "hysteresis_arcmin": loop.width / ARCMINUTE,
-                "timestep_s": bench.step_of(loop.run),
+                "timestep_s": bench.timestep_of(loop.run),
             }
-        if measured.statics:
-            solved = measured.statics[index]
+        if data.statics:
+            statics = data.statics[index]
             row["statics"] = {
-                "lost_motion_arcmin": solved.lost_motion / ARCMINUTE,
-                "stiffness_nm_per_arcmin": ARCMINUTE / solved.compliance(solved.turn),
+                "lost_motion_arcmin": statics.lost_motion / ARCMINUTE,
+                "stiffness_nm_per_arcmin": ARCMINUTE / statics.compliance(statics.turn),
             }
         rows.append(row)
     return rows

@@ -71,53 +71,53 @@ def base_orders(reducer: Reducer) -> tuple[Fraction, Fraction]:
 
 
 def causes(reducer: Reducer) -> tuple[Cause, ...]:
-    """List the causes of transmission error of a design, with their orders."""
+    """Return the causes of transmission error of a design, with the crank orders that each of them excites."""
     design = reducer.design
     teeth, lobes, pins = design.ring.teeth, design.lobes, design.output.pins
     ring = "pins" if design.ring.kind == "pin" else "lobes"
-    of_mesh: Place = "gear"
-    of_holes: Place = "stage"
-    mesh, holes = base_orders(reducer)
-    times = "" if mesh == 1 else f"{mesh} times "
+    mesh_signal: Place = "gear"
+    holes_signal: Place = "stage"
+    mesh_base, holes_base = base_orders(reducer)
+    base_factor = "" if mesh_base == 1 else f"{mesh_base} times "
     if design.output.turns_ring:
         # The gear turns with the carrier, not at all, but by the errors of holes; the ring turns against it.
-        of_mesh, of_holes = of_holes, of_mesh
+        mesh_signal, holes_signal = holes_signal, mesh_signal
     return (
         Cause(
             "mesh",
             "mesh",
-            of_mesh,
-            float(mesh),
+            mesh_signal,
+            float(mesh_base),
             lambda k: k % teeth == 0,
-            f"{times}{teeth}, {2 * teeth}, ...: the mesh, and properties common to all teeth (clearance, elasticity, "
-            f"modification, the cam's eccentricity)",
+            f"{base_factor}{teeth}, {2 * teeth}, ...: the mesh, and properties common to all teeth (clearance, "
+            f"elasticity, modification, the cam's eccentricity)",
         ),
         Cause(
             "ring",
             f"ring {ring}",
-            of_mesh,
-            float(mesh),
+            mesh_signal,
+            float(mesh_base),
             lambda k: k % teeth > 0,
-            f"{times}whole orders except multiples of {teeth}: an error of one ring {ring[:-1]} acts as a function of "
-            f"its angle to the crank, so it causes all of them; an error with m periods around the ring causes m, "
-            f"{teeth} - m, {teeth} + m, ...; the weight of the disc causes 1",
+            f"{base_factor}whole orders except multiples of {teeth}: an error of one ring {ring[:-1]} acts as a "
+            f"function of its angle to the crank, so it causes all of them; an error with m periods around the ring "
+            f"causes m, {teeth} - m, {teeth} + m, ...; the weight of the disc causes 1",
         ),
         Cause(
             "holes",
             "holes and output pins",
-            of_holes,
-            float(holes),
+            holes_signal,
+            float(holes_base),
             lambda k: (k % pins > 0) & (k % lobes > 0),
-            f"multiples of {holes}: number of turns of the eccentric relative to the disc in a crank turn, past each "
-            f"hole, each output pin and each lobe",
+            f"multiples of {holes_base}: number of turns of the eccentric relative to the disc in a crank turn, past "
+            f"each hole, each output pin and each lobe",
         ),
         Cause(
             "eccentricity",
             "stage of output pins",
-            of_holes,
-            float(holes),
+            holes_signal,
+            float(holes_base),
             lambda k: k % pins == 0,
-            f"multiples of {pins} x {holes} = {pins * float(holes):.4g}: properties common to all {pins} output "
-            f"pins (clearance, elasticity, the cam's eccentricity)",
+            f"multiples of {pins} x {holes_base} = {pins * float(holes_base):.4g}: properties common to all {pins} "
+            f"output pins (clearance, elasticity, the cam's eccentricity)",
         ),
     )

@@ -39,7 +39,7 @@ def friction_quantities(published: Sequence[Published]) -> list[Quantity]:
 
 
 def tables(output_torque: float, published: Sequence[Published]) -> tuple[Table, ...]:
-    """Tabulate the output torque [N m] at the design's friction, and the published torques, if there are any."""
+    """Return a table of the output torque [N m] and the published torques with their friction; empty without these."""
     if not published:
         return ()
     first = published[0]

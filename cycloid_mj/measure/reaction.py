@@ -50,7 +50,7 @@ class Reaction:
         return self.ring + self.crank + self.output
 
 
-def masses(reducer: Reducer) -> dict[str, MassProperties]:
+def body_masses(reducer: Reducer) -> dict[str, MassProperties]:
     """Collect the mass properties of a gear, the crank, and the loaded body under the name of the output."""
     shaft, output = body_solids(reducer)[SHAFT], moving_masses(reducer)[reducer.mechanism.turning]
     return {GEAR: _gear(reducer.shape), SHAFT: mass_properties(shaft), OUTPUT: output}
@@ -61,38 +61,40 @@ def _gear(reducer: Reducer) -> MassProperties:
     return mass_properties(gear_solid(reducer))
 
 
-def weight(reducer: Reducer) -> Array:
+def weight_force(reducer: Reducer) -> Array:
     """Compute the weight of all moving bodies [N], shape (2,): gears, shaft, output, and moving pins or sleeves."""
     design = reducer.design
-    bodies = masses(reducer)
-    mass = sum(part.mass for part in bodies.values()) + (design.gear.discs - 1) * bodies[GEAR].mass
+    masses = body_masses(reducer)
+    mass = sum(part.mass for part in masses.values()) + (design.gear.discs - 1) * masses[GEAR].mass
     if design.ring.has_pin_bodies:
         mass += design.ring.teeth * mass_properties(pin_solid(reducer)).mass
     return mass * np.array([design.environment.gravity_x, design.environment.gravity_y])
 
 
 def unbalance(reducer: Reducer) -> Unbalance:
-    """Compute the unbalance of a design from its solids."""
+    """Compute static unbalance [kg m] and couple unbalance [kg m2] of a design from the masses of its solids."""
     design = reducer.design
-    shaft, gear, orbit = body_solids(reducer)[SHAFT], _gear(reducer.shape), design.gear.eccentricity
-    whole, discs = mass_properties(shaft), design.gear.discs
-    middle, z = whole.centroid[:2], whole.centroid[2]
-    outward = unit(-np.array(reducer.phases))
-    static = gear.mass * orbit * outward.sum(axis=0) + whole.mass * middle
-    couple = gear.mass * orbit * np.array(design.gear.disc_planes) @ outward + (
-        whole.mass * middle * z - whole.inertia[:2, 2]
+    shaft_solid, gear_mass, eccentricity = body_solids(reducer)[SHAFT], _gear(reducer.shape), design.gear.eccentricity
+    shaft_mass, discs = mass_properties(shaft_solid), design.gear.discs
+    centroid, z = shaft_mass.centroid[:2], shaft_mass.centroid[2]
+    directions = unit(-np.array(reducer.phases))
+    static = gear_mass.mass * eccentricity * directions.sum(axis=0) + shaft_mass.mass * centroid
+    couple = gear_mass.mass * eccentricity * np.array(design.gear.disc_planes) @ directions + (
+        shaft_mass.mass * centroid * z - shaft_mass.inertia[:2, 2]
     )
     if discs > 1:
         size = float(np.hypot(*static))
         return Unbalance(size, size, float(np.hypot(*couple)))
-    cam = mass_properties(Solid(CAM, (crank_stretches(reducer)[CAM].prism(mass_chord_error(reducer)),), shaft.density))
-    return Unbalance(gear.mass * orbit + cam.mass * cam.centroid[1], float(static[1]), float(couple[1]))
+    cam = mass_properties(
+        Solid(CAM, (crank_stretches(reducer)[CAM].prism(mass_chord_error(reducer)),), shaft_solid.density)
+    )
+    return Unbalance(gear_mass.mass * eccentricity + cam.mass * cam.centroid[1], float(static[1]), float(couple[1]))
 
 
-def of_discs(run: Run, reducer: Reducer) -> Reactions:
+def bearing_reactions(run: Run, reducer: Reducer) -> Reactions:
     """Compute the forces of the discs on shaft, output and ring, each in its plane, and the reactions of the bearings.
 
-    The forces are those of the contacts on the discs, reversed.
+    The forces are those of the contacts on the discs, reversed, over the samples of a run.
     """
     design = reducer.design
     crank, teeth, output = (run.forces(kind) for kind in ("cam", design.tooth_pair, "output"))
@@ -101,25 +103,26 @@ def of_discs(run: Run, reducer: Reducer) -> Reactions:
 
 
 def reaction(run: Run, reducer: Reducer) -> Reaction:
-    """Compute the forces on the housing over a run, from its contact forces.
+    """Compute the forces of ring, crank bearing and output bearing on the housing over a run, from its contact forces.
 
     Those of the ring are logged. The force of a body on its bearing is the sum of its contact forces and its weight
     less its mass times acceleration. The shaft's centroid circles the axis at the measured crank speed; that of the
     output is on the axis.
     """
-    of = masses(reducer)
+    masses = body_masses(reducer)
     gravity = np.array([reducer.design.environment.gravity_x, reducer.design.environment.gravity_y])
     mechanism = reducer.mechanism
     return Reaction(
-        ring=-_sum(run, mechanism.against(HOUSING)),
-        crank=-_sum(run, mechanism.against(SHAFT)) + of[SHAFT].mass * (gravity - shaft_acceleration(run, of[SHAFT])),
-        output=-_sum(run, mechanism.against(OUTPUT)) + of[OUTPUT].mass * gravity,
+        ring=-_sum_forces(run, mechanism.against(HOUSING)),
+        crank=-_sum_forces(run, mechanism.against(SHAFT))
+        + masses[SHAFT].mass * (gravity - shaft_acceleration(run, masses[SHAFT])),
+        output=-_sum_forces(run, mechanism.against(OUTPUT)) + masses[OUTPUT].mass * gravity,
     )
 
 
 def shaft_acceleration(run: Run, shaft: MassProperties) -> Array:
     """Compute the centripetal acceleration of the shaft's centroid [m/s2], shape (n, 2)."""
-    return -((run["crank_speed"] ** 2)[:, np.newaxis]) * _outward(run) * shaft.centroid[1]
+    return -((run["crank_speed"] ** 2)[:, np.newaxis]) * _eccentric_direction(run) * shaft.centroid[1]
 
 
 def without_counterweight(run: Run, reducer: Reducer, force: Array) -> Array:
@@ -127,17 +130,17 @@ def without_counterweight(run: Run, reducer: Reducer, force: Array) -> Array:
 
     The crank's bearing is rigid, so that only the unbalance that the counterweight compensates is added.
     """
-    unbalanced = unbalance(reducer)
-    pull = (unbalanced.bare - unbalanced.balanced) * run["crank_speed"] ** 2
-    return force + pull[:, np.newaxis] * _outward(run)
+    unbalances = unbalance(reducer)
+    centrifugal_force = (unbalances.bare - unbalances.balanced) * run["crank_speed"] ** 2
+    return force + centrifugal_force[:, np.newaxis] * _eccentric_direction(run)
 
 
-def _outward(run: Run) -> Array:
+def _eccentric_direction(run: Run) -> Array:
     """Compute unit vectors along the eccentric, shape (n, 2)."""
     return np.stack([-np.sin(run["crank_angle"]), np.cos(run["crank_angle"])], axis=1)
 
 
-def _sum(run: Run, stems: list[str]) -> Array:
+def _sum_forces(run: Run, stems: list[str]) -> Array:
     """Add the logged forces of some pairs [N], shape (n, 2)."""
     axes = [run.block([column(stem, along) for stem in stems]).sum(axis=1) for along in (FORCE_X, FORCE_Y)]
     return np.stack(axes, axis=1)

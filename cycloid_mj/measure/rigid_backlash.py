@@ -2,7 +2,7 @@
 
 Rigid contacts only push and parts move by micrometres, so the stops of the output are the ends of a linear programme
 (``reducer.limits``). Its dual is statics: half the backlash is the least sum of F_i delta_i over all loads F_i >= 0
-that balance a unit torque on the output. With one clearance alone this has a closed form (`backlash_of_each`):
+that balance a unit torque on the output. With one clearance alone this has a closed form (`single_clearance_backlash`):
 
 - teeth, and pins in their sockets or sleeves, which are in series with them: the force per torque is least on the
   largest arm l of either sign, at most c (N-1): delta/max l + delta/max(-l), about 2 delta/(c (N-1)).
@@ -29,29 +29,34 @@ def has_linear_gaps(reducer: Reducer) -> bool:
     return not (reducer.design.modification.pin_circle or reducer.design.modification.rotation)
 
 
-def backlash_of_each(reducer: Reducer, cranks: npt.ArrayLike) -> dict[str, Array]:
-    """Compute the backlash of the output [rad] by each kind of clearance alone, at crank angles, shape (k,) [rad].
+def single_clearance_backlash(reducer: Reducer, crank_angles: npt.ArrayLike) -> dict[str, Array]:
+    """Compute the backlash of the output [rad] by each clearance alone in closed form, at crank angles [rad] (k,).
 
     Returns
     -------
     Kind of pair -> shape (k,); (1,) at one angle.
     """
     design = reducer.design
-    relative = np.atleast_1d(reducer.member.against_ring(np.asarray(cranks, float)))
-    mesh_gaps = arc_gaps(reducer, relative)
-    most, least = _arms(reducer, mesh_gaps, design.tooth_pair)
+    relative_angles = np.atleast_1d(reducer.member.against_ring(np.asarray(crank_angles, float)))
+    mesh_gaps = arc_gaps(reducer, relative_angles)
+    max_arm, min_arm = _extreme_arms(reducer, mesh_gaps, design.tooth_pair)
     if design.ring.kind == "nonpin":
         flanks = [
             [
-                _arms(reducer, flank_gaps(reducer, float(angle), disc), design.tooth_pair)
+                _extreme_arms(reducer, flank_gaps(reducer, float(angle), disc), design.tooth_pair)
                 for disc in range(design.gear.discs)
             ]
-            for angle in relative
+            for angle in relative_angles
         ]
-        ends = np.array(flanks)
-        most, least = np.maximum(most, ends[..., 0].max(axis=1)), np.minimum(least, ends[..., 1].min(axis=1))
-    mesh, output = (1.0 / high - 1.0 / low for high, low in ((most, least), _arms(reducer, mesh_gaps, "output")))
-    cam = np.full(len(relative), 2.0 / (design.gear.eccentricity * design.lobes))
+        flank_arms = np.array(flanks)
+        max_arm, min_arm = (
+            np.maximum(max_arm, flank_arms[..., 0].max(axis=1)),
+            np.minimum(min_arm, flank_arms[..., 1].min(axis=1)),
+        )
+    mesh, output = (
+        1.0 / high - 1.0 / low for high, low in ((max_arm, min_arm), _extreme_arms(reducer, mesh_gaps, "output"))
+    )
+    cam = np.full(len(relative_angles), 2.0 / (design.gear.eccentricity * design.lobes))
     per_clearance = {"cam": cam, "output": output}
     return {
         kind: reducer.share * per_clearance.get(kind, mesh) * effective_clearance(reducer, kind)
@@ -59,38 +64,41 @@ def backlash_of_each(reducer: Reducer, cranks: npt.ArrayLike) -> dict[str, Array
     }
 
 
-def _arms(reducer: Reducer, gaps: Gaps, kind: str) -> tuple[Array, Array]:
-    """Compute the largest and the smallest lever arm of a kind's normals about a disc's centre [m], shape (k,) each."""
+def _extreme_arms(reducer: Reducer, gaps: Gaps, kind: str) -> tuple[Array, Array]:
+    """Return the largest and the smallest lever arm of a kind's normals about a disc's centre [m], shape (k,)."""
     arms = reducer.design.output.pin_circle_radius * gaps.slope[..., np.arange(gaps.disc.size), 3 * gaps.disc + 2]
-    own = arms[..., gaps.kind == kind]
-    return own.max(axis=-1), own.min(axis=-1)
+    arms_of_kind = arms[..., gaps.kind == kind]
+    return arms_of_kind.max(axis=-1), arms_of_kind.min(axis=-1)
 
 
 def effective_clearance(reducer: Reducer, kind: str) -> float:
-    """Compute the clearance of a kind of pairs between parts in their ideal positions [m]."""
+    """Compute the clearance of a kind of pair with all parts in their ideal positions [m], including modifications."""
     design = reducer.design
     output = design.output
-    wider = {
+    enlargement = {
         design.tooth_pair: design.modification.equidistant,
         "output": output.hole_radius - output.pin_radius - design.gear.eccentricity,
     }
-    return float(getattr(design.clearance, kind) + wider.get(kind, 0.0))
+    return float(getattr(design.clearance, kind) + enlargement.get(kind, 0.0))
 
 
-def total_backlash(reducer: Reducer, cranks: Array, sides: int = FIT.cam_sides) -> Array:
-    """Compute the backlash of the output [rad] at crank angles [rad] (n,) with all clearances together."""
-    ends = stops_at(reducer, cranks, sides)
-    return np.asarray(ends[:, 1] - ends[:, 0])
+def total_backlash(reducer: Reducer, crank_angles: Array, sides: int = FIT.cam_sides) -> Array:
+    """Compute the backlash of the output [rad] at crank angles [rad], shape (n,), with all clearances together.
+
+    It is the range of a linear programme; `sides` is the number of sides of the polygon around the cam's clearance.
+    """
+    stops = stops_at(reducer, crank_angles, sides)
+    return np.asarray(stops[:, 1] - stops[:, 0])
 
 
 @once
 def backlash_over_turn(reducer: Reducer) -> tuple[Array, Array]:
-    """Compute the crank angles of `turn_angles` [rad], and the backlash at each [rad], shape (n,)."""
-    cranks = turn_angles(reducer)
-    return cranks, total_backlash(reducer, cranks, COARSE_SIDES)
+    """Return the crank angles of `full_turn_angles` [rad] and the backlash at each [rad], both of shape (n,)."""
+    crank_angles = full_turn_angles(reducer)
+    return crank_angles, total_backlash(reducer, crank_angles, COARSE_SIDES)
 
 
-def turn_angles(reducer: Reducer) -> Array:
+def full_turn_angles(reducer: Reducer) -> Array:
     """Compute crank angles [rad] that resolve the mesh over a full turn, including both ends."""
     # at least 180 in all, which matters for few teeth
     return np.linspace(0.0, 2.0 * np.pi, max(6 * reducer.design.ring.teeth, 180) + 1)

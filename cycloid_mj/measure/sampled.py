@@ -16,15 +16,15 @@ from cycloid_mj.base.statistics import student_half_width
 
 
 @dataclass(frozen=True, eq=False)
-class Known:
+class ClosedForm:
     """A closed form at the measured crank angles, shape (k,), and over the full turn, shape (n,)."""
 
     sampled: Array
     turn: Array
 
 
-def error_of_mean(values: npt.ArrayLike, known: Known | None = None) -> float | None:
-    """Estimate the error of the mean over the turn by values at some crank angles, shape (k,).
+def error_of_mean(values: npt.ArrayLike, closed_form: ClosedForm | None = None) -> float | None:
+    """Estimate the error of the mean over the turn from values at a few crank angles, shape (k,).
 
     For the remainder of the closed form it is the standard error of the mean, by Student's t.
 
@@ -33,37 +33,41 @@ def error_of_mean(values: npt.ArrayLike, known: Known | None = None) -> float | 
     float or None
         In the unit of the values; None for a single value without a closed form.
     """
-    explained, rest = _split(np.asarray(values, float), known)
-    if rest.size == 1:
-        return None if known is None else abs(explained(np.mean))
-    spread = float(rest.std(ddof=1)) / np.sqrt(rest.size)
+    explained_error, remainder = _split_closed_form(np.asarray(values, float), closed_form)
+    if remainder.size == 1:
+        return None if closed_form is None else abs(explained_error(np.mean))
+    standard_error = float(remainder.std(ddof=1)) / np.sqrt(remainder.size)
     # the coverage of one standard deviation
-    return abs(explained(np.mean)) + student_half_width(rest.size - 1, 0.683) * spread
+    return abs(explained_error(np.mean)) + student_half_width(remainder.size - 1, 0.683) * standard_error
 
 
-def error_of_extreme(values: npt.ArrayLike, largest: bool, known: Known | None = None) -> float | None:
-    """Estimate the error of the largest (or smallest) value over the turn by values at crank angles, shape (k,).
+def error_of_extreme(values: npt.ArrayLike, largest: bool, closed_form: ClosedForm | None = None) -> float | None:
+    """Estimate the error of the largest (or smallest) value over the turn from values at crank angles, shape (k,).
 
     For the remainder of the closed form it is its range over the number of values: the peak of a sine that is sampled k
     times in its period exceeds the samples by less.
     """
-    explained, rest = _split(np.asarray(values, float), known)
-    if rest.size == 1:
-        return None if known is None else abs(explained(np.max if largest else np.min))
-    return abs(explained(np.max if largest else np.min)) + float(np.ptp(rest)) / rest.size
+    explained_error, remainder = _split_closed_form(np.asarray(values, float), closed_form)
+    if remainder.size == 1:
+        return None if closed_form is None else abs(explained_error(np.max if largest else np.min))
+    return abs(explained_error(np.max if largest else np.min)) + float(np.ptp(remainder)) / remainder.size
 
 
 def add_errors(*errors: float | None) -> float | None:
     """Add parts of an error; None where one of them is None."""
-    known = [error for error in errors if error is not None]
-    return sum(known) if len(known) == len(errors) else None
+    values = [error for error in errors if error is not None]
+    return sum(values) if len(values) == len(errors) else None
 
 
-def _split(values: Array, known: Known | None) -> tuple[Callable[[Callable[[Array], Any]], float], Array]:
-    """Return the error of a statistic by the closed form, as a function of it, and the remainder of the values."""
-    if known is None:
+def _split_closed_form(
+    values: Array, closed_form: ClosedForm | None
+) -> tuple[Callable[[Callable[[Array], Any]], float], Array]:
+    """Return a function from a statistic to its error by the closed form, and the remainder of the values."""
+    if closed_form is None:
         return lambda statistic: 0.0, values
-    return lambda statistic: float(statistic(known.turn) - statistic(known.sampled)), values - known.sampled
+    return lambda statistic: float(
+        statistic(closed_form.turn) - statistic(closed_form.sampled)
+    ), values - closed_form.sampled
 
 
 def extreme_quantities(
@@ -74,8 +78,8 @@ def extreme_quantities(
     unit: str,
     *,
     scale: float = 1.0,
-    known: Known | None = None,
-    reference: Known | None = None,
+    closed_form: ClosedForm | None = None,
+    reference: ClosedForm | None = None,
     source: str = "",
 ) -> Iterator[Quantity]:
     """Yield the smallest and the largest of values over the crank angle as quantities ``key_min`` and ``key_max``.
@@ -90,18 +94,18 @@ def extreme_quantities(
         Numerical error of a value.
     scale
         Size of the unit: values, errors and closed forms are divided by it.
-    known
+    closed_form
         Closed form near the values, for the error; see `error_of_extreme`.
     reference
         Closed form that is the reference of both.
     """
     values = np.asarray(values, float)
-    for end, word, largest in (("min", "least", False), ("max", "largest", True)):
+    for suffix, adjective, largest in (("min", "least", False), ("max", "largest", True)):
         statistic = np.max if largest else np.min
-        error = add_errors(numerical, error_of_extreme(values, largest, known))
+        error = add_errors(numerical, error_of_extreme(values, largest, closed_form))
         yield Quantity(
-            f"{key}_{end}",
-            f"{name}, {word} over the crank angle",
+            f"{key}_{suffix}",
+            f"{name}, {adjective} over the crank angle",
             float(statistic(values)) / scale,
             unit,
             None if error is None else error / scale,

@@ -13,13 +13,24 @@ from cycloid_mj.measure.published import Published
 from cycloid_mj.measure.steady import steady_design
 from cycloid_mj.reducer import Reducer
 
-ROLLING = (0.0, 0.003)
-"""Coefficients of a rolling bearing: none, and the largest of caged needles (JTEKT)."""
-COMMON = (0.0, 0.02, 0.05, 0.1)
-"""Common coefficients of all sliding pairs, between which the friction of a rate is interpolated."""
+
+@dataclass(frozen=True)
+class FrictionTableSettings:
+    """Coefficients of friction of the variants of a design, and the length of their runs."""
+
+    rolling: tuple[float, ...] = (0.0, 0.003)
+    """Coefficients of a rolling bearing: none, and the largest of caged needles (JTEKT)."""
+    sliding: tuple[float, ...] = (0.0, 0.1)
+    """Coefficients of each sliding pair on its own."""
+    common: tuple[float, ...] = (0.0, 0.02, 0.05, 0.1)
+    """Common coefficients of all sliding pairs, between which the friction of a rate is interpolated."""
+    periods: int = 8
+    """Smallest number of mesh periods of a run."""
+
+
+FRICTION_TABLE = FrictionTableSettings()
+
 EVERY, OWN, NONE = "all sliding", "as designed", "none"
-PERIODS = 8
-"""Mesh periods of a row at least."""
 
 
 @dataclass(frozen=True)
@@ -38,11 +49,11 @@ class FrictionVariant:
         return f"friction as designed{held}" if self.pair == OWN else f"friction {self.friction:g} of {self.pair}{held}"
 
 
-def variations(reducer: Reducer, quick: bool = False) -> list[FrictionVariant]:
-    """List the rows of a design's table: its friction, then each pair on its own, then all together."""
-    kinds = [steady_design(kind) for kind in ring_kinds(reducer)[: 1 if quick else None]]
-    rows = [row for kind in kinds for row in _of_ring(kind, quick)]
-    return rows if quick else [*rows, *_of_bearings(kinds[0])]
+def friction_variants(reducer: Reducer, quick: bool = False) -> list[FrictionVariant]:
+    """Return the variants of the friction table: the design's friction, each pair alone, all pairs together."""
+    ring_variants = [steady_design(kind) for kind in ring_kinds(reducer)[: 1 if quick else None]]
+    rows = [row for kind in ring_variants for row in _sliding_variants(kind, quick)]
+    return rows if quick else [*rows, *_bearing_variants(ring_variants[0])]
 
 
 def ring_kinds(reducer: Reducer) -> list[Reducer]:
@@ -76,17 +87,17 @@ def common_name(friction: float) -> str:
     return f"friction {friction:.3g} of all sliding pairs"
 
 
-def friction_for(rates: Mapping[float, float], target: float) -> float:
-    """Interpolate the common friction at a rate; NaN outside of the range run.
+def interpolate_friction(rate_by_friction: Mapping[float, float], rate: float) -> float:
+    """Interpolate the common friction at which the model has a rate (PCHIP); NaN outside of the range that was run.
 
     The interpolated quantity is the relative loss 1/rate - 1, which is nearly proportional to the friction.
     """
     from scipy.interpolate import PchipInterpolator
 
-    friction = np.array(sorted(rates))
-    losses = np.array([1.0 / rates[key] - 1.0 for key in friction])
-    rising = bool(np.all(np.diff(losses) > 0.0))
-    return float(PchipInterpolator(losses, friction, extrapolate=False)(1.0 / target - 1.0)) if rising else np.nan
+    friction = np.array(sorted(rate_by_friction))
+    losses = np.array([1.0 / rate_by_friction[key] - 1.0 for key in friction])
+    is_increasing = bool(np.all(np.diff(losses) > 0.0))
+    return float(PchipInterpolator(losses, friction, extrapolate=False)(1.0 / rate - 1.0)) if is_increasing else np.nan
 
 
 def slope(rates: Mapping[float, float]) -> float:
@@ -94,57 +105,65 @@ def slope(rates: Mapping[float, float]) -> float:
     return (rates[max(rates)] - rates[min(rates)]) / (max(rates) - min(rates))
 
 
-def common_rates(by_variant: Mapping[FrictionVariant, float], pins: str) -> dict[float, float]:
+def common_rates(rate_by_variant: Mapping[FrictionVariant, float], pins: str) -> dict[float, float]:
     """Map the common friction to the rate, for one support of the pins."""
-    return {row.friction: rate for row, rate in by_variant.items() if row.pair == EVERY and row.pins == pins}
+    return {row.friction: rate for row, rate in rate_by_variant.items() if row.pair == EVERY and row.pins == pins}
 
 
-def table(reducer: Reducer, by_variant: Mapping[FrictionVariant, float]) -> Table:
-    """Tabulate the rates, and their change from the design's friction."""
-    ideal = reducer.design.rated_torque
-    base = {row.pins: rate for row, rate in by_variant.items() if row.pair == OWN}
+def table(reducer: Reducer, rate_by_variant: Mapping[FrictionVariant, float]) -> Table:
+    """Return a table of the output rate of each friction variant, and its change from the design's friction."""
+    rated_torque = reducer.design.rated_torque
+    design_rate = {row.pins: rate for row, rate in rate_by_variant.items() if row.pair == OWN}
     header = ("pins", "pair", "friction", "output torque [N m]", "rate [%]", "change [points]")
     rows: list[tuple[str | float, ...]] = []
-    for row, rate in by_variant.items():
+    for row, rate in rate_by_variant.items():
         friction = "" if row.pair == OWN else row.friction
-        rows.append((row.pins, row.pair, friction, ideal * rate, 1e2 * rate, 1e2 * (rate - base[row.pins])))
+        rows.append(
+            (row.pins, row.pair, friction, rated_torque * rate, 1e2 * rate, 1e2 * (rate - design_rate[row.pins]))
+        )
     return Table("output rate by friction, one pair at a time", header, tuple(rows))
 
 
-def curves(by_variant: Mapping[FrictionVariant, float], published: Sequence[Published]) -> list[Curve]:
-    """Return curves of the rate over the common friction, with the published rates on them."""
+def curves(rate_by_variant: Mapping[FrictionVariant, float], published: Sequence[Published]) -> list[Curve]:
+    """Return curves of the output rate over the common friction, with the published rates on them."""
     panel, x, y = "output rate by the friction of all sliding pairs", "friction coefficient", "rate [%]"
-    drawn = []
-    for pins in dict.fromkeys(row.pins for row in by_variant):
-        rates = common_rates(by_variant, pins)
+    result = []
+    for pins in dict.fromkeys(row.pins for row in rate_by_variant):
+        rates = common_rates(rate_by_variant, pins)
         friction = np.array(sorted(rates))
         name = "internal gear" if pins == NONE else f"{pins} pins"
-        drawn.append(Curve(panel, name, friction, 1e2 * np.array([rates[key] for key in friction]), x, y))
-    for each in (each for each in published if math.isfinite(each.friction)):
-        point = (np.array([each.friction]), np.array([1e2 * each.rate]))
-        drawn.append(Curve(panel, f"the paper, {each.way}", *point, x, y, "points"))
-    return drawn
+        result.append(Curve(panel, name, friction, 1e2 * np.array([rates[key] for key in friction]), x, y))
+    for item in (item for item in published if math.isfinite(item.friction)):
+        position = (np.array([item.friction]), np.array([1e2 * item.rate]))
+        result.append(Curve(panel, f"the paper, {item.way}", *position, x, y, "points"))
+    return result
 
 
-def _of_ring(reducer: Reducer, quick: bool) -> list[FrictionVariant]:
-    """List the rows of one support of the pins."""
+def _sliding_variants(reducer: Reducer, quick: bool) -> list[FrictionVariant]:
+    """Return the friction variants of one support of the pins: as designed, each pair alone, all pairs together."""
     design = reducer.design
     pins, pairs = pins_of(reducer), sliding_pairs(reducer)
     rows = [FrictionVariant(pins, OWN, design.friction_of(design.tooth_pair), design)]
     if len(pairs) > 1 and not quick:
-        cases = [(pair, value) for pair in pairs for value in (0.0, 0.1)]
-        rows += [FrictionVariant(pins, *case, reducer.but(friction=dict([case])).design) for case in cases]
-    return rows + [FrictionVariant(pins, EVERY, value, with_common_friction(reducer, value).design) for value in COMMON]
+        pair_values = [(pair, value) for pair in pairs for value in FRICTION_TABLE.sliding]
+        rows += [FrictionVariant(pins, *case, reducer.but(friction=dict([case])).design) for case in pair_values]
+    return rows + [
+        FrictionVariant(pins, EVERY, value, with_common_friction(reducer, value).design)
+        for value in FRICTION_TABLE.common
+    ]
 
 
-def _of_bearings(reducer: Reducer) -> list[FrictionVariant]:
-    """List the rows of the rolling bearings, and of plain bearings in their place."""
+def _bearing_variants(reducer: Reducer) -> list[FrictionVariant]:
+    """Return variants with other friction of the rolling bearings, and with plain bearings in their place."""
     rows, pins = [], pins_of(reducer)
-    plain: dict[str, dict[str, Any]] = {"cam": {"gear": {"bearing": "plain"}}, "output": {"output": {"rollers": False}}}
-    for pair in [pair for pair in plain if pair not in sliding_pairs(reducer)]:
-        for value in ROLLING:
-            changed = reducer.but(friction={f"{pair}_rolling": value})
-            rows.append(FrictionVariant(pins, f"{pair}, rolling", value, changed.design))
-        sliding = reducer.but(**plain[pair])
+    plain_changes: dict[str, dict[str, Any]] = {
+        "cam": {"gear": {"bearing": "plain"}},
+        "output": {"output": {"rollers": False}},
+    }
+    for pair in [pair for pair in plain_changes if pair not in sliding_pairs(reducer)]:
+        for value in FRICTION_TABLE.rolling:
+            rolling = reducer.but(friction={f"{pair}_rolling": value})
+            rows.append(FrictionVariant(pins, f"{pair}, rolling", value, rolling.design))
+        sliding = reducer.but(**plain_changes[pair])
         rows.append(FrictionVariant(pins, f"{pair}, sliding", sliding.design.friction_of(pair), sliding.design))
     return rows

@@ -87,15 +87,15 @@ class InputEffect:
     value_high: float
 
 
-def inputs(reducer: Reducer) -> list[Input]:
-    """List the assumed inputs of a design's rate."""
+def assumed_inputs(reducer: Reducer) -> list[Input]:
+    """Return the assumed inputs of a design's efficiency or output rate, each with both ends of its plausible range."""
     design = reducer.design
-    seats = [kind for kind in design.pair_kinds if kind not in ("cam", "output")]
+    mesh_pairs = [kind for kind in design.pair_kinds if kind not in ("cam", "output")]
     stiffness = reducer.contacts["cam"].stiffness
     return [
-        _play(reducer, "mesh play", seats, INPUTS.clearance),
-        _play(reducer, "cam play", ["cam"], INPUTS.cam_clearance),
-        _input(
+        _clearance_input(reducer, "mesh play", mesh_pairs, INPUTS.clearance),
+        _clearance_input(reducer, "cam play", ["cam"], INPUTS.cam_clearance),
+        _equal_input(
             reducer,
             "cam stiffness",
             "N/m",
@@ -103,22 +103,24 @@ def inputs(reducer: Reducer) -> list[Input]:
             ["cam"],
             [share * stiffness for share in INPUTS.cam_stiffness],
         ),
-        _input(reducer, "friction of the teeth", "1", "friction", seats, INPUTS.tooth_friction),
-        _bearing(reducer, "cam", design.gear.bearing == "rolling", INPUTS.bearing_friction),
-        _bearing(reducer, "output", design.output.has_needles, (INPUTS.bearing_friction[0], plain_roller(reducer))),
-        _input(reducer, "creep speed", "mm/s", "contact", ["creep_speed"], INPUTS.creep, 1e3),
-        _input(reducer, "contact damping", "of critical", "contact", ["damping_ratio"], INPUTS.damping),
+        _equal_input(reducer, "friction of the teeth", "1", "friction", mesh_pairs, INPUTS.tooth_friction),
+        _bearing_input(reducer, "cam", design.gear.bearing == "rolling", INPUTS.bearing_friction),
+        _bearing_input(
+            reducer, "output", design.output.has_needles, (INPUTS.bearing_friction[0], plain_roller(reducer))
+        ),
+        _equal_input(reducer, "creep speed", "mm/s", "contact", ["creep_speed"], INPUTS.creep, 1e3),
+        _equal_input(reducer, "contact damping", "of critical", "contact", ["damping_ratio"], INPUTS.damping),
     ]
 
 
-def slow_ends(varied: Sequence[Input]) -> set[Design]:
+def creep_variants(inputs: Sequence[Input]) -> set[Design]:
     """Collect the ends of the range of the creep speed, which shows how much friction is missing below it."""
-    return {end for each in varied if "creep_speed" in each.low_values for end in each.ends}
+    return {end for each in inputs if "creep_speed" in each.low_values for end in each.ends}
 
 
-def pair_rates(varied: Sequence[Input], rates: Mapping[Any, float]) -> tuple[InputEffect, ...]:
+def input_effects(inputs: Sequence[Input], rates: Mapping[Any, float]) -> tuple[InputEffect, ...]:
     """Pair each input with the rates [1] of the designs at both ends of its range; `rates` are by design."""
-    return tuple(InputEffect(each, *(rates[end] for end in each.ends)) for each in varied)
+    return tuple(InputEffect(each, *(rates[end] for end in each.ends)) for each in inputs)
 
 
 def plain_roller(reducer: Reducer) -> float:
@@ -127,75 +129,78 @@ def plain_roller(reducer: Reducer) -> float:
     return design.friction.pin_sleeve * design.output.root_radius / design.output.pin_radius
 
 
-def table(rate: str, base: float, effects: Sequence[InputEffect]) -> Table:
-    """Tabulate the effect of each input on a rate in percent; `base` is the rate of the design [1]."""
+def table(rate: str, design_rate: float, effects: Sequence[InputEffect]) -> Table:
+    """Return a table of a rate [%] at both ends of each input's range; `design_rate` is that of the design [1]."""
     rows = [
         (item.input.name, item.input.unit, item.input.low, item.input.high, 1e2 * item.value_low, 1e2 * item.value_high)
         for item in effects
     ]
-    low, high = spread(base, effects)
-    title = f"{rate} by assumed inputs, one at a time: {1e2 * low:.1f} to {1e2 * high:.1f} %"
+    min_rate, max_rate = spread(design_rate, effects)
+    title = f"{rate} by assumed inputs, one at a time: {1e2 * min_rate:.1f} to {1e2 * max_rate:.1f} %"
     return Table(title, ("input", "unit", "low", "high", "at low [%]", "at high [%]"), tuple(rows))
 
 
-def spread_text(base: float, effects: Sequence[InputEffect]) -> str:
+def spread_text(design_rate: float, effects: Sequence[InputEffect]) -> str:
     """Describe the range of a rate over its inputs."""
-    low, high = spread(base, effects)
+    low, high = spread(design_rate, effects)
     widest = max(effects, key=lambda effect: abs(effect.value_high - effect.value_low)).input.name
     return f"range over its assumed inputs, one at a time: {1e2 * low:.1f} to {1e2 * high:.1f} %, widest for {widest}"
 
 
-def spread(base: float, effects: Sequence[InputEffect]) -> tuple[float, float]:
+def spread(design_rate: float, effects: Sequence[InputEffect]) -> tuple[float, float]:
     """Compute the smallest and the largest rate over all inputs [1]."""
-    values = [base, *(value for effect in effects for value in (effect.value_low, effect.value_high))]
+    values = [design_rate, *(value for effect in effects for value in (effect.value_low, effect.value_high))]
     return min(values), max(values)
 
 
-def as_json(base: float, effects: Sequence[InputEffect]) -> dict[str, Any]:
+def as_json(design_rate: float, effects: Sequence[InputEffect]) -> dict[str, Any]:
     """Convert the effects and the range to JSON values."""
-    low, high = spread(base, effects)
+    low, high = spread(design_rate, effects)
     return {
         "sensitivity": [
             {"input": effect.input.name, "unit": effect.input.unit, "low": effect.input.low, "high": effect.input.high}
             | {"value_low": effect.value_low, "value_high": effect.value_high}
             for effect in effects
         ],
-        "spread": {"value": base, "low": low, "high": high},
+        "spread": {"value": design_rate, "low": low, "high": high},
     }
 
 
-def _input(
-    reducer: Reducer, name: str, unit: str, table: str, keys: Sequence[str], ends: Sequence[float], scale: float = 1.0
+def _equal_input(
+    reducer: Reducer, name: str, unit: str, table: str, keys: Sequence[str], limits: Sequence[float], scale: float = 1.0
 ) -> Input:
-    """Return an input that sets keys of a table to equal values; `scale` converts SI to the unit."""
-    low, high = (dict.fromkeys(keys, end) for end in ends)
-    return _between(reducer, name, unit, (scale * ends[0], scale * ends[1]), table, low, high)
+    """Return an input that sets some keys of a design table to one value; `limits` are its ends [SI].
+
+    `scale` converts SI to the unit.
+    """
+    low, high = (dict.fromkeys(keys, end) for end in limits)
+    return _input_with_designs(reducer, name, unit, (scale * limits[0], scale * limits[1]), table, low, high)
 
 
-def _play(reducer: Reducer, name: str, kinds: Sequence[str], factors: Sequence[float]) -> Input:
-    """Return the input of the clearances of pairs in series, which add up."""
+def _clearance_input(reducer: Reducer, name: str, kinds: Sequence[str], factors: Sequence[float]) -> Input:
+    """Return the input of the clearances of pairs in series, whose `factors` multiply the design's clearances."""
     low, high = (
         {kind: min(factor * getattr(reducer.design.clearance, kind), INPUTS.max_clearance) for kind in kinds}
         for factor in factors
     )
-    least, most = (sum(1e6 * play for play in end.values()) for end in (low, high))
-    return _between(reducer, name, "um", (least, most), "clearance", low, high)
+    low_total, high_total = (sum(1e6 * clearance for clearance in end.values()) for end in (low, high))
+    return _input_with_designs(reducer, name, "um", (low_total, high_total), "clearance", low, high)
 
 
 Values = Mapping[str, float]
 
 
-def _between(
-    reducer: Reducer, name: str, unit: str, ends: tuple[float, float], table: str, low: Values, high: Values
+def _input_with_designs(
+    reducer: Reducer, name: str, unit: str, limits: tuple[float, float], table: str, low: Values, high: Values
 ) -> Input:
-    """Return an input, with the designs at its ends."""
+    """Return an input with the designs at its ends; `low` and `high` are the values of the table's keys [SI]."""
     designs = [reducer.but(**{table: values}).design for values in (low, high)]
-    return Input(name, unit, *ends, table, low, high, *designs)
+    return Input(name, unit, *limits, table, low, high, *designs)
 
 
-def _bearing(reducer: Reducer, kind: str, rolls: bool, rolling: tuple[float, float]) -> Input:
+def _bearing_input(reducer: Reducer, kind: str, has_rollers: bool, rolling_range: tuple[float, float]) -> Input:
     """Return the input of the friction of cam or output pins, rolling or sliding."""
-    name, key, ends = (
-        ("'s rollers", f"{kind}_rolling", rolling) if rolls else (", sliding", kind, INPUTS.tooth_friction)
+    name, key, limits = (
+        ("'s rollers", f"{kind}_rolling", rolling_range) if has_rollers else (", sliding", kind, INPUTS.tooth_friction)
     )
-    return _input(reducer, f"friction of the {kind}{name}", "1", "friction", [key], ends)
+    return _equal_input(reducer, f"friction of the {kind}{name}", "1", "friction", [key], limits)

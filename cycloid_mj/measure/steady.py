@@ -10,66 +10,59 @@ from cycloid_mj.dynamics.drive_cycle import DriveCycle
 from cycloid_mj.dynamics.regime import lowest_log_rate
 from cycloid_mj.dynamics.run import Model, Solver, model_for, simulate
 from cycloid_mj.dynamics.settling import slowness
-from cycloid_mj.measure.conditions import LOG_RATE, require_motion
-from cycloid_mj.measure.reaction import masses
+from cycloid_mj.measure.conditions import STEADY, require_motion
+from cycloid_mj.measure.reaction import body_masses
 from cycloid_mj.reducer import Reducer
-
-SETTLING_TIME = 0.01
-"""Time after which a run with driven crank is evaluated [s]: rise of the load, and decay of its oscillation."""
-
-PERIOD_TOLERANCE = 0.1
-"""Deviation from a whole number of periods of the output pins that is accepted, in periods."""
 
 REMEDY = (
     "the samples are too coarse for these powers: set settings.log_rate_hz to 40000 or more, or a shorter time step"
 )
 """Remedy of an open power balance: the duration of these runs is not the design's."""
 
-HEAVY_DISC_SHARE = 0.02
-"""Weight of the discs relative to the load's force on their cams from which losses vary over the crank turn, by 1 %."""
 
-
-def whole_periods(reducer: Reducer, least: int, load: float | None = None) -> int:
-    """Return a number of mesh periods, `least` or more, after which the output pins are near a full period as well.
+def averaging_periods(reducer: Reducer, min_periods: int, load: float | None = None) -> int:
+    """Return the number of mesh periods to average over: `min_periods` or more, near full periods of the output pins.
 
     Relative to the ring, torque and losses repeat with the mesh, every 2 pi/N of the crank, and with the output pins,
     which pass the direction of the eccentric every 2 pi/pins x (N - 1)/N: m mesh periods are m pins/(N - 1) of theirs.
     A full crank turn is no better, except where the weight of the discs matters against the `load` on the output [N m],
-    by default the nominal torque (`HEAVY_DISC_SHARE`): then it is two turns.
+    by default the nominal torque
+    (`SteadySettings.heavy_disc_share`): then it is two turns.
     """
     design = reducer.design
     ratio = design.output.pins / design.lobes
-    if _heavy(reducer, design.rated_torque if load is None else load):
-        return max(least, 2 * reducer.mesh_periods)
+    if _weight_matters(reducer, design.rated_torque if load is None else load):
+        return max(min_periods, 2 * reducer.mesh_periods)
 
     def period_error(count: int) -> float:
         return abs(count * ratio - round(count * ratio))
 
-    candidates = range(least, max(least, design.lobes) + 1)
-    return next((count for count in candidates if period_error(count) <= PERIOD_TOLERANCE), least)
+    candidates = range(min_periods, max(min_periods, design.lobes) + 1)
+    return next((count for count in candidates if period_error(count) <= STEADY.period_tolerance), min_periods)
 
 
-def _heavy(reducer: Reducer, load: float) -> bool:
+def _weight_matters(reducer: Reducer, load: float) -> bool:
+    """Return whether the weight of the discs exceeds a share of the force of a load [N m] on their cams."""
     design, gravity = reducer.design, reducer.design.environment
-    weight = design.gear.discs * masses(reducer)[GEAR].mass * math.hypot(gravity.gravity_x, gravity.gravity_y)
-    return weight * design.gear.eccentricity * design.reduction > HEAVY_DISC_SHARE * abs(load)
+    weight = design.gear.discs * body_masses(reducer)[GEAR].mass * math.hypot(gravity.gravity_x, gravity.gravity_y)
+    return weight * design.gear.eccentricity * design.reduction > STEADY.heavy_disc_share * abs(load)
 
 
 def run_steady(
     reducer: Reducer,
-    settled: float,
+    settling_time: float,
     periods: int,
     solver: Solver = "planar",
     compiled: Model | None = None,
     course: DriveCycle | None = None,
 ) -> Run:
-    """Run a design from full speed; return the samples of some mesh periods in steady state.
+    """Simulate a design at full speed from the start; return the samples of some mesh periods in steady state.
 
     Parameters
     ----------
     reducer
         The drive under its load.
-    settled
+    settling_time
         Time before the first sample [s], multiplied by the slowness of the drive relative to the paper's.
     periods
         Number of mesh periods.
@@ -78,10 +71,10 @@ def run_steady(
     compiled, course
         Model and drive cycle; by default the solver's own at constant speed and load.
     """
-    settled *= slowness(reducer)
-    timed = with_log_rate(reducer).steady(settled, periods / reducer.mesh_periods)
+    settling_time *= slowness(reducer)
+    timed = with_log_rate(reducer).steady(settling_time, periods / reducer.mesh_periods)
     run = simulate(timed.design, compiled or model_for(solver, timed), course)
-    run = run.select(run.time >= settled * (1.0 - 1e-9))
+    run = run.select(run.time >= settling_time * (1.0 - 1e-9))
     warn(reducer.design.name, balance_warnings(run, reducer, REMEDY))
     return run
 
@@ -89,7 +82,7 @@ def run_steady(
 def steady_design(reducer: Reducer) -> Reducer:
     """Return the design with the log rate of these runs, at full speed from the start."""
     require_motion(reducer)
-    return reducer.but(settings={"log_rate": max(LOG_RATE, reducer.design.settings.log_rate)})
+    return reducer.but(settings={"log_rate": max(STEADY.log_rate, reducer.design.settings.log_rate)})
 
 
 def with_log_rate(reducer: Reducer) -> Reducer:

@@ -17,18 +17,13 @@ from cycloid_mj.base.units import ARCSECONDS, RPM
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.dynamics.run import Solver, model_for
 from cycloid_mj.measure import te_table
-from cycloid_mj.measure.conditions import DRAG_SHARE, halve_time_step, require_motion
+from cycloid_mj.measure.conditions import STEADY, describe_loads, halve_time_step, load_cases, require_motion
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.orders import base_orders, causes
-from cycloid_mj.measure.trace import ErrorCurves, Trace, TraceCondition, copy_model, run_trace
+from cycloid_mj.measure.trace import TRACE, ErrorCurves, Trace, TraceCondition, copy_model, run_trace
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics import transmission_error
 from cycloid_mj.statics.structure import structure_text
-
-CHECKED = 3
-"""Mesh periods that are run again with half the time step."""
-SLOW = 0.25
-"""Slow crank speed relative to the design's."""
 
 
 @shows_progress
@@ -51,10 +46,10 @@ def te(
     load
         Torque of the loaded runs [N m]; by default the rated one, drive.torque times the ratio.
     drag
-        Torque of the unloaded runs [N m], by default `DRAG_SHARE` of the rated one; at 0 the disc floats in its
-        clearances.
+        Torque of the unloaded runs [N m], by default `SteadySettings.drag_share` of the rated one; at 0 the disc floats
+        in its clearances.
     slow
-        Slow crank speed [rad/s], by default `SLOW` of the design's.
+        Slow crank speed [rad/s], by default `TraceSettings.slow_share` of the design's.
     turns
         Crank turns relative to the ring; N - 1 of them separate the orders of the ring from those of the holes.
     quick
@@ -69,88 +64,103 @@ def te(
     """
     reducer = Reducer(resolve(design))
     require_motion(reducer)
-    rated = reducer.design.rated_torque
-    torques = {"unloaded": DRAG_SHARE * rated if drag is None else drag, "loaded": rated if load is None else load}
+    torques = load_cases(reducer, load, drag)
     speed = abs(reducer.design.drive.speed)
-    paces = {"speed": speed} if quick else {"slow": SLOW * speed if slow is None else slow, "speed": speed}
-    ways = {"forward": 1.0, "reverse": -1.0}
+    paces = {"speed": speed} if quick else {"slow": TRACE.slow_share * speed if slow is None else slow, "speed": speed}
+    directions = {"forward": 1.0, "reverse": -1.0}
     cases = [
-        TraceCondition(item, way, pace, torques[item], ways[way] * paces[pace])
-        for pace, item, way in product(paces, torques, ways)
+        TraceCondition(item, direction, pace, torques[item], directions[direction] * paces[pace])
+        for pace, item, direction in product(paces, torques, directions)
     ]
     reducer = reducer.working_at(torques["loaded"])
-    runs = _traces(reducer, cases, turns * reducer.mesh_turn / (2.0 * np.pi), progress, not quick, solver)
+    runs = _run_traces(reducer, cases, turns * reducer.mesh_turn / (2.0 * np.pi), progress, not quick, solver)
     traces = {case: runs[case, 1.0] for case in cases}
     finer = {(case.load, case.pace): run for (case, share), run in runs.items() if share == 0.5}
-    statics = {case: _statics(reducer, case, turns) for case in cases}
+    statics = {case: _solve_statics(reducer, case, turns) for case in cases}
     return Measurement(
         measure="te",
         design=reducer.design,
-        condition=" and ".join(f"{item} {torque:.3g} N m" for item, torque in torques.items())
-        + f", {abs(reducer.design.drive.speed) / RPM:.0f} rpm at speed, {SOLVERS[solver]}",
+        condition=f"{describe_loads(torques)}, {speed / RPM:.0f} rpm at speed, {SOLVERS[solver]}",
         quantities=by_key(te_table.quantities(reducer, traces, finer, statics, turns)),
         curves=te_table.curves(reducer, traces, statics),
         assumptions=_assumptions(reducer, turns),
         runs={case.key: trace.run for case, trace in traces.items()},
-        details={"orders": te_table.details(reducer, traces, turns)},
+        details={"orders": te_table.order_details(reducer, traces, turns)},
     )
 
 
-def _traces(
-    reducer: Reducer, cases: list[TraceCondition], turns: float, progress: Progress, check: bool, solver: Solver
+def _run_traces(
+    reducer: Reducer,
+    conditions: list[TraceCondition],
+    turns: float,
+    progress: Progress,
+    check_step: bool,
+    solver: Solver,
 ) -> Mapping[tuple[TraceCondition, float], Trace]:
-    """Run the cases, and with `check` some mesh periods of the forward ones with half the time step."""
-    half = halve_time_step(reducer, solver)
+    """Simulate the conditions in threads, and with `check_step` some forward mesh periods with half the time step.
+
+    Returns
+    -------
+    (condition, factor on the time step) -> errors of disc and output over the crank angle.
+    """
+    half_step = halve_time_step(reducer, solver)
     models = {1.0: (reducer, model_for(solver, reducer), turns)}
-    if check:
-        models[0.5] = (half, model_for(solver, half), CHECKED / reducer.mesh_periods)
-    work = [(case, share) for share in models for case in cases if share == 1.0 or case.way == "forward"]
+    if check_step:
+        models[0.5] = (half_step, model_for(solver, half_step), TRACE.checked_periods / reducer.mesh_periods)
+    keys = [
+        (condition, step_factor)
+        for step_factor in models
+        for condition in conditions
+        if step_factor == 1.0 or condition.way == "forward"
+    ]
     tasks = [
-        (reducer, copy_model(compiled), turns, case)
-        for case, share in work
-        for reducer, compiled, turns in [models[share]]
+        (reducer, copy_model(compiled), turns, condition)
+        for condition, step_factor in keys
+        for reducer, compiled, turns in [models[step_factor]]
     ]
     traces = each_in_threads(lambda task: run_trace(*task), tasks, progress)
-    return dict(zip(work, traces, strict=True))
+    return dict(zip(keys, traces, strict=True))
 
 
-def _statics(reducer: Reducer, case: TraceCondition, turns: int) -> ErrorCurves:
-    """Compute the errors of a case by statics."""
+def _solve_statics(reducer: Reducer, condition: TraceCondition, turns: int) -> ErrorCurves:
+    """Compute the errors of disc and output [arcsec] under a condition by statics, over some crank turns."""
     design = reducer.design
     # eight in a mesh period
     points = 8 * design.ring.teeth * turns + 1
-    crank = np.linspace(0.0, turns * reducer.mesh_turn, points)
-    turning = reducer.but(drive={"speed": case.speed})
+    crank_angle = np.linspace(0.0, turns * reducer.mesh_turn, points)
+    driven = reducer.but(drive={"speed": condition.speed})
     errors = (
-        ARCSECONDS * reducer.member.sense * transmission_error(turning, crank, float(np.sign(case.speed)) * case.torque)
+        ARCSECONDS
+        * reducer.member.sense
+        * transmission_error(driven, crank_angle, float(np.sign(condition.speed)) * condition.torque)
     )
-    return ErrorCurves(crank, errors[:, 0], errors[:, 1])
+    return ErrorCurves(crank_angle, errors[:, 0], errors[:, 1])
 
 
 def _assumptions(reducer: Reducer, turns: int) -> tuple[str, ...]:
-    """List the assumptions of the runs."""
+    """Return the sentences on bearings, drag, statics, contact stiffness, numerical errors and orders."""
     design = reducer.design
     lobes = design.lobes
     ring, holes = base_orders(reducer)
-    multiples, apart_from = (holes, "ring") if ring == 1 else (ring, "holes")
-    apart = (
+    multiples, other_part = (holes, "ring") if ring == 1 else (ring, "holes")
+    separation_sentence = (
         f"orders are cycles in a crank turn; fewer than {lobes} turns cannot separate whole orders from multiples of "
-        f"{multiples} in one signal: the disc's error is evaluated in whole orders (of the {apart_from}), that of the "
+        f"{multiples} in one signal: the disc's error is evaluated in whole orders (of the {other_part}), that of the "
         "output relative to the disc in multiples"
     )
     return (
         f"shafts run in rigid bearings without runout; {structure_text(reducer)}",
-        f"the default drag of an unloaded reducer is {DRAG_SHARE:.0%} of the nominal torque: without it the disc "
-        "floats in its clearances; up to the nominal torque presses the flanks together before the window",
+        f"the default drag of an unloaded reducer is {STEADY.drag_share:.0%} of the nominal torque: without it the "
+        "disc floats in its clearances; up to the nominal torque presses the flanks together before the window",
         "statics: contacts of the ideal mesh as springs with gaps, without friction, and without inertia except the "
         "centrifugal force of the disc; friction increases the tooth forces, and with them the wind-up of a loaded "
         "disc",
         "contacts have the secant stiffness of one working force in all runs, that of the loaded ones: "
         f"{reducer.contacts.working_forces_text(design.pair_kinds)}",
-        f"numerical error: change with half the time step over the first {CHECKED} mesh periods of the forward run, "
-        "also used for the reverse run (not available with --quick), and half the change of a level between the "
-        "halves of the window, as crank turns differ; of orders: the rms of the change with half the step, an upper "
-        "bound of each",
+        f"numerical error: change with half the time step over the first {TRACE.checked_periods} mesh periods of the "
+        "forward run, also used for the reverse run (not available with --quick), and half the change of a level "
+        "between the halves of the window, as crank turns differ; of orders: the rms of the change with half the "
+        "step, an upper bound of each",
         *(f"orders of {cause.name}: {cause.why}" for cause in causes(reducer)),
-        *([] if te_table.separates_orders(reducer, turns) else [apart]),
+        *([] if te_table.separates_orders(reducer, turns) else [separation_sentence]),
     )

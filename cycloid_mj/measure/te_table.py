@@ -20,72 +20,97 @@ _PACES = {"slow": "slow", "speed": "at speed"}
 _PLACES = {"gear": "disc", "stage": "output against the disc"}
 
 
-Found = Mapping[TraceCondition, Trace]
-Finer = Mapping[tuple[str, str], Trace]
+Traces = Mapping[TraceCondition, Trace]
+FinerTraces = Mapping[tuple[str, str], Trace]
 """Load and pace -> the start of the forward run, with half the time step."""
 Statics = Mapping[TraceCondition, ErrorCurves]
 
 
-def quantities(reducer: Reducer, traces: Found, finer: Finer, statics: Statics, turns: int) -> list[Quantity]:
-    """List the quantities: levels of each case, shifts between cases, and the orders of each cause over some turns."""
+def quantities(
+    reducer: Reducer, traces: Traces, finer_traces: FinerTraces, statics: Statics, turns: int
+) -> list[Quantity]:
+    """Return all figures of the transmission error [arcsec].
+
+    These are the levels of each condition, shifts between conditions, and the orders of each cause.
+
+    Parameters
+    ----------
+    reducer
+        The drive.
+    traces
+        Errors of each condition.
+    finer_traces
+        (load, pace) -> start of the forward run with half the time step; empty without this check.
+    statics
+        Errors of each condition by statics.
+    turns
+        Crank turns of a trace.
+    """
     levels = [
         Quantity(
-            key=f"{shaft}_{name}_{case.key}",
-            name=f"{words} of the {shaft}, {case.words}",
+            key=f"{shaft}_{name}_{condition.key}",
+            name=f"{words} of the {shaft}, {condition.words}",
             value=_LEVELS[name][1](getattr(trace, shaft)),
             unit="arcsec",
-            error=_step_error(traces, finer, case, shaft, name),
-            reference=_LEVELS[name][1](getattr(statics[case], shaft)),
+            error=_step_error(traces, finer_traces, condition, shaft, name),
+            reference=_LEVELS[name][1](getattr(statics[condition], shaft)),
             source=STATICS,
         )
-        for case, trace in traces.items()
+        for condition, trace in traces.items()
         for shaft in ("gear", "output")
         for name, (words, _) in _LEVELS.items()
     ]
     return [
         *levels,
-        *_shifts(reducer, traces, finer, statics),
-        *_cause_quantities(reducer, traces, finer, statics, turns),
+        *_shift_quantities(reducer, traces, finer_traces, statics),
+        *_cause_quantities(reducer, traces, finer_traces, statics, turns),
     ]
 
 
-def curves(reducer: Reducer, traces: Found, statics: Statics) -> tuple[Curve, ...]:
-    """List the errors over the crank angle, and the spectra of the `chosen` cases.
+def curves(reducer: Reducer, traces: Traces, statics: Statics) -> tuple[Curve, ...]:
+    """Return the errors over the crank angle, and the amplitude spectra of the `evaluated_conditions`.
 
     The loaded error has its own axes and is first, because a drive works under load and the unloaded one is larger.
     """
-    paces = dict.fromkeys(case.pace for case in traces)
-    drawn = [
+    paces = dict.fromkeys(condition.pace for condition in traces)
+    result = [
         curve
         for pace in paces
         for shaft in ("output", "gear")
         for load in ("loaded", "unloaded")
-        for curve in _panel(traces, statics, pace, shaft, load)
+        for curve in _panel_curves(traces, statics, pace, shaft, load)
     ]
-    drawn += _panel(traces, statics, next(iter(paces)), "output")
+    result += _panel_curves(traces, statics, next(iter(paces)), "output")
     for place, base in _bases(reducer).items():
-        for case in chosen(traces):
-            seen = _spectrum(reducer, traces[case], place, base)
-            panel = f"orders of the {_PLACES[place]}, {case.way}, {_PACES[case.pace]}"
-            drawn.append(Curve(panel, case.load, seen.order, seen.amplitude, _ORDER, _AMPLITUDE, "bars"))
-    return tuple(drawn)
+        for condition in evaluated_conditions(traces):
+            spectrum = _spectrum(reducer, traces[condition], place, base)
+            panel = f"orders of the {_PLACES[place]}, {condition.way}, {_PACES[condition.pace]}"
+            result.append(Curve(panel, condition.load, spectrum.order, spectrum.amplitude, _ORDER, _AMPLITUDE, "bars"))
+    return tuple(result)
 
 
-def _panel(traces: Found, statics: Statics, pace: str, shaft: str, load: str = "") -> Iterator[Curve]:
-    """Yield the curves of a shaft at one pace with those of statics: of one load minus their means, or of all."""
+def _panel_curves(traces: Traces, statics: Statics, pace: str, shaft: str, load: str = "") -> Iterator[Curve]:
+    """Yield the error [arcsec] of a shaft over the crank angle at one pace, with statics.
+
+    With a `load` only its conditions are drawn, less their means; otherwise all conditions with their means.
+    """
     panel, with_mean = f"{shaft}, {f'{load}, ' * bool(load)}{_PACES[pace]}{', minus its mean' * bool(load)}", not load
-    shown = {case: f"{case.load}, {case.way}" for case in traces if case.pace == pace and load in ("", case.load)}
-    for case, words in shown.items():
-        solved = statics[case]
-        error = _about_mean(getattr(solved, shaft), with_mean)
-        yield Curve(panel, STATICS, np.degrees(solved.crank), error, _CRANK, _ERROR, "theory", words)
-    for case, words in shown.items():
-        trace = traces[case]
-        error = _about_mean(getattr(trace, shaft), with_mean)
+    labels = {
+        condition: f"{condition.load}, {condition.way}"
+        for condition in traces
+        if condition.pace == pace and load in ("", condition.load)
+    }
+    for condition, words in labels.items():
+        static_curves = statics[condition]
+        error = _remove_mean(getattr(static_curves, shaft), with_mean)
+        yield Curve(panel, STATICS, np.degrees(static_curves.crank), error, _CRANK, _ERROR, "theory", words)
+    for condition, words in labels.items():
+        trace = traces[condition]
+        error = _remove_mean(getattr(trace, shaft), with_mean)
         yield Curve(panel, words, np.degrees(trace.crank), error, _CRANK, _ERROR)
 
 
-def _about_mean(error: Array, with_mean: bool) -> Array:
+def _remove_mean(error: Array, with_mean: bool) -> Array:
     return error if with_mean else error - error.mean()
 
 
@@ -94,89 +119,104 @@ def separates_orders(reducer: Reducer, turns: int) -> bool:
     return turns % reducer.design.lobes == 0
 
 
-def details(reducer: Reducer, traces: Found, turns: int) -> dict[str, Any]:
-    """Return the strongest orders of each case with their causes, the causes, and whether the turns part all orders."""
+def order_details(reducer: Reducer, traces: Traces, turns: int) -> dict[str, Any]:
+    """Return the strongest orders of each condition with their causes, as JSON values."""
     return {
         "turns": turns,
         "turns_that_part_orders": reducer.design.lobes,
         "apart": separates_orders(reducer, turns),
         "causes": [cause.as_json() for cause in causes(reducer)],
-        "cases": {case.key: _strongest(reducer, trace) for case, trace in traces.items()},
+        "cases": {condition.key: _strongest_orders(reducer, trace) for condition, trace in traces.items()},
     }
 
 
-def chosen(traces: Found) -> list[TraceCondition]:
+def evaluated_conditions(traces: Traces) -> list[TraceCondition]:
     """List the cases whose orders are evaluated: forward, at the first pace that was run."""
     first = next(iter(traces)).pace
-    return [case for case in traces if case.way == "forward" and case.pace == first]
+    return [condition for condition in traces if condition.way == "forward" and condition.pace == first]
 
 
-def _shifts(reducer: Reducer, traces: Found, finer: Finer, statics: Statics) -> Iterator[Quantity]:
-    """Yield the differences of mean errors: between directions the backlash, between loads the wind-up.
+def _shift_quantities(reducer: Reducer, traces: Traces, finer: FinerTraces, statics: Statics) -> Iterator[Quantity]:
+    """Yield the differences of mean errors [arcsec]: between directions the backlash, between loads the wind-up.
 
     Both are positive: a carrier turns against the crank and so lags at a larger angle, a ring turns with it and lags at
     a smaller one.
     """
-    case = chosen(traces)[0]
-    cases = {(trace.load, trace.way): trace for trace in traces if trace.pace == case.pace}
-    back, ahead, loaded = ("unloaded", "forward"), ("unloaded", "reverse"), ("loaded", "forward")
+    evaluated = evaluated_conditions(traces)[0]
+    by_load_and_direction = {(trace.load, trace.way): trace for trace in traces if trace.pace == evaluated.pace}
+    forward_unloaded, reverse_unloaded, forward_loaded = (
+        ("unloaded", "forward"),
+        ("unloaded", "reverse"),
+        ("loaded", "forward"),
+    )
     pairs = {
-        "reversal": ("forward minus reverse, unloaded: backlash", back, ahead),
-        "wind_up": ("loaded minus unloaded, forward: elastic wind-up", loaded, back),
+        "reversal": ("forward minus reverse, unloaded: backlash", forward_unloaded, reverse_unloaded),
+        "wind_up": ("loaded minus unloaded, forward: elastic wind-up", forward_loaded, forward_unloaded),
     }
     if reducer.member.sense < 0:
         pairs = {
-            "reversal": ("reverse minus forward, unloaded: backlash", ahead, back),
-            "wind_up": ("unloaded minus loaded, forward: elastic wind-up", back, loaded),
+            "reversal": ("reverse minus forward, unloaded: backlash", reverse_unloaded, forward_unloaded),
+            "wind_up": ("unloaded minus loaded, forward: elastic wind-up", forward_unloaded, forward_loaded),
         }
     for shaft in ("gear", "output"):
-        for key, (words, one, other) in pairs.items():
+        for key, (words, minuend, subtrahend) in pairs.items():
             value, reference = (
-                float(np.mean(getattr(source[cases[one]], shaft)) - np.mean(getattr(source[cases[other]], shaft)))
+                float(
+                    np.mean(getattr(source[by_load_and_direction[minuend]], shaft))
+                    - np.mean(getattr(source[by_load_and_direction[subtrahend]], shaft))
+                )
                 for source in (traces, statics)
             )
-            error = sum(_mean_change(traces, finer, cases[which], shaft) for which in (one, other)) if finer else None
+            error = (
+                sum(_mean_change(traces, finer, by_load_and_direction[which], shaft) for which in (minuend, subtrahend))
+                if finer
+                else None
+            )
             name = f"mean of the {shaft}, {words}"
             yield Quantity(f"{shaft}_{key}", name, value, "arcsec", error, reference, STATICS)
 
 
 def _cause_quantities(
-    reducer: Reducer, traces: Found, finer: Finer, statics: Statics, turns: int
+    reducer: Reducer, traces: Traces, finer: FinerTraces, statics: Statics, turns: int
 ) -> Iterator[Quantity]:
-    """Yield the rms value of each cause's orders, and its strongest order."""
-    count = f"{turns} of {reducer.design.lobes} crank turns"
-    beside = (
+    """Yield the rms value of the orders of each cause [arcsec], with its strongest order in the note."""
+    turns_text = f"{turns} of {reducer.design.lobes} crank turns"
+    neighbour_note = (
         ""
         if separates_orders(reducer, turns)
-        else f"; over {count}, it includes neighbouring orders (use more --turns)"
+        else f"; over {turns_text}, it includes neighbouring orders (use more --turns)"
     )
-    for case in chosen(traces):
+    for condition in evaluated_conditions(traces):
         for cause in causes(reducer):
-            seen, solved = (_spectrum(reducer, part[case], cause.place, cause.base) for part in (traces, statics))
-            order, amplitude = cause.strongest(seen)
+            simulated, static_orders = (
+                _spectrum(reducer, source[condition], cause.place, cause.base) for source in (traces, statics)
+            )
+            order, amplitude = cause.strongest(simulated)
             yield Quantity(
-                key=f"{cause.key}_orders_rms_{case.key}",
-                name=f"rms of orders of {cause.name}, {case.words}",
-                value=cause.rms(seen),
+                key=f"{cause.key}_orders_rms_{condition.key}",
+                name=f"rms of orders of {cause.name}, {condition.words}",
+                value=cause.rms(simulated),
                 unit="arcsec",
-                error=rms_about_mean(np.subtract(*_both_errors(traces, finer, case, cause.place))) if finer else None,
-                reference=cause.rms(solved),
+                error=rms_about_mean(np.subtract(*_compared_errors(traces, finer, condition, cause.place)))
+                if finer
+                else None,
+                reference=cause.rms(static_orders),
                 source=STATICS,
-                note=f"strongest: order {order:.6g} with amplitude {amplitude:.3g} arcsec{beside}",
+                note=f"strongest: order {order:.6g} with amplitude {amplitude:.3g} arcsec{neighbour_note}",
             )
 
 
-def _strongest(reducer: Reducer, trace: Trace) -> list[dict[str, Any]]:
-    """List the strongest orders of a run with their causes."""
+def _strongest_orders(reducer: Reducer, trace: Trace) -> list[dict[str, Any]]:
+    """Return the twelve strongest orders of disc and of output stage in a trace, with their causes, as JSON objects."""
     rows = []
     for place, base in _bases(reducer).items():
-        seen = _spectrum(reducer, trace, place, base)
-        mine = [cause for cause in causes(reducer) if cause.place == place]
-        for k in np.argsort(seen.amplitude)[::-1][:12]:
-            order = float(seen.order[k])
-            cause = next((item.key for item in mine if item.has(order)), "between")
+        spectrum = _spectrum(reducer, trace, place, base)
+        causes_of_signal = [cause for cause in causes(reducer) if cause.place == place]
+        for k in np.argsort(spectrum.amplitude)[::-1][:12]:
+            order = float(spectrum.order[k])
+            cause = next((item.key for item in causes_of_signal if item.has(order)), "between")
             rows.append(
-                {"shows_in": place, "order": order, "amplitude_arcsec": float(seen.amplitude[k]), "cause": cause}
+                {"shows_in": place, "order": order, "amplitude_arcsec": float(spectrum.amplitude[k]), "cause": cause}
             )
     return rows
 
@@ -189,29 +229,40 @@ def _spectrum(reducer: Reducer, errors: ErrorCurves, signal: str, base: float) -
     return periodic_orders(errors.crank, getattr(errors, signal), base, 3 * reducer.design.ring.teeth)
 
 
-def _step_error(traces: Found, finer: Finer, case: TraceCondition, shaft: str, level: str) -> float | None:
-    """Compute the change of a level with half the time step, plus half its change between the halves of the window."""
-    if not finer:
+def _step_error(
+    traces: Traces, finer_traces: FinerTraces, condition: TraceCondition, shaft: str, level: str
+) -> float | None:
+    """Compute the error of a level: change with half the time step plus half the change between window halves.
+
+    None without runs with half the time step.
+    """
+    if not finer_traces:
         return None
-    measure, error = _LEVELS[level][1], getattr(traces[case], shaft)
-    coarse, fine = (measure(item) for item in _both_errors(traces, finer, case, shaft))
-    first, second = (measure(half) for half in np.array_split(error, 2))
+    statistic, error = _LEVELS[level][1], getattr(traces[condition], shaft)
+    coarse, fine = (statistic(item) for item in _compared_errors(traces, finer_traces, condition, shaft))
+    first, second = (statistic(half) for half in np.array_split(error, 2))
     return abs(coarse - fine) + 0.5 * abs(first - second)
 
 
-def _mean_change(traces: Found, finer: Finer, case: TraceCondition, signal: str) -> float:
-    coarse, fine = _both_errors(traces, finer, case, signal)
+def _mean_change(traces: Traces, finer: FinerTraces, case: TraceCondition, signal: str) -> float:
+    coarse, fine = _compared_errors(traces, finer, case, signal)
     return abs(float(np.mean(fine - coarse)))
 
 
-def _both_errors(traces: Found, finer: Finer, case: TraceCondition, signal: str) -> tuple[Array, Array]:
-    """Return the errors of the forward run under a case's load, and of that with half the time step, where both run."""
-    fine = finer[case.load, case.pace]
+def _compared_errors(
+    traces: Traces, finer_traces: FinerTraces, condition: TraceCondition, signal: str
+) -> tuple[Array, Array]:
+    """Return the errors [arcsec] of a condition's forward run with full and half the time step, where both ran."""
+    fine = finer_traces[condition.load, condition.pace]
     coarse = traces[
-        next(trace for trace in traces if (trace.load, trace.pace, trace.way) == (case.load, case.pace, "forward"))
+        next(
+            trace
+            for trace in traces
+            if (trace.load, trace.pace, trace.way) == (condition.load, condition.pace, "forward")
+        )
     ]
-    inside = (coarse.crank >= fine.crank[0] - 1e-9) & (coarse.crank <= fine.crank[-1] + 1e-9)
-    return getattr(coarse, signal)[inside], getattr(fine, signal)
+    overlap = (coarse.crank >= fine.crank[0] - 1e-9) & (coarse.crank <= fine.crank[-1] + 1e-9)
+    return getattr(coarse, signal)[overlap], getattr(fine, signal)
 
 
 _LEVELS: dict[str, tuple[str, Callable[[Array], float]]] = {

@@ -23,19 +23,16 @@ from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure import loss_breakdown, sensitivity, spread
 from cycloid_mj.measure.brake_test import DECAY, run_brake_test
 from cycloid_mj.measure.closed_form import AS_BUILT, ideal_efficiency
-from cycloid_mj.measure.conditions import drag_assumption, halve_time_step
+from cycloid_mj.measure.conditions import STEADY, drag_assumption, halve_time_step
 from cycloid_mj.measure.measurement import Measurement
 from cycloid_mj.measure.published import Published, friction_quantities, tables
 from cycloid_mj.measure.sensitivity import FrictionVariant
 from cycloid_mj.measure.spread import Input, InputEffect
-from cycloid_mj.measure.steady import SETTLING_TIME, first_half, run_steady, steady_design, whole_periods
+from cycloid_mj.measure.steady import averaging_periods, first_half, run_steady, steady_design
 from cycloid_mj.reducer import Reducer
 
 _RUNS: dict[Hashable, str] = {"own": "as designed", "halved": "the same with half the time step"}
 """Names of the runs that do not vary the design."""
-
-PERIODS, QUICK_PERIODS = 12, 4
-"""Mesh periods of the main run at least: a third of a crank turn, or less."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,54 +74,83 @@ def torque(
     """
     reducer = Reducer(resolve(design))
     steady = steady_design(reducer).working_at(reducer.design.rated_torque)
-    main = whole_periods(steady, QUICK_PERIODS if quick else PERIODS)
-    drive = steady.design.drive
-    rows, assumed = sensitivity.variations(reducer, quick), spread.inputs(steady)
-    tested: dict[Hashable, tuple[Reducer, int]] = {"own": (steady, main)}
-    tested |= {} if quick else {"halved": (halve_time_step(steady, solver), main)}
-    tested |= _variants(steady, rows, assumed)
-    tasks = {key: partial(_untold_test, item, count, solver) for key, (item, count) in tested.items()}
+    main = averaging_periods(steady, STEADY.min_periods(quick))
+    rows, assumed = sensitivity.friction_variants(reducer, quick), spread.assumed_inputs(steady)
+    tested = _tested_drives(steady, rows, assumed, main, None if quick else halve_time_step(steady, solver))
+    tasks = {key: partial(_quiet_rated_test, item, count, solver) for key, (item, count) in tested.items()}
     last = 1 + len(published)
     tests = all_in_threads(tasks, lambda done, whole: progress(done, whole + last))
     ours, finer = tests["own"], tests.get("halved")
     rates = {key: test.powers.efficiency for key, test in tests.items()}
-    by_row, by_input = {row: rates[row] for row in rows}, spread.pair_rates(assumed, rates)
+    by_row, by_input = {row: rates[row] for row in rows}, spread.input_effects(assumed, rates)
     held = steady.but(load={"torque": ours.output})
     with suppress_warnings(tuple(creeping(held))):
-        at_held_crank = held_efficiency(steady, ours.output, main, solver)
-    beside = with_friction(published, steady, by_row, None if quick else rate_error(ours, finer), solver)
-    called = _RUNS | {row: row.name for row in rows} | {end: key for item in assumed for end, key in item.names.items()}
-    slow = spread.slow_ends(assumed)
-    by_name = {called[key]: _at_rated_torque(each) for key, (each, _) in tested.items() if key not in slow}
-    by_name["crank held"] = held
-    for friction in (each.friction for each in beside if each.error is not None):
-        by_name[sensitivity.common_name(friction)] = _with_common(steady, friction)
+        at_held_crank = constant_speed_efficiency(steady, ours.output, main, solver)
+    beside = explain_published(published, steady, by_row, None if quick else rate_error(ours, finer), solver)
+    by_name = _name_runs(steady, tested, rows, assumed, beside) | {"crank held": held}
     warn(reducer.design.name, creeping_in(by_name))
     progress(len(tasks) + last, len(tasks) + last)
-    losses = loss_breakdown.table(ours.powers, beside, rate_error(ours, finer))
-    inputs = spread.table("output rate", rates["own"], by_input)
     return Measurement(
         measure="torque",
         design=steady.design,
-        condition=f"{drive.torque:.4g} N m on the crank, {abs(drive.speed) / RPM:.0f} rpm, {SOLVERS[solver]}",
+        condition=f"{_describe_drive(steady)}, {SOLVERS[solver]}",
         quantities=by_key(_quantities(steady, ours, finer, at_held_crank, by_input), friction_quantities(beside)),
         curves=(*_curves(steady, ours), *sensitivity.curves(by_row, beside)),
-        tables=(losses, *tables(ours.output, beside), inputs, sensitivity.table(steady, by_row)),
+        tables=(
+            loss_breakdown.table(ours.powers, beside, rate_error(ours, finer)),
+            *tables(ours.output, beside),
+            spread.table("output rate", rates["own"], by_input),
+            sensitivity.table(steady, by_row),
+        ),
         assumptions=_assumptions(steady, main),
         details=loss_breakdown.as_json(ours.powers, beside) | spread.as_json(ours.powers.efficiency, by_input),
         runs={"braked": ours.run},
     )
 
 
-def _variants(
-    steady: Reducer, rows: Sequence[FrictionVariant], assumed: Sequence[Input]
+def _describe_drive(reducer: Reducer) -> str:
+    """Format the torque on the crank and its speed, for the title of the measurement."""
+    drive = reducer.design.drive
+    return f"{drive.torque:.4g} N m on the crank, {abs(drive.speed) / RPM:.0f} rpm"
+
+
+def _name_runs(
+    steady: Reducer,
+    tested: Mapping[Hashable, tuple[Reducer, int]],
+    variants: Sequence[FrictionVariant],
+    varied_inputs: Sequence[Input],
+    published: Sequence[Published],
+) -> dict[str, Reducer]:
+    """Return the drives of the test's runs by name, for warnings about friction, except those that vary creep."""
+    names = _RUNS | {variant: variant.name for variant in variants}
+    names |= {end: name for item in varied_inputs for end, name in item.names.items()}
+    exempt = spread.creep_variants(varied_inputs)
+    by_name = {names[key]: _at_rated_torque(drive) for key, (drive, _) in tested.items() if key not in exempt}
+    frictions = [item.friction for item in published if item.error is not None]
+    return by_name | {sensitivity.common_name(value): _with_common_friction(steady, value) for value in frictions}
+
+
+def _tested_drives(
+    steady: Reducer,
+    variants: Sequence[FrictionVariant],
+    varied_inputs: Sequence[Input],
+    periods: int,
+    half_step: Reducer | None,
 ) -> dict[Hashable, tuple[Reducer, int]]:
-    """Return each row of the friction table and each end of an input with massless pins, and their mesh periods."""
-    drives = {row: Reducer(row.design) for row in rows}
-    periods = whole_periods(steady, spread.INPUTS.periods)
-    return {row: (massless(drive), whole_periods(drive, sensitivity.PERIODS)) for row, drive in drives.items()} | {
-        end: (massless(Reducer(end)), periods) for each in assumed for end in each.ends
-    }
+    """Return drive and mesh periods of each run of the test by its key.
+
+    The keys are "own" (the design), "halved" (with `half_step`, if it is given), each friction variant and the designs
+    at both ends of each input; all but the first two have massless pins.
+    """
+    tested: dict[Hashable, tuple[Reducer, int]] = {"own": (steady, periods)}
+    if half_step is not None:
+        tested["halved"] = (half_step, periods)
+    for variant in variants:
+        drive = Reducer(variant.design)
+        tested[variant] = (massless(drive), averaging_periods(drive, sensitivity.FRICTION_TABLE.periods))
+    input_periods = averaging_periods(steady, spread.INPUTS.periods)
+    ends = [end for item in varied_inputs for end in item.ends]
+    return tested | {end: (massless(Reducer(end)), input_periods) for end in ends}
 
 
 def _at_rated_torque(reducer: Reducer) -> Reducer:
@@ -132,7 +158,7 @@ def _at_rated_torque(reducer: Reducer) -> Reducer:
     return reducer.working_at(reducer.design.rated_torque)
 
 
-def _untold_test(reducer: Reducer, periods: int, solver: Solver) -> BrakedRun:
+def _quiet_rated_test(reducer: Reducer, periods: int, solver: Solver) -> BrakedRun:
     """Run the rated test without the warning about incomplete friction, which `torque` issues for all tests at once."""
     with suppress_warnings(tuple(creeping(_at_rated_torque(reducer)))):
         return rated_test(reducer, periods, solver)
@@ -145,96 +171,110 @@ def rated_test(reducer: Reducer, periods: int, solver: Solver = "planar") -> Bra
     return BrakedRun(run, mean_powers(run), output, crank)
 
 
-def held_efficiency(reducer: Reducer, load: float, periods: int, solver: Solver = "planar") -> float:
+def constant_speed_efficiency(reducer: Reducer, load: float, periods: int, solver: Solver = "planar") -> float:
     """Compute the efficiency under a load [N m] at constant crank speed, as a second method."""
-    return mean_powers(run_steady(reducer.but(load={"torque": load}), SETTLING_TIME, periods, solver)).efficiency
+    return mean_powers(run_steady(reducer.but(load={"torque": load}), STEADY.settling_time, periods, solver)).efficiency
 
 
-def rate_error(ours: BrakedRun, finer: BrakedRun | None) -> float:
-    """Compute the numerical error of the rate: the change with half the averaging time, and with half the time step."""
-    others = [mean_powers(first_half(ours.run)), *([finer.powers] if finer else [])]
-    return max(abs(other.efficiency - ours.powers.efficiency) for other in others)
+def rate_error(test: BrakedRun, half_step: BrakedRun | None) -> float:
+    """Compute the error of the output rate: the largest change with half the averaging time and with half the step."""
+    other_powers = [mean_powers(first_half(test.run)), *([half_step.powers] if half_step else [])]
+    return max(abs(other.efficiency - test.powers.efficiency) for other in other_powers)
 
 
-def with_friction(
+def explain_published(
     published: Sequence[Published],
     reducer: Reducer,
-    by_variant: Mapping[FrictionVariant, float],
+    rate_by_variant: Mapping[FrictionVariant, float],
     error: float | None,
     solver: Solver,
 ) -> list[Published]:
-    """Return published torques with the friction that explains each of them.
+    """Return the published torques with the common friction at which the model has the same rate.
 
-    With the numerical `error` of a rate, each is run at its friction; the error of the friction follows from the
-    deviation, that error and the slope.
+    With the numerical `error` of a rate, each is simulated at its friction; the error of the friction follows from the
+    deviation, that error and the slope of the rate.
     """
-    rates = sensitivity.common_rates(by_variant, sensitivity.pins_of(reducer))
-    figures = [replace(item, friction=sensitivity.friction_for(rates, item.rate)) for item in published]
-    inside = [figure for figure in figures if math.isfinite(figure.friction)]
-    if error is None or not inside:
-        return figures
+    rates = sensitivity.common_rates(rate_by_variant, sensitivity.pins_of(reducer))
+    explained = [replace(item, friction=sensitivity.interpolate_friction(rates, item.rate)) for item in published]
+    interpolated = [figure for figure in explained if math.isfinite(figure.friction)]
+    if error is None or not interpolated:
+        return explained
     slope = abs(sensitivity.slope(rates))
-    periods = whole_periods(reducer, sensitivity.PERIODS)
-    reached = each_in_threads(lambda item: _untold_test(_with_common(reducer, item.friction), periods, solver), inside)
-    missed = {item: abs(test.powers.efficiency - item.rate) for item, test in zip(inside, reached, strict=True)}
+    periods = averaging_periods(reducer, sensitivity.FRICTION_TABLE.periods)
+    tests = each_in_threads(
+        lambda item: _quiet_rated_test(_with_common_friction(reducer, item.friction), periods, solver), interpolated
+    )
+    deviations = {item: abs(test.powers.efficiency - item.rate) for item, test in zip(interpolated, tests, strict=True)}
     return [
-        replace(figure, error=(missed[figure] + error) / slope) if figure in missed else figure for figure in figures
+        replace(figure, error=(deviations[figure] + error) / slope) if figure in deviations else figure
+        for figure in explained
     ]
 
 
-def _with_common(reducer: Reducer, friction: float) -> Reducer:
+def _with_common_friction(reducer: Reducer, friction: float) -> Reducer:
     """Return the drive with one friction for all sliding pairs, and massless pins."""
     return massless(sensitivity.with_common_friction(reducer, friction))
 
 
 def _quantities(
-    reducer: Reducer, ours: BrakedRun, finer: BrakedRun | None, at_held_crank: float, by_input: Sequence[InputEffect]
+    reducer: Reducer,
+    test: BrakedRun,
+    half_step: BrakedRun | None,
+    at_held_crank: float,
+    by_input: Sequence[InputEffect],
 ) -> list[Quantity]:
-    """List the quantities of the rated test."""
-    ideal = reducer.design.rated_torque
-    powers, closed = ours.powers, ideal_efficiency(reducer, ours.output)
-    error = rate_error(ours, finer)
-    torque_error = max(error * ideal, abs(ours.output - powers.efficiency * ideal))
-    ripple, rms = (float(size(ours.run["load_torque"])) for size in (np.ptp, np.std))
+    """Return the figures of the rated test: torques, output rate, ripple, efficiency and energy balance."""
+    rated_torque = reducer.design.rated_torque
+    powers, reference = test.powers, ideal_efficiency(reducer, test.output)
+    error = rate_error(test, half_step)
+    torque_error = max(error * rated_torque, abs(test.output - powers.efficiency * rated_torque))
+    ripple, ripple_rms = (float(size(test.run["load_torque"])) for size in (np.ptp, np.std))
     # what is left of the ringing shows in the second half, which has less of it
-    later = ours.run.select(slice(len(ours.run) // 2, None))
-    others = [run["load_torque"] for run in (later, *([finer.run] if finer else []))]
-    ripple_error = max(abs(float(np.ptp(other)) - ripple) for other in others)
-    rms_error = max(abs(float(np.std(other)) - rms) for other in others)
-    expected, rate = (closed.efficiency * ideal, closed.source), 1e2 * ours.output / ideal
+    second_half = test.run.select(slice(len(test.run) // 2, None))
+    other_torques = [run["load_torque"] for run in (second_half, *([half_step.run] if half_step else []))]
+    ripple_error = max(abs(float(np.ptp(other)) - ripple) for other in other_torques)
+    rms_error = max(abs(float(np.std(other)) - ripple_rms) for other in other_torques)
+    torque_reference, rate = (reference.efficiency * rated_torque, reference.source), 1e2 * test.output / rated_torque
     inputs = spread.spread_text(powers.efficiency, by_input)
     at_speed, rate_by_powers = "efficiency at constant crank speed under this load", 1e2 * powers.efficiency
     return [
-        Quantity("output_torque", "output torque", ours.output, "N m", torque_error, *expected, AS_BUILT),
-        Quantity("output_rate", f"output rate, of {ideal:g} N m", rate, "%", 1e2 * torque_error / ideal, note=inputs),
+        Quantity("output_torque", "output torque", test.output, "N m", torque_error, *torque_reference, AS_BUILT),
+        Quantity(
+            "output_rate",
+            f"output rate, of {rated_torque:g} N m",
+            rate,
+            "%",
+            1e2 * torque_error / rated_torque,
+            note=inputs,
+        ),
         Quantity("ripple_peak_to_peak", "ripple of the output torque, p-p", ripple, "N m", ripple_error),
-        Quantity("ripple_rms", "ripple of the output torque, rms", rms, "N m", rms_error),
-        Quantity("input_torque", "mean input torque", ours.input, "N m", None, reducer.design.drive.torque, "as given"),
+        Quantity("ripple_rms", "ripple of the output torque, rms", ripple_rms, "N m", rms_error),
+        Quantity("input_torque", "mean input torque", test.input, "N m", None, reducer.design.drive.torque, "as given"),
         Quantity("efficiency", "efficiency by powers", rate_by_powers, "%", 1e2 * error),
         Quantity("efficiency_crank_held", at_speed, 1e2 * at_held_crank, "%", None, rate_by_powers, "braked run"),
         Quantity("balance_residual", "residual of the energy balance", 1e2 * powers.residual, "% of input"),
     ]
 
 
-def _curves(reducer: Reducer, ours: BrakedRun) -> tuple[Curve, ...]:
-    """List the output torque against the crank angle, and its orders."""
-    torque, angle = ours.run["load_torque"], ours.run["crank_angle"]
-    turned = np.abs(angle - angle[0])
+def _curves(reducer: Reducer, test: BrakedRun) -> tuple[Curve, ...]:
+    """Return the output torque over the crank angle, and the amplitudes of its orders."""
+    torque, angle = test.run["load_torque"], test.run["crank_angle"]
+    swept = np.abs(angle - angle[0])
     teeth, x, y = reducer.mesh_periods, "crank angle [deg]", "torque [N m]"
     curves = [
-        Curve("output torque", "mean", np.degrees(turned), np.full(len(torque), ours.output), x, y, "theory"),
-        Curve("output torque", "simulated", np.degrees(turned), np.abs(torque), x, y),
+        Curve("output torque", "mean", np.degrees(swept), np.full(len(torque), test.output), x, y, "theory"),
+        Curve("output torque", "simulated", np.degrees(swept), np.abs(torque), x, y),
     ]
     orders = tapered_orders(angle, torque, 4.0 * teeth, teeth)
     if orders is not None:
-        low, high = orders.band
-        words = f"order of the crank, accurate to 1 % from {low:.3g} to {high:.4g}"
+        min_order, max_order = orders.band
+        words = f"order of the crank, accurate to 1 % from {min_order:.3g} to {max_order:.4g}"
         curves.append(Curve("its ripple by order", "", orders.order, orders.amplitude, words, "amplitude [N m]"))
     return tuple(curves)
 
 
 def _assumptions(reducer: Reducer, periods: int) -> tuple[str, ...]:
-    """List the assumptions of the runs."""
+    """Return the sentences on friction, contact stiffness, averaging, motor and numerical errors of the test."""
     design = reducer.design
     friction = ", ".join(f"{pair} {design.friction_of(pair):g}" for pair in sensitivity.sliding_pairs(reducer))
     pins = round(periods * design.output.pins / design.lobes, 2)

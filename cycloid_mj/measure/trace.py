@@ -16,10 +16,23 @@ from cycloid_mj.geometry.kinematics import CrankLaw
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.structure import wind_up
 
-SETTLING, RISE = 0.020, 0.008
-"""Time before the window, and rise time of the load [s]."""
-SAMPLES = 48
-"""Samples of a mesh period."""
+
+@dataclass(frozen=True)
+class TraceSettings:
+    """Settings of the runs of transmission error and vibration."""
+
+    settling: float = 0.020
+    rise: float = 0.008
+    """Time before the evaluated window, and rise time of the load [s]."""
+    samples: int = 48
+    """Samples of a mesh period."""
+    checked_periods: int = 3
+    """Mesh periods that are run again with half the time step."""
+    slow_share: float = 0.25
+    """Slow crank speed relative to the design's."""
+
+
+TRACE = TraceSettings()
 
 
 @dataclass(frozen=True)
@@ -75,53 +88,62 @@ def copy_model(compiled: Model) -> Model:
 
 
 def preload_cycle(reducer: Reducer, compiled: Model, start: float = 0.0) -> DriveCycle:
-    """Return the drive cycle at constant speed from a crank angle [rad], with the flanks pressed together first.
+    """Return a drive cycle at constant crank speed from an angle [rad], with a load pulse that closes the flanks first.
 
     With a light drag alone the disc oscillates in its clearance for some 30 ms; a pulse of up to the nominal torque, a
     sine squared, shortens this to a few ms.
     """
     design = reducer.design
-    law, way = CrankLaw(design.drive.speed, 0.0), braking(reducer)
-    press = max(design.rated_torque - design.load.torque, 0.0)
+    law, brake_sign = CrankLaw(design.drive.speed, 0.0), braking(reducer)
+    pulse_torque = max(design.rated_torque - design.load.torque, 0.0)
 
     def load(time: Array) -> Array:
-        return load_torque(reducer, time) + way * press * np.sin(np.pi * np.clip(time / 0.016, 0.0, 1.0)) ** 2
+        return (
+            load_torque(reducer, time)
+            + brake_sign * pulse_torque * np.sin(np.pi * np.clip(time / 0.016, 0.0, 1.0)) ** 2
+        )
 
     return DriveCycle(start, design.drive.speed, lambda time: start + servo_target(compiled, law, time), load)
 
 
-def run_trace(reducer: Reducer, compiled: Model, turns: float, case: TraceCondition) -> Trace:
-    """Run a condition over some crank turns from the crank angle 0, or back to it from a full turn."""
-    way = float(np.sign(case.speed))
-    per_second = SAMPLES * reducer.mesh_periods * abs(case.speed) / (2.0 * np.pi)
-    settling = SETTLING * slowness(reducer)
+def run_trace(reducer: Reducer, compiled: Model, turns: float, condition: TraceCondition) -> Trace:
+    """Simulate a condition over some crank turns; return the transmission errors over the crank angle.
+
+    The crank turns from the angle 0, or in reverse back to it from a whole number of turns.
+    """
+    direction = float(np.sign(condition.speed))
+    sample_rate = TRACE.samples * reducer.mesh_periods * abs(condition.speed) / (2.0 * np.pi)
+    settling = TRACE.settling * slowness(reducer)
     reducer = reducer.steady(
         settling,
         turns,
         samples=4.0,
-        drive={"speed": case.speed},
-        load={"torque": case.torque, "rise": RISE},
-        settings={"log_rate": min(per_second, 1.0 / compiled.timestep)},
+        drive={"speed": condition.speed},
+        load={"torque": condition.torque, "rise": TRACE.rise},
+        settings={"log_rate": min(sample_rate, 1.0 / compiled.timestep)},
     )
     # Both directions cover the same angles, so that their curves can be compared.
-    start = (0.0 if way > 0.0 else 2.0 * np.pi * np.ceil(turns)) - case.speed * settling
+    start = (0.0 if direction > 0.0 else 2.0 * np.pi * np.ceil(turns)) - condition.speed * settling
     run = simulate(reducer.design, compiled, preload_cycle(reducer, compiled, start))
     window = run.select(run.time >= settling - 2.0 / reducer.design.settings.log_rate)
-    return _read(window, reducer, turns, way)
+    return _resample_errors(window, reducer, turns, direction)
 
 
-def _read(run: Run, reducer: Reducer, turns: float, sense: float) -> Trace:
-    """Evaluate the errors at equal intervals of the crank angle, without the end of the window."""
+def _resample_errors(run: Run, reducer: Reducer, turns: float, direction: float) -> Trace:
+    """Resample the errors of disc and output at equal steps of the crank angle, by a cubic spline.
+
+    `direction` is the sign of the crank speed; the end of the window is left out.
+    """
     from scipy.interpolate import CubicSpline
 
-    order = slice(None, None, int(sense))
-    crank = run["crank_angle"][order]
-    points = round(SAMPLES * reducer.mesh_periods * turns)
-    swept = 2.0 * np.pi * turns
-    first = 0.0 if sense > 0.0 else 2.0 * np.pi * np.ceil(turns) - swept
-    grid = first + swept * np.arange(points) / points
+    ascending = slice(None, None, int(direction))
+    crank_angle = run["crank_angle"][ascending]
+    points = round(TRACE.samples * reducer.mesh_periods * turns)
+    span = 2.0 * np.pi * turns
+    start = 0.0 if direction > 0.0 else 2.0 * np.pi * np.ceil(turns) - span
+    grid = start + span * np.arange(points) / points
     # linear interpolation would lose 2.6 % of the third harmonic of the mesh
-    twisted = wind_up(reducer) * run["load_torque"]
-    turns_by = (gear_error(run, reducer), output_error(run, reducer) + twisted)
-    gear, output = (ARCSECONDS * CubicSpline(crank, turn[order])(grid) for turn in turns_by)
+    shaft_twist = wind_up(reducer) * run["load_torque"]
+    errors = (gear_error(run, reducer), output_error(run, reducer) + shaft_twist)
+    gear, output = (ARCSECONDS * CubicSpline(crank_angle, error[ascending])(grid) for error in errors)
     return Trace(grid, gear, output, run)

@@ -16,9 +16,9 @@ from cycloid_mj.design import Named, resolve
 from cycloid_mj.dynamics.massless import require_pin_bodies
 from cycloid_mj.dynamics.planar.timestep import for_accelerations
 from cycloid_mj.dynamics.run import Solver, model_for
-from cycloid_mj.measure.conditions import DRAG_SHARE, halve_time_step, require_motion
+from cycloid_mj.measure.conditions import STEADY, describe_loads, halve_time_step, load_cases, require_motion
 from cycloid_mj.measure.measurement import Measurement
-from cycloid_mj.measure.reaction import unbalance, weight
+from cycloid_mj.measure.reaction import unbalance, weight_force
 from cycloid_mj.measure.trace import copy_model
 from cycloid_mj.measure.vibration_runs import VibrationRun, run_vibration
 from cycloid_mj.reducer import Reducer
@@ -78,33 +78,50 @@ def vibration(
     reducer = Reducer(resolve(design))
     require_motion(reducer)
     require_pin_bodies(reducer, "vibration")
-    rated, speed = reducer.design.rated_torque, reducer.design.drive.speed
-    torques = {"unloaded": DRAG_SHARE * rated, "loaded": rated if load is None else load}
+    speed, torques = reducer.design.drive.speed, load_cases(reducer, load)
     reducer = reducer.working_at(torques["loaded"])
     if solver == "planar":
         reducer = reducer.but(settings={"timestep": for_accelerations(reducer)})
     swept = [] if quick else list(speeds) or [share * speed for share in SHARES]
-    half = halve_time_step(reducer, solver)
-    points = [(reducer, model_for(solver, reducer), item) for item in sorted({speed, *swept}, key=abs)]
-    points += [] if quick else [(half, model_for(solver, half), speed)]
-    tasks = [
-        (item, copy_model(model), *loaded, pace, turns) for item, model, pace in points for loaded in torques.items()
-    ]
-    levels = each_in_threads(lambda task: run_vibration(*task), tasks, progress)
+    levels = _run_sweep(reducer, torques, sorted({speed, *swept}, key=abs), turns, not quick, solver, progress)
     checks = {} if quick else {level.load: level for level in levels[-len(torques) :]}
     full = levels[: len(levels) - len(checks)]
     at_speed = [item for item in full if item.speed == speed]
     return Measurement(
         measure="vibration",
         design=reducer.design,
-        condition=" and ".join(f"{item} {torque:.3g} N m" for item, torque in torques.items())
-        + f", spectra at {abs(speed) / RPM:.0f} rpm, {SOLVERS[solver]}",
-        quantities=by_key(_levels(reducer, at_speed, checks), _unbalance(reducer, at_speed, checks)),
-        curves=(*_sweep(reducer, full), *_spectra(reducer, at_speed)),
+        condition=f"{describe_loads(torques)}, spectra at {abs(speed) / RPM:.0f} rpm, {SOLVERS[solver]}",
+        quantities=by_key(
+            _level_quantities(reducer, at_speed, checks), _unbalance_quantities(reducer, at_speed, checks)
+        ),
+        curves=(*_sweep_curves(reducer, full), *_spectrum_curves(reducer, at_speed)),
         assumptions=_assumptions(reducer, at_speed[0]),
         runs={f"{item.load}_{abs(item.rpm):.0f}rpm": item.run for item in full},
-        details={"band_hz": 0.5 * at_speed[0].rate, "sweep": [_row(reducer, item) for item in full]},
+        details={"band_hz": 0.5 * at_speed[0].rate, "sweep": [_sweep_row(reducer, item) for item in full]},
     )
+
+
+def _run_sweep(
+    reducer: Reducer,
+    torques: Mapping[str, float],
+    speeds: Sequence[float],
+    turns: int,
+    check_step: bool,
+    solver: Solver,
+    progress: Progress,
+) -> list[VibrationRun]:
+    """Simulate every load at every crank speed [rad/s]; with `check_step` then at the design's with half the step.
+
+    `torques` maps the name of a load to the torque on the output [N m]; each run covers `turns` crank turns.
+    """
+    points = [(reducer, model_for(solver, reducer), speed) for speed in speeds]
+    if check_step:
+        half = halve_time_step(reducer, solver)
+        points.append((half, model_for(solver, half), reducer.design.drive.speed))
+    tasks = [
+        (drive, copy_model(model), *load, speed, turns) for drive, model, speed in points for load in torques.items()
+    ]
+    return each_in_threads(lambda task: run_vibration(*task), tasks, progress)
 
 
 def _signal_keys(reducer: Reducer) -> tuple[str, ...]:
@@ -117,105 +134,121 @@ def _spectrum_keys(reducer: Reducer) -> tuple[str, ...]:
     return (*SHOWN, *(_OF_PLANES if reducer.design.gear.discs > 1 else ()))
 
 
-def _levels(
-    reducer: Reducer, at_speed: Sequence[VibrationRun], checks: Mapping[str, VibrationRun]
+def _level_quantities(
+    reducer: Reducer, runs: Sequence[VibrationRun], half_step_runs: Mapping[str, VibrationRun]
 ) -> Iterator[Quantity]:
-    """Yield the levels at the design's speed; the balance of momentum is the second method for the housing's force."""
-    closed, still = reducer.design.gear.eccentricity * reducer.design.drive.speed**2, float(np.hypot(*weight(reducer)))
-    for item in at_speed:
-        check = checks.get(item.load)
+    """Yield the rms levels of all signals at the design's speed, and the shares of their power above the band.
+
+    The balance of momentum is the second method for the force on the housing. `half_step_runs` maps the load to the run
+    with half the time step, for the error.
+    """
+    orbit_acceleration, weight = (
+        reducer.design.gear.eccentricity * reducer.design.drive.speed**2,
+        float(np.hypot(*weight_force(reducer))),
+    )
+    for run in runs:
+        half_step_run = half_step_runs.get(run.load)
         for key in _signal_keys(reducer):
             name, unit = _ALL[key]
-            value, error = item.rms(key), _error(item, check, methodcaller("rms", key))
-            error = None if error is None else max(error, abs(item.rms_of_half(key) - value))
-            reference, source = (item.rms("momentum"), "m a of disc and shaft") if key == "housing" else (None, "")
+            value, error = run.rms(key), _step_change(run, half_step_run, methodcaller("rms", key))
+            error = None if error is None else max(error, abs(run.rms_of_half(key) - value))
+            reference, source = (run.rms("momentum"), "m a of disc and shaft") if key == "housing" else (None, "")
             note = _NOTE if key == "housing" else ""
-            words = f"rms {name} below {5e-4 * item.rate:.3g} kHz, {item.load}"
-            yield Quantity(f"{key}_rms_{item.load}", words, value, unit, error, reference, source, note)
+            words = f"rms {name} below {5e-4 * run.rate:.3g} kHz, {run.load}"
+            yield Quantity(f"{key}_rms_{run.load}", words, value, unit, error, reference, source, note)
         for key in _spectrum_keys(reducer):
             name, _ = _ALL[key]
-            words = f"share of the power of the {name} above {5e-4 * item.rate:.3g} kHz, {item.load}"
-            error = _error(item, check, methodcaller("above", key))
+            words = f"share of the power of the {name} above {5e-4 * run.rate:.3g} kHz, {run.load}"
+            error = _step_change(run, half_step_run, methodcaller("above", key))
             error = None if error is None else 1e2 * error
-            note = f"sampled at {1e-3 * item.sampled_rate:.4g} kHz; the figures include the part below"
-            yield Quantity(f"{key}_above_band_{item.load}", words, 1e2 * item.above(key), "%", error, note=note)
-        words, error = f"full acceleration of the disc's centre, {item.load}", _error(item, check, attrgetter("orbit"))
-        yield Quantity(f"orbit_{item.load}", words, item.orbit, "m/s2", error, closed, "c omega^2")
-        words, error = f"mean force on the housing, {item.load}", _error(item, check, _mean_force)
+            note = f"sampled at {1e-3 * run.sampled_rate:.4g} kHz; the figures include the part below"
+            yield Quantity(f"{key}_above_band_{run.load}", words, 1e2 * run.above(key), "%", error, note=note)
+        words, error = (
+            f"full acceleration of the disc's centre, {run.load}",
+            _step_change(run, half_step_run, attrgetter("orbit")),
+        )
+        yield Quantity(f"orbit_{run.load}", words, run.orbit, "m/s2", error, orbit_acceleration, "c omega^2")
+        words, error = f"mean force on the housing, {run.load}", _step_change(run, half_step_run, _mean_force)
         yield Quantity(
-            f"mean_force_{item.load}", words, _mean_force(item), "N", error, still, "weight of the moving parts"
+            f"mean_force_{run.load}", words, _mean_force(run), "N", error, weight, "weight of the moving parts"
         )
 
 
-def _unbalance(
-    reducer: Reducer, at_speed: Sequence[VibrationRun], checks: Mapping[str, VibrationRun]
+def _unbalance_quantities(
+    reducer: Reducer, runs: Sequence[VibrationRun], half_step_runs: Mapping[str, VibrationRun]
 ) -> Iterator[Quantity]:
-    """Yield the unbalance of gear and shaft, from the solids, and the rotating force that the first run shows."""
-    unbalanced, square, single = unbalance(reducer), reducer.design.drive.speed**2, reducer.design.gear.discs == 1
-    one, check = at_speed[0], checks.get(at_speed[0].load)
+    """Yield the unbalance from the solids, and the force of the first run that rotates with the crank."""
+    unbalances, speed_squared, single = (
+        unbalance(reducer),
+        reducer.design.drive.speed**2,
+        reducer.design.gear.discs == 1,
+    )
+    first, half_step_run = runs[0], half_step_runs.get(runs[0].load)
     without, balanced = (", without counterweight", ", with counterweight") if single else ("", "")
-    bare = [("housing_bare", without, unbalanced.bare)] if single else []
-    for key, how, closed in (*bare, ("housing", balanced, unbalanced.balanced)):
+    without_weight = [("housing_bare", without, unbalances.bare)] if single else []
+    for key, condition, closed in (*without_weight, ("housing", balanced, unbalances.balanced)):
         yield Quantity(
             key=f"{key}_rotating",
-            name=f"force that rotates with the crank{how}",
-            value=one.rotating(key),
+            name=f"force that rotates with the crank{condition}",
+            value=first.rotating(key),
             unit="N",
-            error=_error(one, check, methodcaller("rotating", key)),
-            reference=abs(closed) * square,
+            error=_step_change(first, half_step_run, methodcaller("rotating", key)),
+            reference=abs(closed) * speed_squared,
             source="sum of m c omega^2",
         )
-    couple = abs(unbalanced.couple) * square
+    couple = abs(unbalances.couple) * speed_squared
     arrangement = "the counterweight lies next to the disc" if single else "discs balance each other"
     note = f"{arrangement}: the force is balanced, the couple is not"
-    yield Quantity("unbalance", f"unbalance{without or ' of discs and cams'}", 1e6 * unbalanced.bare, "g mm")
+    yield Quantity("unbalance", f"unbalance{without or ' of discs and cams'}", 1e6 * unbalances.bare, "g mm")
     yield Quantity("couple", f"rocking couple{balanced}", couple, "N m", note=note)
 
 
-def _error(run: VibrationRun, check: VibrationRun | None, read: Callable[[VibrationRun], float]) -> float | None:
-    """Compute the change of a reading with half the time step; None without a check."""
-    return None if check is None else abs(read(check) - read(run))
+def _step_change(
+    run: VibrationRun, half_step_run: VibrationRun | None, read: Callable[[VibrationRun], float]
+) -> float | None:
+    """Return the change of a reading with half the time step; None without such a run."""
+    return None if half_step_run is None else abs(read(half_step_run) - read(run))
 
 
 def _mean_force(run: VibrationRun) -> float:
     return float(np.hypot(*run.mean_force))
 
 
-def _sweep(reducer: Reducer, levels: Sequence[VibrationRun]) -> Iterator[Curve]:
-    """Yield the levels over speed, with the closed form of the unbalance."""
-    bare = unbalance(reducer).bare
+def _sweep_curves(reducer: Reducer, runs: Sequence[VibrationRun]) -> Iterator[Curve]:
+    """Yield the rms levels of each signal over the crank speed, with the closed form of the unbalance."""
+    static_unbalance = unbalance(reducer).bare
     for key in _signal_keys(reducer):
         name, unit = _ALL[key]
         panel = f"rms of the {name}"
-        loads = dict.fromkeys(level.load for level in levels)
+        loads = dict.fromkeys(run.load for run in runs)
         if key == "housing_bare":
-            rpm = np.linspace(0.0, max(abs(level.rpm) for level in levels), 61)
-            force = bare * (rpm * RPM) ** 2
+            rpm = np.linspace(0.0, max(abs(run.rpm) for run in runs), 61)
+            force = static_unbalance * (rpm * RPM) ** 2
             yield Curve(panel, "sum of m c omega^2", rpm, force, _RPM, f"rms [{unit}]", "theory")
         for load in loads:
-            points = [level for level in levels if level.load == load]
+            points = [run for run in runs if run.load == load]
             x, y = np.array([abs(point.rpm) for point in points]), np.array([point.rms(key) for point in points])
             yield Curve(panel, load, x, y, _RPM, f"rms [{unit}]", "points" if len(points) == 1 else "line")
 
 
-def _spectra(reducer: Reducer, at_speed: Sequence[VibrationRun]) -> Iterator[Curve]:
-    """Yield the spectra at the design's speed: of vectors, the root of both components' squares."""
+def _spectrum_curves(reducer: Reducer, runs: Sequence[VibrationRun]) -> Iterator[Curve]:
+    """Yield the amplitude spectra of the drawn signals at the design's speed; for vectors the root sum of squares."""
     for key in _spectrum_keys(reducer):
         name, unit = _ALL[key]
-        for item in at_speed:
-            turns_per_second = abs(item.speed) / (2.0 * np.pi)
-            axes = [orders for axis in item.signals[key].T if (orders := tapered_orders(item.crank, axis)) is not None]
-            if axes:
-                size = np.sqrt(np.sum([spectrum.amplitude**2 for spectrum in axes], axis=0))
-                low, high = (order * turns_per_second for order in axes[0].band)
+        for run in runs:
+            turns_per_second = abs(run.speed) / (2.0 * np.pi)
+            spectra = [orders for axis in run.signals[key].T if (orders := tapered_orders(run.crank, axis)) is not None]
+            if spectra:
+                amplitude = np.sqrt(np.sum([spectrum.amplitude**2 for spectrum in spectra], axis=0))
+                low, high = (order * turns_per_second for order in spectra[0].band)
                 words = f"{_HZ}, accurate to 1 % from {low:.0f} to {high:.0f} Hz"
-                frequency, panel = axes[0].order * turns_per_second, f"spectrum of the {name}"
-                yield Curve(panel, item.load, frequency, size, words, f"amplitude [{unit}]")
+                frequency, panel = spectra[0].order * turns_per_second, f"spectrum of the {name}"
+                yield Curve(panel, run.load, frequency, amplitude, words, f"amplitude [{unit}]")
 
 
 def _assumptions(reducer: Reducer, run: VibrationRun) -> tuple[str, ...]:
-    """List the assumptions of the runs."""
-    planes = (
+    """Return the sentences on bearings, references, sampling, load and numerical errors of the runs."""
+    disc_planes = (
         "several discs: the disc's centre is that of disc 1; forces act in the plane of each disc, tilting moments "
         "are about the middle of all discs, and the shaft is a beam on its two bearings, without its own unbalance",
     )
@@ -223,13 +256,13 @@ def _assumptions(reducer: Reducer, run: VibrationRun) -> tuple[str, ...]:
         "bearings and housing are rigid; a bearing's force is the inertia of its body minus contact forces and weight",
         "accelerations are relative to the closed form (Eqs 12 and 14) at the measured crank angle, forces to their "
         "mean",
-        *(planes if reducer.design.gear.discs > 1 else ()),
+        *(disc_planes if reducer.design.gear.discs > 1 else ()),
         f"accelerations and forces are sampled at {1e-3 * run.sampled_rate:.4g} kHz and filtered before they are "
         f"stored at {1e-3 * run.rate:.4g} kHz: their rms includes the part below {5e-4 * run.rate:.3g} kHz (the "
         f"filter falls from {1e-3 * SPECTRUM.band * run.rate:.3g} to {1e-3 * (1.0 - SPECTRUM.band) * run.rate:.3g} "
         f"kHz), the spectra end at {1e-3 * SPECTRUM.band * run.rate:.3g} kHz",
-        f"unloaded: a drag of {DRAG_SHARE:.0%} of the nominal torque, which presses the flanks together before the "
-        "window; the spectra are at the design's speed",
+        f"unloaded: a drag of {STEADY.drag_share:.0%} of the nominal torque, which presses the flanks together before "
+        "the window; the spectra are at the design's speed",
         "contacts have the secant stiffness of one working force in all runs, that of the loaded ones: "
         f"{reducer.contacts.working_forces_text(reducer.design.pair_kinds)}",
         "numerical error: change with half the time step at the design's speed (not available with --quick), of an "
@@ -238,6 +271,6 @@ def _assumptions(reducer: Reducer, run: VibrationRun) -> tuple[str, ...]:
     )
 
 
-def _row(reducer: Reducer, run: VibrationRun) -> dict[str, Any]:
+def _sweep_row(reducer: Reducer, run: VibrationRun) -> dict[str, Any]:
     levels = {f"{key}_rms": run.rms(key) for key in _signal_keys(reducer)}
     return {"speed_rpm": run.rpm, "load": run.load, "orbit_m_s2": run.orbit, **levels}

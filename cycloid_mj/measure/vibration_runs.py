@@ -19,9 +19,15 @@ from cycloid_mj.base.units import RPM
 from cycloid_mj.comparison.vibration import acceleration
 from cycloid_mj.dynamics.run import Model, simulate
 from cycloid_mj.dynamics.settling import slowness
-from cycloid_mj.measure.conditions import LOG_RATE
-from cycloid_mj.measure.reaction import masses, of_discs, reaction, shaft_acceleration, without_counterweight
-from cycloid_mj.measure.trace import RISE, SETTLING, preload_cycle
+from cycloid_mj.measure.conditions import STEADY
+from cycloid_mj.measure.reaction import (
+    bearing_reactions,
+    body_masses,
+    reaction,
+    shaft_acceleration,
+    without_counterweight,
+)
+from cycloid_mj.measure.trace import TRACE, preload_cycle
 from cycloid_mj.reducer import Reducer
 
 ACCELERATIONS = ("gear_centre", "output", "momentum")
@@ -83,55 +89,62 @@ class VibrationRun:
 def run_vibration(
     reducer: Reducer, compiled: Model, load: str, torque: float, speed: float, turns: int
 ) -> VibrationRun:
-    """Run a design at a crank speed [rad/s] under a torque [N m], over some crank turns after it has settled."""
+    """Simulate a design at a crank speed [rad/s] under a torque [N m] over some turns; return its vibration signals.
+
+    Signals are sampled at up to ten times the stored rate, low-pass filtered and decimated. `load` is the name of the
+    load.
+    """
     # at most ten samples are taken for each stored one
-    every = max(1, min(10, int(1.0 / (LOG_RATE * compiled.timestep) + 1e-6)))
-    settling = SETTLING * slowness(reducer)
+    stride = max(1, min(10, int(1.0 / (STEADY.log_rate * compiled.timestep) + 1e-6)))
+    settling = TRACE.settling * slowness(reducer)
     reducer = reducer.steady(
         settling,
         turns,
         # for the filter and the differences
-        samples=12 * every,
+        samples=12 * stride,
         drive={"speed": speed},
-        load={"torque": torque, "rise": RISE},
-        settings={"log_rate": every * LOG_RATE},
+        load={"torque": torque, "rise": TRACE.rise},
+        settings={"log_rate": stride * STEADY.log_rate},
     )
     run = simulate(reducer.design, compiled, preload_cycle(reducer, compiled))
-    step = float(np.mean(np.diff(run.time)))
-    of, accelerations = masses(reducer), acceleration(series(run, settle=settling))
-    orbits = [np.diff(run.block(planar_speeds(gear)[:2]), axis=0) / step for gear in gears(reducer.design.gear.discs)]
-    orbit = orbits[0]
+    interval = float(np.mean(np.diff(run.time)))
+    masses, residuals = body_masses(reducer), acceleration(series(run, settle=settling))
+    disc_accelerations = [
+        np.diff(run.block(planar_speeds(gear)[:2]), axis=0) / interval for gear in gears(reducer.design.gear.discs)
+    ]
+    first_acceleration = disc_accelerations[0]
     force = reaction(run, reducer).whole
-    taken = {
-        "gear_centre": accelerations.centre,
-        "output": accelerations.output[:, np.newaxis],
+    sampled = {
+        "gear_centre": residuals.centre,
+        "output": residuals.output[:, np.newaxis],
         "housing": force,
         "housing_bare": without_counterweight(run, reducer, force),
-        "momentum": -of[GEAR].mass * sum(orbits) - of[SHAFT].mass * shaft_acceleration(run, of[SHAFT])[1:],
+        "momentum": -masses[GEAR].mass * sum(disc_accelerations)
+        - masses[SHAFT].mass * shaft_acceleration(run, masses[SHAFT])[1:],
     }
     if reducer.design.gear.discs > 1:
-        taken |= _tilting(run, reducer)
-    kept = {key: decimate(signal, every, key in ACCELERATIONS) for key, signal in taken.items()}
-    first = int(np.searchsorted(run.time[::every], settling))
-    rows = slice(first, first + round(turns * 2.0 * np.pi / abs(speed) / (every * step)))
-    fine = slice(every * rows.start, every * rows.stop)
+        sampled |= _tilting_signals(run, reducer)
+    stored = {key: decimate(signal, stride, key in ACCELERATIONS) for key, signal in sampled.items()}
+    start = int(np.searchsorted(run.time[::stride], settling))
+    rows = slice(start, start + round(turns * 2.0 * np.pi / abs(speed) / (stride * interval)))
+    sampled_rows = slice(stride * rows.start, stride * rows.stop)
     return VibrationRun(
         load=load,
         speed=speed,
-        crank=np.abs(run["crank_angle"][::every][rows]),
-        signals={key: _swaying(key, signal[rows]) for key, signal in kept.items()},
-        orbit=rms(decimate(orbit, every, means=True)[rows]),
-        rate=1.0 / (every * step),
-        whole_rms={key: rms(_swaying(key, signal[fine])) for key, signal in taken.items()},
-        sampled_rate=1.0 / step,
-        mean_force=kept["housing"][rows].mean(axis=0),
-        run=_fewer(run, every),
+        crank=np.abs(run["crank_angle"][::stride][rows]),
+        signals={key: _remove_mean(key, signal[rows]) for key, signal in stored.items()},
+        orbit=rms(decimate(first_acceleration, stride, means=True)[rows]),
+        rate=1.0 / (stride * interval),
+        whole_rms={key: rms(_remove_mean(key, signal[sampled_rows])) for key, signal in sampled.items()},
+        sampled_rate=1.0 / interval,
+        mean_force=stored["housing"][rows].mean(axis=0),
+        run=_decimate_run(run, stride),
     )
 
 
-def _tilting(run: Run, reducer: Reducer) -> dict[str, Array]:
-    """Compute what discs in several planes do: moments on shaft and output, forces of the shaft's bearings, (n, 2)."""
-    reactions = of_discs(run, reducer)
+def _tilting_signals(run: Run, reducer: Reducer) -> dict[str, Array]:
+    """Return moments of the discs [N m] and forces of the shaft's bearings [N] by signal, shape (n, 2) each."""
+    reactions = bearing_reactions(run, reducer)
     return {
         "shaft_tilting": reactions.shaft.moment,
         "output_tilting": reactions.output.moment,
@@ -140,17 +153,17 @@ def _tilting(run: Run, reducer: Reducer) -> dict[str, Array]:
     }
 
 
-def _swaying(key: str, signal: Array) -> Array:
+def _remove_mean(key: str, signal: Array) -> Array:
     """Return accelerations unchanged, and forces minus their mean."""
     return signal if key in ("gear_centre", "output") else signal - signal.mean(axis=0)
 
 
-def _fewer(run: Run, every: int) -> Run:
-    """Keep one of `every` samples of a run, and the largest of the peaks since the one before it."""
-    kept = run.select(slice(None, None, every))
-    starts = np.maximum(np.arange(len(kept)) * every - every + 1, 0)
+def _decimate_run(run: Run, stride: int) -> Run:
+    """Keep one of `stride` samples of a run, with the largest of the contact force peaks since the previous one."""
+    decimated = run.select(slice(None, None, stride))
+    starts = np.maximum(np.arange(len(decimated)) * stride - stride + 1, 0)
     peaks = {
-        column(pair, PEAK_FORCE): np.maximum.reduceat(peak[: starts[-1] + every], starts)
+        column(pair, PEAK_FORCE): np.maximum.reduceat(peak[: starts[-1] + stride], starts)
         for pair, peak in run.by_stem(PEAK_FORCE).items()
     }
-    return replace(kept, columns={**kept.columns, **peaks})
+    return replace(decimated, columns={**decimated.columns, **peaks})

@@ -337,9 +337,9 @@ def _efficiency_spread(reducer: Reducer) -> str:
         except RunError:
             return 0.0
 
-    assumed = spread.inputs(reducer)
+    assumed = spread.assumed_inputs(reducer)
     return spread.spread_text(
-        rate(reducer), spread.pair_rates(assumed, {end: rate(Reducer(end)) for item in assumed for end in item.ends})
+        rate(reducer), spread.input_effects(assumed, {end: rate(Reducer(end)) for item in assumed for end in item.ends})
     )
 
 

@@ -19,7 +19,7 @@ from cycloid_mj.base.frame import Frame, Tabular
 from cycloid_mj.base.result import Table
 from cycloid_mj.explore import sampling
 from cycloid_mj.figures import figure
-from cycloid_mj.measure.spread import Input, inputs
+from cycloid_mj.measure.spread import Input, assumed_inputs
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.robot.standalone import PARAMETERS as KEYS
 
@@ -162,7 +162,7 @@ def draw_population(
     RunError
         Fewer than two drives can be assembled, or the design has no static balance.
     """
-    ranges = tuple(_centred_range(reducer, item) for item in inputs(reducer) if item.table in VARIED)
+    ranges = tuple(_centred_range(reducer, item) for item in assumed_inputs(reducer) if item.table in VARIED)
     work = partial(_draw_drive, reducer, ranges, seed)
     drives = (engine or Engine(kind="threads")).each(work, range(samples), progress)
     good = [item for item in drives if item is not None]

@@ -19,7 +19,7 @@ from cycloid_mj.comparison import StartSpread, settle_run
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.massless import massless
 from cycloid_mj.measure.brake_test import run_brake_test
-from cycloid_mj.measure.steady import steady_design, whole_periods
+from cycloid_mj.measure.steady import averaging_periods, steady_design
 from cycloid_mj.reducer import Reducer
 from hsieh2014.hypothesis import acting
 from hsieh2014.idle_stress import idle_stress
@@ -295,7 +295,7 @@ def torques_by_turn(design: Design, turns: int = 7) -> Array:
     last two of seven turns it is constant within 0.1 %.
     """
     steady = massless(steady_design(Reducer(design)).working_at(design.rated_torque))
-    run = run_brake_test(steady, design.drive.torque, whole_periods(steady, turns * design.ring.teeth))
+    run = run_brake_test(steady, design.drive.torque, averaging_periods(steady, turns * design.ring.teeth))
     return np.array([abs(float(np.mean(part))) for part in np.array_split(run["load_torque"], turns)])
 
 

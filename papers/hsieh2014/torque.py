@@ -84,11 +84,12 @@ def torque(plan: Plan, runs: Runs, progress: Progress) -> StageResult:
 
 def _at_equal_play(plan: Plan) -> float:
     """Compute the output torque [N m] of the nonpin design with the pin design's total play and series stiffness."""
-    from cycloid_mj.measure.steady import steady_design, whole_periods
-    from cycloid_mj.measure.torque import PERIODS, QUICK_PERIODS, rated_test
+    from cycloid_mj.measure.conditions import STEADY
+    from cycloid_mj.measure.steady import averaging_periods, steady_design
+    from cycloid_mj.measure.torque import rated_test
 
     design = steady_design(Reducer(equal_play_design()))
-    return rated_test(design, whole_periods(design, QUICK_PERIODS if plan.quick else PERIODS)).output
+    return rated_test(design, averaging_periods(design, STEADY.min_periods(plan.quick))).output
 
 
 def _columns(measurements: Mapping[str, Measurement], alike: float) -> Table:

@@ -8,9 +8,9 @@ from cycloid_mj.base.engine import each_in_threads
 from cycloid_mj.base.result import Range
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.massless import massless
-from cycloid_mj.measure.sensitivity import friction_for, with_common_friction
+from cycloid_mj.measure.sensitivity import interpolate_friction, with_common_friction
 from cycloid_mj.measure.spread import INPUTS
-from cycloid_mj.measure.steady import steady_design, whole_periods
+from cycloid_mj.measure.steady import averaging_periods, steady_design
 from cycloid_mj.measure.torque import rated_test
 from cycloid_mj.reducer import Reducer
 
@@ -105,7 +105,7 @@ def search(design: Design, targets: Mapping[str, float]) -> TorqueSearch:
 def rates(design: Design, cases: Iterable[Case]) -> dict[Case, float]:
     """Run the torque test of each case; return the output torque as a share of that without losses."""
     steady = massless(steady_design(Reducer(design)).working_at(design.rated_torque))
-    periods = whole_periods(steady, 4)
+    periods = averaging_periods(steady, 4)
     wanted = list(dict.fromkeys(cases))
     tested = each_in_threads(lambda case: _rate(steady.design, case, periods), wanted)
     return dict(zip(wanted, tested, strict=True))
@@ -116,7 +116,7 @@ def _solutions(design: Design, grid: Mapping[Case, float], target: float) -> tup
     inside: list[tuple[Bearings, float]] = [
         (bearings, friction)
         for bearings in SEARCHED
-        if math.isfinite(friction := friction_for({mu: grid[bearings, mu] for mu in GRID}, target))
+        if math.isfinite(friction := interpolate_friction({mu: grid[bearings, mu] for mu in GRID}, target))
     ]
     tested = rates(design, inside)
     solutions = [Solution(bearings, friction, tested[bearings, friction]) for bearings, friction in inside]

@@ -79,7 +79,7 @@ def test_the_models_loop_has_the_lost_motion_that_is_measured() -> None:
     design = PRESETS["pin"]
     reducer = Reducer(design).working_at(design.rated_torque)
     rated = design.rated_torque
-    run = hysteresis.loop(reducer, 0.0, rated, hysteresis.slow_period(reducer, rated))
+    run = hysteresis.run_loop(reducer, 0.0, rated, hysteresis.quasi_static_period(reducer, rated))
     found = compute_model_loop(reducer, rated, 0.0)
     assert loop_lost_motion(found, rated).value == pytest.approx(run.lost_motion, rel=1e-3)
     # to zero by a line through other points

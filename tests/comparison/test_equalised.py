@@ -5,7 +5,8 @@ import pytest
 from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.comparison import total_play, with_play_of
 from cycloid_mj.design import PRESETS, override
-from cycloid_mj.measure.steady import SETTLING_TIME, run_steady, steady_design
+from cycloid_mj.measure.conditions import STEADY
+from cycloid_mj.measure.steady import run_steady, steady_design
 from cycloid_mj.reducer import Reducer
 
 PIN, NONPIN = (override(PRESETS[name], ["load.torque_nm=36.68"]) for name in ("pin", "nonpin"))
@@ -13,7 +14,7 @@ PERIODS = 4
 
 
 def efficiency(design):
-    return mean_powers(run_steady(steady_design(Reducer(design)), SETTLING_TIME, PERIODS)).efficiency
+    return mean_powers(run_steady(steady_design(Reducer(design)), STEADY.settling_time, PERIODS)).efficiency
 
 
 def test_play_and_compliance_of_a_pin_add_up():

@@ -62,7 +62,9 @@ def test_the_printed_drive_has_the_backlash_of_its_drawing() -> None:
 @pytest.mark.slow
 def test_the_printed_drive_is_pressed_to_its_backlash() -> None:
     angles = [float(angle) for angle in bench.crank_angles(Reducer(PRINTED), 2)]
-    found = [press_to_stops(bench.without_friction(Reducer(PRINTED)), angle, longer=2.0).backlash for angle in angles]
+    found = [
+        press_to_stops(bench.without_friction(Reducer(PRINTED)), angle, time_factor=2.0).backlash for angle in angles
+    ]
     assert found == pytest.approx(rigid_backlash.total_backlash(Reducer(PRINTED), angles).tolist(), rel=0.005)
 
 

@@ -7,8 +7,9 @@ from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.measure.closed_form import ideal_efficiency, ideal_limit
-from cycloid_mj.measure.steady import SETTLING_TIME, run_steady, steady_design
+from cycloid_mj.measure.conditions import STEADY
 from cycloid_mj.measure.steady import first_half as shorter
+from cycloid_mj.measure.steady import run_steady, steady_design
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate.energy import balance
 
@@ -19,7 +20,7 @@ PERIODS = 4
 
 @pytest.fixture(scope="module")
 def dragged():
-    return run_steady(Reducer(override(LOADED.design, DRAGGED)), SETTLING_TIME, PERIODS)
+    return run_steady(Reducer(override(LOADED.design, DRAGGED)), STEADY.settling_time, PERIODS)
 
 
 def test_drag_power_is_torque_times_speed(dragged):
@@ -41,7 +42,7 @@ def test_balance_closes_with_drag_and_bearings(dragged):
 
 
 def test_a_design_without_drag_has_no_columns_of_it():
-    run = run_steady(LOADED, SETTLING_TIME, 1)
+    run = run_steady(LOADED, STEADY.settling_time, 1)
     assert not [name for name in run.columns if "drag" in name]
     assert not build(LOADED.design).model.dof_frictionloss.any()
 
@@ -51,7 +52,7 @@ def test_drag_and_bearing_losses_match_closed_form():
     # ideal sharing: fixed teeth, next to no clearance, a stiff cam
     for changes in ([], DRAGGED, ["friction.cam_rolling=0.004"]):
         design = override(LOADED.design, changes)
-        found = mean_powers(run_steady(ideal_limit(Reducer(design)), SETTLING_TIME, PERIODS))
+        found = mean_powers(run_steady(ideal_limit(Reducer(design)), STEADY.settling_time, PERIODS))
         assert found.efficiency == pytest.approx(ideal_efficiency(Reducer(design), 36.68).efficiency, abs=0.005)
     without = ideal_efficiency(Reducer(override(LOADED.design, ["friction.cam_rolling=0.0"])), 36.68).efficiency
     assert without - ideal_efficiency(LOADED, 36.68).efficiency > 0.03
@@ -59,7 +60,7 @@ def test_drag_and_bearing_losses_match_closed_form():
 
 def test_bearing_acts_at_the_radius_of_the_cam():
     # 0.5 mu P d of the catalogues, at the relative speed of cam and gear
-    run = run_steady(LOADED, SETTLING_TIME, PERIODS)
+    run = run_steady(LOADED, STEADY.settling_time, PERIODS)
     force = np.hypot(run["cam_force_x"], run["cam_force_y"])
     relative = np.abs(run["crank_speed"] - run["gear_speed"])
     asked = LOADED.design.friction.cam_rolling * LOADED.design.gear.bore_radius * np.mean(force * relative)
@@ -69,7 +70,7 @@ def test_bearing_acts_at_the_radius_of_the_cam():
 @pytest.mark.parametrize("timestep_us", [5.0, 2.5])
 def test_drag_holds_at_half_the_step(timestep_us, dragged):
     design = override(LOADED.design, [*DRAGGED, f"settings.timestep_us={timestep_us}"])
-    found = mean_powers(run_steady(Reducer(design), SETTLING_TIME, PERIODS))
+    found = mean_powers(run_steady(Reducer(design), STEADY.settling_time, PERIODS))
     assert found.efficiency == pytest.approx(mean_powers(dragged).efficiency, abs=2e-4)
 
 

@@ -11,7 +11,7 @@ from cycloid_mj.design import resolve
 from cycloid_mj.dynamics.film_table import CAM, OUTPUT, SEAT, TABLE, TEETH, film_table
 from cycloid_mj.dynamics.mjcf.mesh import build_mesh
 from cycloid_mj.dynamics.run import Solver
-from cycloid_mj.measure.efficiency_map import forward
+from cycloid_mj.measure.efficiency_map import run_forward
 from cycloid_mj.measure.steady import steady_design
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.balance import powers
@@ -31,7 +31,7 @@ def difference(reducer: Reducer, torque: float, rpm: float, solver: Solver) -> f
     """Return the efficiency of a run less that of statics [points]."""
     steady = steady_design(reducer)
     loaded = steady.but(drive={"speed": rpm * RPM}, load={"torque": torque})
-    run = forward(steady, torque, rpm * RPM, 12, solver)
+    run = run_forward(steady, torque, rpm * RPM, 12, solver)
     return 100.0 * (run.powers.efficiency - powers(loaded, torque).efficiency)
 
 

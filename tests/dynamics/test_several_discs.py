@@ -30,7 +30,7 @@ from cycloid_mj.dynamics.mjcf.mesh import build_mesh, mesh_spec
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.geometry.kinematics import CrankLaw
 from cycloid_mj.measure.closed_form import ideal_limit
-from cycloid_mj.measure.reaction import of_discs, unbalance
+from cycloid_mj.measure.reaction import bearing_reactions, unbalance
 from cycloid_mj.parts import gear_solid, mass_properties
 from cycloid_mj.parts.convex import ConvexSettings, decompose, sectors
 from cycloid_mj.parts.polygon import area_moments
@@ -300,7 +300,7 @@ def test_discs_balance_each_other_but_for_couples(run: Run) -> None:
 def test_tilting_moments_are_the_forces_times_their_distance(run: Run) -> None:
     """The cams of two discs pull the shaft to opposite sides; two bearings hold the couple, and no force is left."""
     design, settled = design_of(run), run.select(run.time > 0.02)
-    found, cams = of_discs(settled, Reducer(design)), settled.forces("cam")
+    found, cams = bearing_reactions(settled, Reducer(design)), settled.forces("cam")
     size = np.linalg.norm(cams, axis=2).mean(axis=1)
     np.testing.assert_allclose(np.linalg.norm(found.shaft.moment, axis=1), 16.5e-3 * size, rtol=0.01)
     np.testing.assert_allclose(found.shaft.net, 0.0, atol=0.02 * size.max())

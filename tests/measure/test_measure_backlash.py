@@ -34,7 +34,9 @@ def test_linear_programme_gives_each_closed_form_alone(name: str, kind: str, cra
     design = with_single_clearance(Reducer(DESIGNS[name]), kind)
     design = Reducer(design.design.model_copy(update={"clearance": _others(design.design, kind, 1e-12)}))
     # the others' 1e-6 um, and the cam's polygon
-    assert width(design.design, crank) == pytest.approx(rigid_backlash.backlash_of_each(design, crank)[kind], rel=5e-5)
+    assert width(design.design, crank) == pytest.approx(
+        rigid_backlash.single_clearance_backlash(design, crank)[kind], rel=5e-5
+    )
 
 
 def _others(design: Design, kind: str, value: float):
@@ -45,7 +47,7 @@ def _others(design: Design, kind: str, value: float):
 @pytest.mark.parametrize("name", ["free", "nonpin"])
 def test_teeth_and_cam_alone_are_those_of_the_pitch_point(name: str):
     design = DESIGNS[name]
-    parts = rigid_backlash.backlash_of_each(Reducer(design), CRANK)
+    parts = rigid_backlash.single_clearance_backlash(Reducer(design), CRANK)
     pitch = 2e-6 / (design.gear.eccentricity * design.lobes)
     assert parts["cam"] == pytest.approx(pitch, rel=1e-12)
     # the nearest pin is at most 5 deg of phase off the largest arm
@@ -57,7 +59,7 @@ def test_backlash_grows_in_proportion_and_the_whole_is_more_than_its_parts(name:
     design = DESIGNS[name]
     doubled = design.clearance.model_copy(update={k: 2.0 * v for k, v in design.clearance.model_dump().items()})
     assert width(design.model_copy(update={"clearance": doubled})) == pytest.approx(2.0 * width(design), rel=1e-9)
-    assert width(design) > 1.05 * sum(rigid_backlash.backlash_of_each(Reducer(design), CRANK).values())
+    assert width(design) > 1.05 * sum(rigid_backlash.single_clearance_backlash(Reducer(design), CRANK).values())
 
 
 def test_thicker_pins_are_a_smaller_clearance_and_too_thick_ones_jam():
@@ -80,20 +82,23 @@ def test_holes_moved_all_alike_change_the_gaps_of_the_output_pins_along_the_ecce
 @pytest.mark.parametrize(("name", "kind"), [case for case in CASES if case[0] in ("free", "nonpin")])
 def test_simulated_backlash_of_one_clearance_is_its_closed_form(name: str, kind: str):
     design = with_single_clearance(Reducer(DESIGNS[name]), kind)
-    found, closed = press_to_stops(design, CRANK).backlash, rigid_backlash.backlash_of_each(design, CRANK)[kind]
+    found, closed = (
+        press_to_stops(design, CRANK).backlash,
+        rigid_backlash.single_clearance_backlash(design, CRANK)[kind],
+    )
     # 0.4 % for pins, which the small torques press into their sockets; 0.06 % for cam and output pins
     within = 0.012 if kind.startswith(("pin", "tooth")) else 0.002
     assert found == pytest.approx(closed, rel=within)
     spoiled = design.design.clearance.model_copy(update={kind: 1.05 * getattr(design.design.clearance, kind)})
-    wrong = rigid_backlash.backlash_of_each(Reducer(design.design.model_copy(update={"clearance": spoiled})), CRANK)[
-        kind
-    ]
+    wrong = rigid_backlash.single_clearance_backlash(
+        Reducer(design.design.model_copy(update={"clearance": spoiled})), CRANK
+    )[kind]
     assert found != pytest.approx(wrong, rel=within)
 
 
 def test_backlash_does_not_depend_on_how_long_a_free_pin_is_pressed():
     design = with_single_clearance(Reducer(DESIGNS["free"]), "pin_gear")
-    pressed = [press_to_stops(design, CRANK, longer=longer).backlash for longer in (1.0, 1.1)]
+    pressed = [press_to_stops(design, CRANK, time_factor=longer).backlash for longer in (1.0, 1.1)]
     assert pressed[0] == pytest.approx(pressed[1], rel=1e-3)
 
 
@@ -101,7 +106,7 @@ def test_backlash_does_not_depend_on_how_long_a_free_pin_is_pressed():
 def test_simulated_backlash_of_all_clearances_is_the_linear_programme(name: str):
     design = bench.without_friction(Reducer(DESIGNS[name]))
     # 0.1 to 0.3 % is the press of the small torques that the line to zero does not take off
-    found = press_to_stops(design, CRANK, longer=PRESS.all_clearances)
+    found = press_to_stops(design, CRANK, time_factor=PRESS.all_clearances)
     assert found.backlash == pytest.approx(width(design.design), rel=0.006)
 
 
@@ -110,7 +115,7 @@ def test_simulated_backlash_of_all_clearances_is_the_linear_programme(name: str)
 def test_a_cam_that_is_too_eccentric_takes_play_and_one_that_is_too_little_gives_it(eccentricity: float, crank: float):
     """The simulation moves the cam itself; the wrong sign would be 25 % off."""
     design = override(DESIGNS["fixed"], [f"errors.eccentricity_um={eccentricity}"])
-    found = press_to_stops(bench.without_friction(Reducer(design)), crank, longer=PRESS.all_clearances)
+    found = press_to_stops(bench.without_friction(Reducer(design)), crank, time_factor=PRESS.all_clearances)
     assert (found.low, found.high) == pytest.approx(limits.stops(Reducer(design), crank), rel=0.005)
     assert (width(design, crank) < width(DESIGNS["fixed"], crank)) == (eccentricity > 0.0)
 

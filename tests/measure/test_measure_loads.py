@@ -12,11 +12,12 @@ from designs import unlike
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, override
-from cycloid_mj.measure.contact_pressure import CARRYING_SHARE, contact_pressures, relative_curvature
+from cycloid_mj.measure.contact_pressure import contact_pressures, relative_curvature
 from cycloid_mj.measure.loads import LOADS, UNDECIDED, UNPRESSED, YIELD_PRESSURE, loads
 from cycloid_mj.measure.steady import run_steady
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.ideal import ideal_peak
+from cycloid_mj.statics.kernel import CARRYING_SHARE
 from cycloid_mj.statics.sheet import UNLOADED
 
 FIXED = override(PRESETS["pin"], ['ring.pins="fixed"', "settings.timestep_us=5.0"])

@@ -56,7 +56,9 @@ def test_work_of_a_loop_is_its_area():
 @pytest.fixture(scope="module")
 def ideal_loop() -> HysteresisLoop:
     rated = FIXED.design.rated_torque
-    return hysteresis.loop(bench.without_friction(FIXED), CRANK, rated, hysteresis.slow_period(FIXED, rated))
+    return hysteresis.run_loop(
+        bench.without_friction(FIXED), CRANK, rated, hysteresis.quasi_static_period(FIXED, rated)
+    )
 
 
 def test_loop_without_friction_is_the_static_balance(ideal_loop: HysteresisLoop):
@@ -84,8 +86,8 @@ def test_backlash_of_a_loop_is_that_of_rigid_contacts(ideal_loop: HysteresisLoop
 
 def test_friction_makes_hysteresis_and_its_work_is_the_area():
     rated = FIXED.design.rated_torque
-    period = hysteresis.slow_period(FIXED, rated)
-    loop = hysteresis.loop(FIXED, CRANK, rated, period)
+    period = hysteresis.quasi_static_period(FIXED, rated)
+    loop = hysteresis.run_loop(FIXED, CRANK, rated, period)
     assert loop.width > 5.0 * ARCMINUTE * 2e-3
     assert loop.work == pytest.approx(loop.dissipation, rel=0.1)
 
@@ -108,10 +110,10 @@ def test_lost_motion_is_the_backlash_and_a_little_give():
 
 def test_a_free_pin_needs_the_step_of_its_bowl():
     ideal, rated = bench.without_friction(Reducer(PRESETS["pin"])), PRESETS["pin"].rated_torque
-    assert bench.step(ideal, rated, "mujoco") < 5e-6
-    assert bench.step(bench.without_friction(FIXED), rated, "mujoco") == bench.BENCH.max_step
+    assert bench.bench_timestep(ideal, rated, "mujoco") < 5e-6
+    assert bench.bench_timestep(bench.without_friction(FIXED), rated, "mujoco") == bench.BENCH.max_step
     given = override(FIXED.design, ["settings.timestep_us=2.0"])
-    assert bench.step(Reducer(given), rated) == 2e-6
+    assert bench.bench_timestep(Reducer(given), rated) == 2e-6
 
 
 @pytest.mark.parametrize("changes", [["errors.pin_dr_um={9=0.9}"], ["modification.pin_circle_um=-2.0"]])

@@ -5,7 +5,7 @@ import pytest
 from designs import unlike
 
 from cycloid_mj.measure import bench, rigid_backlash
-from cycloid_mj.measure.sampled import Known, add_errors, error_of_extreme, error_of_mean
+from cycloid_mj.measure.sampled import ClosedForm, add_errors, error_of_extreme, error_of_mean
 from cycloid_mj.reducer import Reducer
 
 TURN = np.linspace(0.0, 2.0 * np.pi, 721)
@@ -14,7 +14,7 @@ TURN = np.linspace(0.0, 2.0 * np.pi, 721)
 def test_a_closed_form_tells_exactly_what_the_samples_leave_out():
     shape = 3.0 + np.cos(TURN)
     sampled = shape[[0, 90]]
-    known = Known(sampled, shape)
+    known = ClosedForm(sampled, shape)
     measured = 1.1 + sampled  # a closed form that is off by the same everywhere explains all of the change
     assert error_of_mean(measured, known) == pytest.approx(abs(shape.mean() - sampled.mean()), rel=1e-9)
     assert error_of_extreme(measured, True, known) == pytest.approx(0.0, abs=1e-12)
@@ -32,7 +32,7 @@ def test_without_one_the_scatter_is_judged_for_so_few_values():
 def test_of_one_value_alone_nothing_is_known():
     assert error_of_mean([1.0]) is None
     assert error_of_extreme([1.0], True) is None
-    assert error_of_mean([1.0], Known(np.array([1.0]), np.array([1.0, 2.0]))) == pytest.approx(0.5)
+    assert error_of_mean([1.0], ClosedForm(np.array([1.0]), np.array([1.0, 2.0]))) == pytest.approx(0.5)
     assert add_errors(1.0, None) is None
     assert add_errors(1.0, 2.0) == 3.0
 
@@ -57,7 +57,7 @@ def test_backlash_at_two_angles_misses_the_turn_by_no_more_than_its_error():
     design = unlike("few")
     cranks = bench.crank_angles(Reducer(design), 2)
     turn = rigid_backlash.backlash_over_turn(Reducer(design))[1]
-    known = Known(rigid_backlash.total_backlash(Reducer(design), cranks), turn)
+    known = ClosedForm(rigid_backlash.total_backlash(Reducer(design), cranks), turn)
     simulated = known.sampled * (1.0 + 1e-3)
     assert abs(simulated.mean() - turn.mean()) <= error_of_mean(simulated, known) + 1.1e-3 * turn.mean()
     assert error_of_mean(simulated, known) > 1e-3 * turn.mean()

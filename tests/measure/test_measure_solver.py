@@ -9,7 +9,7 @@ from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.drive_cycle import rising
 from cycloid_mj.dynamics.run import Solver, model_for, simulate
 from cycloid_mj.measure import MEASURES, bench
-from cycloid_mj.measure.brake_test import with_slope
+from cycloid_mj.measure.brake_test import with_speed_slope
 from cycloid_mj.reducer import Reducer
 
 FIXED = override(PRESETS["pin"], ['ring.pins="fixed"'])
@@ -43,7 +43,7 @@ def test_a_motors_torque_falls_with_its_speed(solver: Solver) -> None:
     """A free crank under a torque T that falls by s w comes to T/s, at the rate s/J of its inertia."""
     alone = override(FIXED, ["drive.rotor_inertia_kg_m2=1.0", "drive.ramp_s=0", "drive.hold_s=0.02"])
     reducer = Reducer(override(alone, ["settings.log_rate_hz=5000"]))
-    compiled = with_slope(model_for(solver, reducer, held=""), 100.0)
+    compiled = with_speed_slope(model_for(solver, reducer, held=""), 100.0)
     course = bench.locked_crank(compiled, 0.0, lambda time: np.zeros_like(time))
     run = simulate(reducer.design, compiled, type(course)(0.0, 0.0, rising(0.2, 1e-6), course.load))
     expected = 0.2 / 100.0 * (1.0 - np.exp(-100.0 * run.time / compiled.crank_inertia))

@@ -10,10 +10,10 @@ from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.design import PRESETS, override
 from cycloid_mj.measure import loss_breakdown, spread
 from cycloid_mj.measure.closed_form import ideal_efficiency
-from cycloid_mj.measure.conditions import halve_time_step
+from cycloid_mj.measure.conditions import STEADY, halve_time_step
 from cycloid_mj.measure.efficiency import efficiency
 from cycloid_mj.measure.measurement import Measurement
-from cycloid_mj.measure.steady import SETTLING_TIME, run_steady, steady_design
+from cycloid_mj.measure.steady import run_steady, steady_design
 from cycloid_mj.reducer import Reducer
 
 NONPIN = PRESETS["nonpin"]
@@ -37,7 +37,7 @@ def moved(measured: Measurement) -> dict[str, dict[str, float]]:
 def test_every_assumed_input_is_varied_alone_about_the_design(measured, moved):
     assert list(moved) == NAMES
     assert all(set(one) == {"input", "unit", "low", "high", "value_low", "value_high"} for one in moved.values())
-    for one in spread.inputs(Reducer(NONPIN)):
+    for one in spread.assumed_inputs(Reducer(NONPIN)):
         for end in (one.low_design, one.high_design):
             assert end != NONPIN or one.name in ("creep speed", "contact damping")
     # the value itself belongs to the spread, and the ends of an input that the design has are its own figure
@@ -64,28 +64,28 @@ def test_the_spread_is_far_wider_than_the_numerical_error(measured, moved):
 @pytest.mark.slow
 def test_an_end_is_what_a_run_of_that_design_gives(moved):
     by_hand = override(steady_design(Reducer(NONPIN)).design, ["load.torque_nm=36.68", "friction.cam_rolling=0.003"])
-    found = mean_powers(run_steady(Reducer(by_hand), SETTLING_TIME, spread.INPUTS.periods)).efficiency
+    found = mean_powers(run_steady(Reducer(by_hand), STEADY.settling_time, spread.INPUTS.periods)).efficiency
     assert moved["friction of the cam's rollers"]["value_high"] == pytest.approx(found, abs=1e-9)
 
 
 def test_a_wide_play_is_not_widened_beyond_what_a_design_may_have() -> None:
     """Twice 0.6 mm is refused in a design file: such a drive is varied up to 1 mm."""
-    wide = spread.inputs(Reducer(NONPIN.but(clearance={"tooth": 600e-6})))[0]
+    wide = spread.assumed_inputs(Reducer(NONPIN.but(clearance={"tooth": 600e-6})))[0]
     assert (wide.low, wide.high) == pytest.approx((300.0, 1000.0))
 
 
 def test_play_of_free_pins_is_that_of_both_their_gaps():
-    mesh = spread.inputs(Reducer(PRESETS["pin"]))[0]
+    mesh = spread.assumed_inputs(Reducer(PRESETS["pin"]))[0]
     assert (mesh.low, mesh.high) == pytest.approx((1.0, 4.0))
     assert mesh.high_design.clearance.pin_socket == pytest.approx(2e-6)
 
 
 def test_what_slides_is_varied_as_what_slides():
     plain = override(NONPIN, ["gear.bearing=plain", "output.rollers=false"])
-    names = [one.name for one in spread.inputs(Reducer(plain))]
+    names = [one.name for one in spread.assumed_inputs(Reducer(plain))]
     assert "friction of the cam, sliding" in names
     assert "friction of the output, sliding" in names
-    assert spread.inputs(Reducer(plain))[4].high_design.friction.cam == 0.1
+    assert spread.assumed_inputs(Reducer(plain))[4].high_design.friction.cam == 0.1
     # a roller that is a sleeve slides on its core of three quarters of its radius
     assert spread.plain_roller(Reducer(NONPIN)) == pytest.approx(0.05 * 0.75)
 
@@ -120,7 +120,9 @@ def test_seals_are_a_part_of_the_build_up():
     design = override(
         steady_design(Reducer(NONPIN)).design, ["load.torque_nm=36.68", "drag.crank_nm=0.02", "drag.output_nm=0.4"]
     )
-    losses = loss_breakdown.loss_shares(mean_powers(run_steady(Reducer(design), SETTLING_TIME, spread.INPUTS.periods)))
+    losses = loss_breakdown.loss_shares(
+        mean_powers(run_steady(Reducer(design), STEADY.settling_time, spread.INPUTS.periods))
+    )
     supplied = 36.68 / 35 / 0.84
     assert losses["seals"] == pytest.approx((0.02 + 0.4 / 35) / supplied, rel=0.02)
     assert math.isclose(sum(losses.values()), 1.0 - 0.84, abs_tol=0.03)
@@ -133,7 +135,7 @@ def test_other_designs_build_up_and_hold_at_half_the_step(name):
     torque = design.rated_torque
     own = steady_design(Reducer(override(design, [f"load.torque_nm={torque!r}"])))
     found, finer = (
-        mean_powers(run_steady(one, SETTLING_TIME, spread.INPUTS.periods))
+        mean_powers(run_steady(one, STEADY.settling_time, spread.INPUTS.periods))
         for one in (own, halve_time_step(own, "planar"))
     )
     assert found.efficiency == pytest.approx(finer.efficiency, abs=1e-3)

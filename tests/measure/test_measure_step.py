@@ -26,22 +26,23 @@ CRANK = float(bench.crank_angles(Reducer(TEETH21), 2)[1])
 def test_held_pins_take_a_longer_step_than_sliding_ones_but_not_any_step():
     rated = TEETH21.rated_torque
     held, sliding = (
-        bench.step(one, rated, "mujoco") for one in (Reducer(TEETH21), bench.without_friction(Reducer(TEETH21)))
+        bench.bench_timestep(one, rated, "mujoco")
+        for one in (Reducer(TEETH21), bench.without_friction(Reducer(TEETH21)))
     )
     # the least force that friction holds is none: no limit but the longest
     assert sliding < held < bench.BENCH.max_step
-    assert bench.step(Reducer(TEETH21), 4.0 * rated, "mujoco") < held
+    assert bench.bench_timestep(Reducer(TEETH21), 4.0 * rated, "mujoco") < held
     heavier = override(TEETH21, ["material.density_kg_m3=15700"])
     # the weight adds its own to what the pins bear
-    assert bench.step(Reducer(heavier), rated, "mujoco") == pytest.approx(np.sqrt(2.0) * held, rel=0.01)
+    assert bench.bench_timestep(Reducer(heavier), rated, "mujoco") == pytest.approx(np.sqrt(2.0) * held, rel=0.01)
 
 
 def test_planar_steps_grow_with_the_swing_of_a_soft_drive_unless_pins_move():
     soft = Reducer(unlike("nonpin-n33-d2-ring-60um"))
-    assert bench.step(soft, 1.0) == pytest.approx(swing_period(soft) / bench.BENCH.steps_per_swing)
-    assert bench.step(soft, 1.0) > 10.0 * bench.BENCH.max_planar_step
+    assert bench.bench_timestep(soft, 1.0) == pytest.approx(swing_period(soft) / bench.BENCH.steps_per_swing)
+    assert bench.bench_timestep(soft, 1.0) > 10.0 * bench.BENCH.max_planar_step
     moving = Reducer(override(soft.design, ['ring.kind="pin"', 'ring.pins="free"']))
-    assert bench.step(moving, 1.0) == bench.BENCH.max_planar_step
+    assert bench.bench_timestep(moving, 1.0) == bench.BENCH.max_planar_step
 
 
 @pytest.mark.slow
@@ -50,7 +51,9 @@ def test_loops_of_soft_drives_are_those_of_statics_with_friction(name):
     design = unlike(name)
     reducer = Reducer(design).working_at(design.rated_torque)
     crank = float(bench.crank_angles(reducer, 2)[1])
-    loop = hysteresis.loop(reducer, crank, design.rated_torque, hysteresis.slow_period(reducer, design.rated_torque))
+    loop = hysteresis.run_loop(
+        reducer, crank, design.rated_torque, hysteresis.quasi_static_period(reducer, design.rated_torque)
+    )
     course = np.linspace(0.0, 1.25, 1200)
     torque = design.rated_torque * np.sin(2.0 * np.pi * course) ** hysteresis.LOOP.power
     when, turn = follow_torque_path(reducer, torque, crank, Losses())
@@ -70,14 +73,14 @@ def test_loops_of_soft_drives_are_those_of_statics_with_friction(name):
 def test_a_run_that_goes_wrong_is_made_again_at_half_the_step_and_names_it():
     # 21 free pins of 0.55 g at their rated load: 16 us ends with a contact more than 50 um deep
     rated = TEETH21.rated_torque
-    period = hysteresis.slow_period(Reducer(TEETH21), rated)
-    finer = bench.step(Reducer(TEETH21), rated, "mujoco") / 16e-6
-    torque, duration = hysteresis.signal(rated, period), 0.3 * period
+    period = hysteresis.quasi_static_period(Reducer(TEETH21), rated)
+    finer = bench.bench_timestep(Reducer(TEETH21), rated, "mujoco") / 16e-6
+    torque, duration = hysteresis.loop_torque(rated, period), 0.3 * period
     too_long = bench.prepare_bench(Reducer(TEETH21), rated, duration, 100, finer, "mujoco")
     with pytest.raises(RunError, match="penetrates by"):
         bench.locked_run(too_long, CRANK, torque, "mujoco")
-    run = bench.run_to_the_end(Reducer(TEETH21), CRANK, torque, rated, duration, 100, finer, "mujoco")
-    halvings = np.log2(16e-6 / bench.step_of(run))
+    run = bench.run_with_step_retries(Reducer(TEETH21), CRANK, torque, rated, duration, 100, finer, "mujoco")
+    halvings = np.log2(16e-6 / bench.timestep_of(run))
     assert halvings == pytest.approx(round(halvings), abs=1e-9)
     assert 1 <= round(halvings) <= bench.BENCH.max_halvings
     assert run["penetration"].max() < 10e-6
@@ -93,7 +96,7 @@ def test_the_step_is_halved_so_often_and_then_the_cause_is_named(problem, monkey
 
     monkeypatch.setattr(bench, "locked_run", failing)
     with pytest.raises(RunError, match=r"57\.3 deg and up to 5 N m .*: a contact is deep .*halved 3 times, to 0\.5 us"):
-        bench.run_to_the_end(
+        bench.run_with_step_retries(
             Reducer(override(PRESETS["pin"], ["settings.timestep_us=4"])), 1.0, np.zeros_like, 5.0, 0.01, 10
         )
     assert steps == pytest.approx([4e-6, 2e-6, 1e-6, 0.5e-6])
@@ -101,7 +104,7 @@ def test_the_step_is_halved_so_often_and_then_the_cause_is_named(problem, monkey
 
 def test_steps_are_named_longest_first():
     runs = [Run(np.zeros(1), {}, {}, {"timestep_s": step}) for step in ("5e-06", "1e-05", "5e-06")]
-    assert bench.steps_text(runs) == "10 us and 5 us"
+    assert bench.timesteps_text(runs) == "10 us and 5 us"
 
 
 def test_runs_of_measures_are_logged_densely_enough_at_any_speed() -> None:

@@ -18,13 +18,13 @@ from cycloid_mj.design import PRESETS, override
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.measure import MEASURES, sensitivity, steady
-from cycloid_mj.measure.back_driving import BreakAway, FromRest, break_away
+from cycloid_mj.measure.back_driving import BreakAway, StartFromRest, break_away
 from cycloid_mj.measure.brake_test import run_brake_test
 from cycloid_mj.measure.closed_form import ideal_efficiency, wang_efficiency
-from cycloid_mj.measure.conditions import LOG_RATE, halve_time_step
-from cycloid_mj.measure.efficiency_map import backward, forward, run_map
-from cycloid_mj.measure.steady import steady_design, whole_periods
-from cycloid_mj.measure.torque import held_efficiency, rated_test
+from cycloid_mj.measure.conditions import STEADY, halve_time_step
+from cycloid_mj.measure.efficiency_map import run_backward, run_forward, run_map
+from cycloid_mj.measure.steady import averaging_periods, steady_design
+from cycloid_mj.measure.torque import constant_speed_efficiency, rated_test
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.statics.sheet import solve_back_driving
 from cycloid_mj.validate import published, rig
@@ -90,7 +90,7 @@ def test_balance_misses_a_loss_that_is_left_out(efficiency):
 @pytest.mark.parametrize("kind", KINDS)
 def test_without_friction_nothing_is_lost(kind):
     design = steady_design(Reducer(override(KINDS[kind], rig.without_friction())))
-    held = forward(design, 36.68, design.design.drive.speed, PERIODS, "planar")
+    held = run_forward(design, 36.68, design.design.drive.speed, PERIODS, "planar")
     assert held.powers.efficiency == pytest.approx(1.0, abs=5e-4)
     # some of the ringing's energy is still in the mesh when the braked run begins to count
     assert rated_test(design, 13).powers.efficiency == pytest.approx(1.0, abs=2e-3)
@@ -99,11 +99,11 @@ def test_without_friction_nothing_is_lost(kind):
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_chosen_step_gives_the_figures_of_a_short_one(kind):
-    design = override(KINDS[kind], ["drive.ramp_s=0.0", f"settings.log_rate_hz={LOG_RATE!r}"])
+    design = override(KINDS[kind], ["drive.ramp_s=0.0", f"settings.log_rate_hz={STEADY.log_rate!r}"])
     fine = override(design, ["settings.timestep_us=1.0"])
     assert timestep(Reducer(design)) == 1e-5
-    assert held_efficiency(Reducer(design), 32.7, PERIODS) == pytest.approx(
-        held_efficiency(Reducer(fine), 32.7, PERIODS), abs=1e-4
+    assert constant_speed_efficiency(Reducer(design), 32.7, PERIODS) == pytest.approx(
+        constant_speed_efficiency(Reducer(fine), 32.7, PERIODS), abs=1e-4
     )
 
 
@@ -115,10 +115,10 @@ def test_half_the_step_is_half_of_the_chosen_or_the_given_one():
 
 
 def test_window_holds_whole_periods_of_the_output_pins():
-    count = whole_periods(Reducer(FIXED), 12)
+    count = averaging_periods(Reducer(FIXED), 12)
     assert count == 13
-    assert abs(count * 8 / 35 - 3) <= steady.PERIOD_TOLERANCE
-    assert whole_periods(Reducer(FIXED), 35) == 35
+    assert abs(count * 8 / 35 - 3) <= steady.STEADY.period_tolerance
+    assert averaging_periods(Reducer(FIXED), 35) == 35
 
 
 def test_mean_of_the_braked_run_is_converged():
@@ -165,7 +165,7 @@ def test_output_drives_against_the_crank():
     found = mean_powers(run_brake_test(design, -design.design.drive.torque, 13))
     assert found.output > 0.0 > found.crank
     # losses alike both ways, to the second order of the loss
-    ahead = held_efficiency(design, 36.68, PERIODS)
+    ahead = constant_speed_efficiency(design, 36.68, PERIODS)
     assert found.efficiency == pytest.approx(2.0 - 1.0 / ahead, abs=0.015)
 
 
@@ -177,7 +177,7 @@ def test_an_output_that_crosses_wide_play_drives_the_crank_as_statics_has_it(nam
     """Runs that began to count with the crank in its play had efficiencies of 0 and of 119 %."""
     reducer = steady_design(Reducer(unlike(name)))
     design = reducer.design
-    found = backward(reducer, design.drive.torque, PERIODS, "planar").powers
+    found = run_backward(reducer, design.drive.torque, PERIODS, "planar").powers
     assert found.output > 0.0 > found.crank
     assert abs(found.crank) == pytest.approx(design.drive.torque * design.drive.speed, rel=0.02)
     balanced, _ = solve_back_driving(Reducer(unlike(name)), design.rated_torque)
@@ -189,7 +189,7 @@ def test_a_motor_that_crosses_wide_play_is_braked_as_the_held_crank_is():
     reducer = steady_design(Reducer(unlike("fixed-n34-d2-carrier-120um")))
     reducer = reducer.working_at(reducer.design.rated_torque)
     braked = rated_test(reducer, 2 * reducer.mesh_periods)
-    held = held_efficiency(reducer, braked.output, 2 * reducer.mesh_periods)
+    held = constant_speed_efficiency(reducer, braked.output, 2 * reducer.mesh_periods)
     assert braked.powers.efficiency == pytest.approx(held, abs=0.02)
 
 
@@ -199,15 +199,15 @@ def test_a_motor_that_crosses_wide_play_is_braked_as_the_held_crank_is():
 def test_a_crank_that_is_slow_to_start_is_not_taken_for_locked(name):
     """In 40 ms the torque turns a large rotor by less than its play, and a wide play is not crossed at all."""
     turns = break_away(steady_design(Reducer(unlike(name))))
-    assert not turns.locked
-    assert all(start.torque < start.largest for start in turns.turning)
+    assert not turns.is_locked
+    assert all(start.torque < start.max_torque for start in turns.turning)
 
 
 def test_the_discs_weight_is_averaged_over_whole_turns():
     fixed = Reducer(FIXED)
-    assert whole_periods(fixed, PERIODS) == whole_periods(fixed, PERIODS, -36.68) < fixed.mesh_periods
-    assert whole_periods(fixed, PERIODS, 1.0) == whole_periods(fixed, PERIODS, 0.0) == 2 * fixed.mesh_periods
-    assert whole_periods(fixed.but(environment={"gravity_y": 0.0}), PERIODS, 1.0) < fixed.mesh_periods
+    assert averaging_periods(fixed, PERIODS) == averaging_periods(fixed, PERIODS, -36.68) < fixed.mesh_periods
+    assert averaging_periods(fixed, PERIODS, 1.0) == averaging_periods(fixed, PERIODS, 0.0) == 2 * fixed.mesh_periods
+    assert averaging_periods(fixed.but(environment={"gravity_y": 0.0}), PERIODS, 1.0) < fixed.mesh_periods
 
 
 def test_free_crank_turns_from_rest_and_a_blocked_one_is_self_locking():
@@ -221,9 +221,9 @@ def test_interpolated_friction_gives_back_the_rate_of_a_smooth_law():
     def rate(friction):
         return 1.0 / (1.0 + 1.9 * friction / (1.0 - 1.5 * friction))
 
-    rates = {friction: rate(friction) for friction in sensitivity.COMMON}
-    assert sensitivity.friction_for(rates, rate(0.033)) == pytest.approx(0.033, abs=3e-4)
-    assert math.isnan(sensitivity.friction_for(rates, 0.5))
+    rates = {friction: rate(friction) for friction in sensitivity.FRICTION_TABLE.common}
+    assert sensitivity.interpolate_friction(rates, rate(0.033)) == pytest.approx(0.033, abs=3e-4)
+    assert math.isnan(sensitivity.interpolate_friction(rates, 0.5))
 
 
 def test_friction_of_the_paper_lies_where_the_rates_do(torque):
@@ -234,10 +234,10 @@ def test_friction_of_the_paper_lies_where_the_rates_do(torque):
 
 
 def test_sensitivity_covers_pins_free_fixed_and_sleeved():
-    rows = sensitivity.variations(Reducer(PRESETS["pin"]))
+    rows = sensitivity.friction_variants(Reducer(PRESETS["pin"]))
     assert {row.pins for row in rows} == {"free", "fixed", "sleeved"}
     assert {"pin_socket", "pin_sleeve", "pin_gear", "cam, rolling", "output, sliding"} <= {row.pair for row in rows}
-    assert {row.pins for row in sensitivity.variations(Reducer(PRESETS["nonpin"]))} == {"none"}
+    assert {row.pins for row in sensitivity.friction_variants(Reducer(PRESETS["nonpin"]))} == {"none"}
 
 
 def test_reversed_drive_gives_the_same_torque():
@@ -309,14 +309,14 @@ def test_a_self_locking_reducer_gives_no_back_driving_but_all_the_rest(design) -
 
 def from_rest(*torques_and_errors):
     run = simulate(override(FIXED, ["drive.ramp_s=0", "drive.hold_s=0.001"]))
-    return BreakAway(tuple(FromRest(torque, error, 0.5, run) for torque, error in torques_and_errors))
+    return BreakAway(tuple(StartFromRest(torque, error, 0.5, run) for torque, error in torques_and_errors))
 
 
 def test_a_torque_from_rest_below_its_own_error_is_not_told():
     """Free pins in 15 um of play were told to have 0.003 +- 0.02 N m."""
     told, untold, locked = (from_rest(pair) for pair in ((0.3, 0.1), (0.1, 0.3), (math.nan, math.nan)))
     assert [one.exceeds_error for one in (told, untold, locked)] == [True, False, False]
-    assert [one.locked for one in (told, untold, locked)] == [False, False, True]
+    assert [one.is_locked for one in (told, untold, locked)] == [False, False, True]
     assert untold.note.startswith("below 0.4 N m")
 
 
@@ -330,7 +330,7 @@ def test_a_torque_from_rest_is_told_with_what_its_starts_spread():
     assert apart.as_json()["from_rest"]["values"] == [0.3, 0.1]
     assert apart.as_json()["from_rest_locked"] == 1
     stuck = from_rest((0.3, 0.01), (math.nan, math.nan), (math.nan, math.nan))
-    assert stuck.locked
+    assert stuck.is_locked
     assert math.isnan(stuck.torque)
     assert stuck.note.endswith("but from 1 of 3 starts")
 

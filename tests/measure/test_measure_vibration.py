@@ -12,8 +12,8 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.geometry import profile
 from cycloid_mj.measure import Measurement
-from cycloid_mj.measure.conditions import LOG_RATE
-from cycloid_mj.measure.reaction import masses, reaction, unbalance, weight, without_counterweight
+from cycloid_mj.measure.conditions import STEADY
+from cycloid_mj.measure.reaction import body_masses, reaction, unbalance, weight_force, without_counterweight
 from cycloid_mj.measure.vibration import vibration
 from cycloid_mj.parts import shaft_solid
 from cycloid_mj.parts.gear import profile_offset, tooth_profile
@@ -53,7 +53,7 @@ def test_contact_forces_on_the_housing_are_weight_less_momentum(pins: str) -> No
     design = override(PRESETS["pin"], [f'ring.pins="{pins}"', *quick, "settings.log_rate_hz=100000.0"])
     run = simulate(design)
     run = run.select(run.time > 0.003)
-    of, span = masses(Reducer(design)), run.time[-1] - run.time[0]
+    of, span = body_masses(Reducer(design)), run.time[-1] - run.time[0]
     whole = reaction(run, Reducer(design)).whole
     turned = np.stack([-np.sin(run["crank_angle"]), np.cos(run["crank_angle"])], axis=1)
     tangent = np.stack([-turned[:, 1], turned[:, 0]], axis=1) * run["crank_speed"][:, np.newaxis]
@@ -61,7 +61,7 @@ def test_contact_forces_on_the_housing_are_weight_less_momentum(pins: str) -> No
     momentum += of["shaft"].mass * of["shaft"].centroid[1] * tangent
     change = (momentum[-1] - momentum[0]) / span
     # Forces near 1000 N each are summed here; pins that rattle carry momentum of their own.
-    assert whole.mean(axis=0) == pytest.approx(weight(Reducer(design)) - change, abs=0.15)
+    assert whole.mean(axis=0) == pytest.approx(weight_force(Reducer(design)) - change, abs=0.15)
     assert np.abs(reaction(run, Reducer(design)).ring.mean(axis=0)).max() > 100.0
 
 
@@ -109,9 +109,9 @@ def test_a_spectrum_holds_the_power_of_its_signal(found: Measurement, load: str,
     # The spectrum ends at 0.4 of the log rate, the rms at half of it, and under load much lies there; the taper weighs
     # the middle of the turn more.
     assert whole == pytest.approx(found[f"housing_rms_{load}"], rel=within)
-    assert high == pytest.approx(SPECTRUM.band * LOG_RATE, rel=0.05)
+    assert high == pytest.approx(SPECTRUM.band * STEADY.log_rate, rel=0.05)
     assert low < 100.0
-    assert curve.x[-1] <= 1.01 * SPECTRUM.band * LOG_RATE
+    assert curve.x[-1] <= 1.01 * SPECTRUM.band * STEADY.log_rate
 
 
 @pytest.mark.parametrize(("load", "within"), [("unloaded", 0.01), ("loaded", 0.1)])
@@ -127,4 +127,4 @@ def test_what_lies_above_the_band_is_told(found: Measurement) -> None:
         share = found.quantities[f"{key}_above_band_unloaded"]
         assert 0.0 <= share.value < 100.0
     assert found.quantities["output_above_band_unloaded"].value > 1.0
-    assert found.as_json()["band_hz"] == pytest.approx(0.5 * LOG_RATE, rel=1e-3)
+    assert found.as_json()["band_hz"] == pytest.approx(0.5 * STEADY.log_rate, rel=1e-3)

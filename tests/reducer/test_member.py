@@ -256,11 +256,11 @@ def test_structural_twist_rotates_the_output_only(turning: str) -> None:
 
 def test_backlash_at_the_ring_is_measured_as_the_programme_has_it(at_the_ring) -> None:
     found, known = (
-        press_to_stops(bench.without_friction(Reducer(at_the_ring)), 0.7, longer=4.0).backlash,
+        press_to_stops(bench.without_friction(Reducer(at_the_ring)), 0.7, time_factor=4.0).backlash,
         stops(Reducer(at_the_ring), 0.7),
     )
     assert found == pytest.approx(known[1] - known[0], rel=0.005)
-    parts = rigid_backlash.backlash_of_each(Reducer(at_the_ring), 0.7)
+    parts = rigid_backlash.single_clearance_backlash(Reducer(at_the_ring), 0.7)
     gear, clearance = at_the_ring.gear, at_the_ring.clearance
     assert parts["cam"] == pytest.approx(2.0 * clearance.cam / (gear.eccentricity * at_the_ring.ring.teeth))
 
@@ -268,7 +268,7 @@ def test_backlash_at_the_ring_is_measured_as_the_programme_has_it(at_the_ring) -
 def test_the_loop_at_the_ring_has_the_slope_of_statics(at_the_ring) -> None:
     level = bench.without_friction(Reducer(at_the_ring)).working_at(at_the_ring.rated_torque)
     rated = level.design.rated_torque
-    loop = hysteresis.loop(level, 0.7, rated, hysteresis.slow_period(level, rated), 1.0)
+    loop = hysteresis.run_loop(level, 0.7, rated, hysteresis.quasi_static_period(level, rated), 1.0)
     known = solve_windups(level, [0.7], rated)[0]
     assert loop.lost_motion == pytest.approx(known.lost_motion, rel=0.005)
     assert loop.compliance() == pytest.approx(known.compliance(known.turn), rel=0.01)

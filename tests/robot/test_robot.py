@@ -23,7 +23,7 @@ from cycloid_mj.cli import main
 from cycloid_mj.cli.reduce import inaccurate
 from cycloid_mj.design import PRESETS
 from cycloid_mj.measure import rigid_backlash
-from cycloid_mj.measure.efficiency_map import backward, forward
+from cycloid_mj.measure.efficiency_map import run_backward, run_forward
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.robot import LEVELS, ReducedJoint, identification, standalone
 from cycloid_mj.robot.bam import bam
@@ -164,9 +164,9 @@ def test_a_dynamic_loop_and_run_find_the_same() -> None:
     assert loop["lost_motion"] == pytest.approx(wound / ARCMINUTE, rel=0.015)  # two of the angles that the mean is over
     assert loop["stiffness_ideal"] == pytest.approx(reduced.quantities["stiffness_nm_per_arcmin"].value, rel=0.02)
     logged = Reducer(design.but(settings={"log_rate": 20000.0}))
-    run = forward(logged, design.rated_torque, design.drive.speed, 4, "mujoco")
+    run = run_forward(logged, design.rated_torque, design.drive.speed, 4, "mujoco")
     assert 100.0 * run.powers.efficiency == pytest.approx(reduced.quantities["efficiency"].value, abs=0.3)
-    back = backward(logged, design.drive.torque, 4, "mujoco")
+    back = run_backward(logged, design.drive.torque, 4, "mujoco")
     assert 100.0 * back.powers.efficiency == pytest.approx(reduced.quantities["back_driving_efficiency"].value, abs=0.3)
 
 

@@ -223,7 +223,7 @@ def test_efficiency_losses_and_error_are_those_of_the_dynamic_run(name: str, way
     """Within 0.1 points, 1 % of each loss, and 0.2 % of the mean error, driven by the crank and by the output."""
     design: Design = steady.steady_design(Reducer(KINDS[name])).design
     torque = way * design.rated_torque
-    run = steady.run_steady(Reducer(override(design, [f"load.torque_nm={torque!r}"])), steady.SETTLING_TIME, 12)
+    run = steady.run_steady(Reducer(override(design, [f"load.torque_nm={torque!r}"])), steady.STEADY.settling_time, 12)
     dynamic, found = mean_powers(run), powers(Reducer(design), torque)
     assert 100.0 * found.efficiency == pytest.approx(100.0 * dynamic.efficiency, abs=0.1)
     friction = dict(dynamic.friction)
