@@ -29,7 +29,7 @@ from cycloid_mj.dynamics.planar.model import planar_model
 from cycloid_mj.dynamics.run import Model, simulate
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate import witness
-from cycloid_mj.validate.rig import SETTLED, lengths, without_gravity
+from cycloid_mj.validate.rig import SETTLED, vector_lengths, without_gravity
 
 PAGE, KEPT = DOCS / "solvers.md", DATA / "solvers.csv"
 SCRIPT = "scripts/docs_solvers.py"
@@ -100,7 +100,9 @@ def run_figures(reducer: Reducer, model: Model) -> Array:
     """Run a model and return its figures, in the order of `FIGURES`."""
     run = simulate(reducer.design, model)
     late = run.select(run.time >= SETTLED)
-    force_sums = (lengths(late.forces(kind)).sum(axis=1).mean() for kind in (reducer.design.tooth_pair, "output"))
+    force_sums = (
+        vector_lengths(late.forces(kind)).sum(axis=1).mean() for kind in (reducer.design.tooth_pair, "output")
+    )
     return np.array([*witness.figures(reducer, run), *force_sums])
 
 

@@ -7,7 +7,7 @@ from cycloid_mj.geometry import kinematics, profile
 from cycloid_mj.geometry.deviations import deviations
 from cycloid_mj.geometry.modification import profile_offset, tooth_profile
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.validate.gaps import GearPose, flanks_of, pin_gaps, rotate
+from cycloid_mj.validate.gaps import GearPose, design_flanks, pin_gaps, rotate
 
 
 def exact(design: Design, crank: float, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -16,7 +16,7 @@ def exact(design: Design, crank: float, z: np.ndarray) -> tuple[np.ndarray, np.n
     centre = kinematics.gear_centre(gear, crank) + z[:2]
     turned = float(kinematics.gear_rotation(gear, crank))
     angle, out = turned + z[2] / output.pin_circle_radius, turned + z[3] / output.pin_circle_radius
-    flanks = flanks_of(Reducer(design))
+    flanks = design_flanks(Reducer(design))
     pins = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear)) + made.pin_place
     mesh = pin_gaps(gear, GearPose(centre, angle), pins, flanks)
     teeth = mesh.distance + profile_offset(design) - gear.pin_radius - made.pin_radius

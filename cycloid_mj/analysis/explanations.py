@@ -26,9 +26,11 @@ def _motion(findings: Findings) -> Iterator[str]:
             f"{abs(crank.speed_rad_s / speed.theory_rad_s):.4g} of the crank's); ripple "
             f"{1e3 * speed.rms_error_rad_s:.3g} mrad/s rms"
         )
-    swing = f"transmission error: {error.peak_to_peak_arcsec:.3g} arcsec peak to peak, ideal 0"
-    chance = "" if findings.condition.load else " (without load it differs from start to start: parts rattle)"
-    yield f"{swing}{chance}"
+    error_sentence = f"transmission error: {error.peak_to_peak_arcsec:.3g} arcsec peak to peak, ideal 0"
+    repeatability_note = (
+        "" if findings.condition.load else " (without load it differs from start to start: parts rattle)"
+    )
+    yield f"{error_sentence}{repeatability_note}"
     if findings.condition.load:
         yield f"wind-up: {abs(error.mean_arcsec) / 60.0:.3g} arcmin (backlash taken up plus elastic deflection)"
     path = findings.q_path
@@ -36,18 +38,18 @@ def _motion(findings: Findings) -> Iterator[str]:
 
 
 def _torques(findings: Findings) -> Iterator[str]:
-    """Yield sentences on the crank torque and the efficiency."""
+    """Yield sentences on the mean crank torque and, under a load, the efficiency."""
     power = findings.power
-    crank = f"crank torque: {abs(power.crank_torque_nm):.4g} N m"
+    crank_sentence = f"crank torque: {abs(power.crank_torque_nm):.4g} N m"
     if findings.condition.load:
         yield (
-            f"{crank} at a load torque of {abs(power.load_torque_nm):.4g} N m; without losses "
+            f"{crank_sentence} at a load torque of {abs(power.load_torque_nm):.4g} N m; without losses "
             f"{abs(power.ideal_crank_torque_nm):.4g} N m"
         )
         if findings.efficiency is not None:
             yield f"efficiency: {100 * findings.efficiency:.2f} %"
     else:
-        yield f"{crank}, friction only; efficiency is undefined without a load"
+        yield f"{crank_sentence}, friction only; efficiency is undefined without a load"
 
 
 def _losses(findings: Findings) -> Iterator[str]:
@@ -60,10 +62,10 @@ def _losses(findings: Findings) -> Iterator[str]:
 
 
 def _contacts(findings: Findings) -> str:
-    """Return a sentence on the contacts and, where ring pins move, on pin 1."""
+    """Return a sentence on number, force and deflection of the contacts and, where ring pins move, on pin 1."""
     contact, pin = findings.contact_summary, findings.pin1
-    moves = f"; pin 1 moves up to {pin.max_radial_um:.3g} um (clearance plus deflection)" if pin else ""
+    pin_clause = f"; pin 1 moves up to {pin.max_radial_um:.3g} um (clearance plus deflection)" if pin else ""
     return (
         f"contacts: {contact.mean_active:.3g} on average; largest contact force {contact.peak_force_n:.4g} N, largest "
-        f"deflection {contact.max_penetration_um:.2g} um{moves}"
+        f"deflection {contact.max_penetration_um:.2g} um{pin_clause}"
     )

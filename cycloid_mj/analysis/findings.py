@@ -210,10 +210,10 @@ class Findings(Presented):
         return dict(plain(vars(self)))
 
 
-def _numbers(of: Any, path: str = "") -> Iterator[tuple[str, float]]:
-    """Yield the numbers in nested dicts and lists, named by keys and indices joined by dots."""
-    if isinstance(of, dict | list):
-        for key, inner in of.items() if isinstance(of, dict) else enumerate(of):
-            yield from _numbers(inner, f"{path}.{key}".removeprefix("."))
-    elif isinstance(of, int | float) and not isinstance(of, bool):
-        yield path, float(of)
+def _numbers(nested: Any, key_path: str = "") -> Iterator[tuple[str, float]]:
+    """Yield every number in nested dicts and lists with its path: keys and indices joined by dots."""
+    if isinstance(nested, dict | list):
+        for key, inner in nested.items() if isinstance(nested, dict) else enumerate(nested):
+            yield from _numbers(inner, f"{key_path}.{key}".removeprefix("."))
+    elif isinstance(nested, int | float) and not isinstance(nested, bool):
+        yield key_path, float(nested)

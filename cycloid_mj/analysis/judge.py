@@ -67,9 +67,12 @@ def analyze(run: Run, q: npt.ArrayLike | None = None, settle: float | None = Non
 
 
 def judge(motion: Series, log: str | None = None) -> Findings:
-    """Evaluate a series; see `analyze`."""
+    """Compute the findings of a series: every figure with its closed form.
+
+    `log` is the path of the log. See `analyze`.
+    """
     run, provenance = motion.run, motion.run.provenance
-    power, contacts, judged = _power(motion), _contacts(motion), _window(motion)
+    power, contacts, evaluated_window = _power(motion), _contacts(motion), _window(motion)
     output = _transmission_error(motion.output_angle, motion)
     return Findings(
         design=motion.design.name,
@@ -97,12 +100,12 @@ def judge(motion: Series, log: str | None = None) -> Findings:
         efficiency=_efficiency(power, motion),
         power=power,
         losses=_losses(motion),
-        window=judged,
+        window=evaluated_window,
         complete=run.complete,
         note=run.note,
         condition=condition(motion.reducer),
         solver=provenance.get("solver", "mujoco"),  # logs of the first releases lack the entry
-        warnings=tuple(warnings(motion, judged, contacts)),
+        warnings=tuple(warnings(motion, evaluated_window, contacts)),
     )
 
 
@@ -113,9 +116,9 @@ def _crank(motion: Series) -> Crank:
 
 
 def _discs(motion: Series) -> tuple[Disc, ...]:
-    """Return the results of each disc, if there are several."""
+    """Return speed, transmission error and path of each disc; an empty tuple for a single disc."""
     count = motion.design.gear.discs
-    each = [motion.of_disc(disc) for disc in range(count)] if count > 1 else []
+    series_by_disc = [motion.of_disc(disc) for disc in range(count)] if count > 1 else []
     return tuple(
         Disc(
             name=series_of_disc.gear,
@@ -124,11 +127,12 @@ def _discs(motion: Series) -> tuple[Disc, ...]:
             q_path=_path(series_of_disc, series_of_disc.evaluation_mask),
             q_speed=_velocity(series_of_disc.q_velocity, series_of_disc.evaluation_mask),
         )
-        for series_of_disc in each
+        for series_of_disc in series_by_disc
     )
 
 
 def _speed(speed: Compared, motion: Series) -> SpeedFindings:
+    """Return mean speeds and errors of the evaluated samples [rad/s]."""
     return SpeedFindings(
         theory_rad_s=_mean(speed.theory, motion),
         mean_rad_s=_mean(speed.simulated, motion),
@@ -148,17 +152,20 @@ def _velocity(velocity: Compared, rows: Mask) -> VelocityFindings:
     return VelocityFindings(1e3 * rms(error), 1e3 * peak(error))
 
 
-def _acceleration(motion: Series, rows: Mask) -> AccelerationFindings | None:
-    """Compare velocity differences with Eq. 19 at the mean crank angle, speed and acceleration between samples."""
-    inner = np.flatnonzero(rows[1:] & rows[:-1])
-    if inner.size == 0 or peak(np.diff(motion.crank_angle)[inner]) > MAX_CRANK_STEP:
+def _acceleration(motion: Series, mask: Mask) -> AccelerationFindings | None:
+    """Compare the acceleration of q by velocity differences with Eq. 19 at the crank's mean state between samples.
+
+    None if no two successive samples are evaluated, or if the crank turns too far between samples.
+    """
+    intervals = np.flatnonzero(mask[1:] & mask[:-1])
+    if intervals.size == 0 or peak(np.diff(motion.crank_angle)[intervals]) > MAX_CRANK_STEP:
         return None
     interval = np.diff(motion.time)
-    angle, speed = (_middle(values) for values in (motion.crank_angle, motion.crank_speed.simulated))
+    angle, speed = (_midpoints(values) for values in (motion.crank_angle, motion.crank_speed.simulated))
     crank_acceleration = np.diff(motion.crank_speed.simulated) / interval
     path = point_path(motion.reducer, motion.q, motion.disc, angle, speed, crank_acceleration)
     simulated = np.diff(motion.q_velocity.simulated, axis=0) / interval[:, np.newaxis]
-    error = Compared(simulated, path.acceleration).error_size[inner]
+    error = Compared(simulated, path.acceleration).error_size[intervals]
     return AccelerationFindings(rms(error), peak(error))
 
 
@@ -169,11 +176,12 @@ def _transmission_error(angle: Compared, motion: Series) -> TransmissionError:
 
 
 def _contacts(motion: Series) -> ContactSummary:
-    run, judged = motion.run, motion.evaluation_mask
+    """Return the mean number of contacts, the largest penetration and the largest force of the evaluated samples."""
+    run, evaluated = motion.run, motion.evaluation_mask
     return ContactSummary(
         mean_active=_mean(run["contacts"], motion),
-        max_penetration_um=1e6 * float(run["penetration"][judged].max()),
-        peak_force_n=float(run["peak_force"][judged].max()),
+        max_penetration_um=1e6 * float(run["penetration"][evaluated].max()),
+        peak_force_n=float(run["peak_force"][evaluated].max()),
     )
 
 
@@ -191,7 +199,7 @@ def _ramp(motion: Series) -> Ramp | None:
 
 
 def _power(motion: Series) -> Power:
-    """Compute mean powers and torques."""
+    """Return mean input and output power [W], mean torques [N m] and the crank torque without losses [N m]."""
     run = motion.run
     load_torque = _mean(run["load_torque"], motion)
     return Power(
@@ -209,14 +217,14 @@ def _efficiency(power: Power, motion: Series) -> float | None:
 
 
 def _losses(motion: Series) -> tuple[Loss, ...]:
-    """Return the losses of each kind of mating pair that was in contact."""
+    """Return the mean loss by friction and by normal forces [W] of each kind of mating pair that was in contact."""
     run = motion.run
     by_friction, by_damping = run.by_stem(FRICTION_POWER), run.by_stem(NORMAL_POWER)
     losses = []
     for kind, friction in sorted(by_friction.items()):
-        normal = by_damping.get(kind, np.zeros(len(run)))
-        if friction.any() or normal.any():
-            losses.append(Loss(kind, _mean(friction, motion), _mean(normal, motion)))
+        damping = by_damping.get(kind, np.zeros(len(run)))
+        if friction.any() or damping.any():
+            losses.append(Loss(kind, _mean(friction, motion), _mean(damping, motion)))
     return tuple(losses)
 
 
@@ -230,5 +238,5 @@ def _mean(values: Array, motion: Series) -> float:
     return float(np.mean(values[motion.whole_periods]))
 
 
-def _middle(values: Array) -> Array:
+def _midpoints(values: Array) -> Array:
     return (values[1:] + values[:-1]) / 2

@@ -52,7 +52,7 @@ class Compared:
         """Compare the lengths of the vectors, shape (n,)."""
         return Compared(np.linalg.norm(self.simulated, axis=1), np.linalg.norm(self.theory, axis=1))
 
-    def at(self, rows: Mask | slice) -> "Compared":
+    def select(self, rows: Mask | slice) -> "Compared":
         """Return some of the samples."""
         return Compared(self.simulated[rows], self.theory[rows])
 
@@ -173,8 +173,8 @@ class Series:
     def one_turn(self) -> slice:
         """Samples of a crank turn: of the hold, from crank angle 0 if it is long enough, or the last of the ramp."""
         first = int(np.argmax(self.evaluation_mask))
-        chosen = window.one_turn if self.phase == "hold" else window.last_turn
-        part = chosen(self.crank_angle[first:])
+        find_turn = window.one_turn if self.phase == "hold" else window.last_turn
+        part = find_turn(self.crank_angle[first:])
         return slice(first + part.start, first + part.stop)
 
 
@@ -200,8 +200,8 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
     design = design_of(run)
     reducer = Reducer(design)
     moving = design.ring.has_pin_bodies
-    planar = [name for gear in names.gears(design.gear.discs) for name in _planar(gear)]
-    run = _usable(run, (*MOTION, *planar, *PIN_1) if moving else (*MOTION, *planar))
+    planar = [name for gear in names.gears(design.gear.discs) for name in _disc_columns(gear)]
+    run = _cut_before_invalid(run, (*MOTION, *planar, *PIN_1) if moving else (*MOTION, *planar))
     if len(run) < window.WINDOW.min_samples:
         raise LogError(
             f"{run.label} has {len(run)} usable samples; the analysis needs at least {window.WINDOW.min_samples}. "
@@ -211,7 +211,7 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
         hold = window.in_hold(reducer, run.time, settle)
     else:
         hold = np.zeros(len(run), dtype=np.bool_)
-    q = _point(q, reducer)
+    q = _check_point(q, reducer)
     crank_angle, crank_speed = run["crank_angle"], run["crank_speed"]
     return Series(
         run=run,
@@ -231,9 +231,10 @@ def series(run: Run, q: npt.ArrayLike | None = None, settle: float | None = None
 def point_path(
     reducer: Reducer, q: Array, disc: int, crank_angle: Array, speed: Array, acceleration: npt.ArrayLike = 0.0
 ) -> kinematics.PointPath:
-    """Compute the closed form of the motion of a disc's point q: Eqs 16 to 19, with the phase of the disc on the crank.
+    """Compute the closed-form path, velocity and acceleration of a disc's point q: Hsieh 2014, Eqs 16 to 19.
 
-    If the ring is the output, the discs do not rotate.
+    The crank angle is increased by the phase of the disc on the crank. If the ring is the output, the discs do not
+    rotate.
 
     Parameters
     ----------
@@ -242,13 +243,13 @@ def point_path(
     crank_angle, speed, acceleration
         Those of the crank [rad], [rad/s], [rad/s2], shape (n,).
     """
-    gear, ahead = reducer.tooth_profile, reducer.phases[disc]
+    gear, phase = reducer.tooth_profile, reducer.phases[disc]
     if reducer.design.output.turns_ring:
-        return kinematics.point_path(gear, q, crank_angle + ahead, speed, acceleration, turning=False)
+        return kinematics.point_path(gear, q, crank_angle + phase, speed, acceleration, turning=False)
     # the disc is turned as the first one is, not as a single disc whose crank is that far ahead
-    cos, sin = np.cos(ahead / gear.lobes), np.sin(ahead / gear.lobes)
-    turned = np.array([q[0] * cos - q[1] * sin, q[0] * sin + q[1] * cos]) if ahead else q
-    return kinematics.point_path(gear, turned, crank_angle + ahead, speed, acceleration)
+    cos, sin = np.cos(phase / gear.lobes), np.sin(phase / gear.lobes)
+    rotated_point = np.array([q[0] * cos - q[1] * sin, q[0] * sin + q[1] * cos]) if phase else q
+    return kinematics.point_path(gear, rotated_point, crank_angle + phase, speed, acceleration)
 
 
 def design_of(run: Run) -> Design:
@@ -274,44 +275,56 @@ def design_of(run: Run) -> Design:
             "again to write a complete log"
         ) from problem
     design = loads(text, f"the run's {DESIGN_FILE}")
-    _require_fit(run, Reducer(design))
+    _require_matching_pairs(run, Reducer(design))
     return design
 
 
-def _require_fit(run: Run, reducer: Reducer) -> None:
-    """Raise LogError if the run's forces belong to other pins, lobes or output pins than the design has."""
+def _require_matching_pairs(run: Run, reducer: Reducer) -> None:
+    """Raise LogError if the run has forces of another number of pins, lobes or output pins than the design has."""
     kinds = {"pin_gear": "ring pins", "tooth": "lobes of the internal gear", "output": "output pins"}
-    expected = reducer.mechanism.pairs
-    for kind, what in kinds.items():
-        wanted = {pair.name for pair in expected if pair.kind == kind}
-        has = set(run.pairs(kind))
-        if has and has != wanted:
+    pairs = reducer.mechanism.pairs
+    for kind, part_name in kinds.items():
+        expected_names = {pair.name for pair in pairs if pair.kind == kind}
+        logged_names = set(run.pairs(kind))
+        if logged_names and logged_names != expected_names:
             raise LogError(
-                f"the {DESIGN_FILE} attached to {run.label} has {len(wanted)} {what}, but the log has the forces of "
-                f"{len(has)}: the attachment belongs to another run. Use the original log, or simulate the design again"
+                f"the {DESIGN_FILE} attached to {run.label} has {len(expected_names)} {part_name}, but the log has the forces of "
+                f"{len(logged_names)}: the attachment belongs to another run. Use the original log, or simulate the design again"
             )
 
 
-def _usable(run: Run, needed: tuple[str, ...]) -> Run:
-    """Cut a run off before its first sample that is not all finite numbers, which may end a run that failed."""
+def _cut_before_invalid(run: Run, needed: tuple[str, ...]) -> Run:
+    """Return the run up to its first sample with a value that is not finite or too large; a failed run may end in one.
+
+    Raises
+    ------
+    LogError
+        A needed column is missing.
+    """
     missing = [name for name in needed if name not in run.columns]
     if missing:
         raise LogError(
             f"{run.label} lacks {len(missing)} of the {len(needed)} columns that the analysis needs: "
             f"{', '.join(missing)}. Run `cycloid-mj simulate` again to write a complete log"
         )
-    sane = np.ones(len(run), dtype=np.bool_)
+    is_valid = np.ones(len(run), dtype=np.bool_)
     for values in run.columns.values():
-        sane &= np.abs(values) <= LARGEST
-    if sane.all():
+        is_valid &= np.abs(values) <= LARGEST
+    if is_valid.all():
         return run
-    first = int(np.argmin(sane))
-    cut = f"samples from {run.time[first]:.9g} s on were left out: values are not finite or exceed {LARGEST:g}"
-    return replace(run.select(slice(0, first)), note="; ".join(filter(None, (run.note, cut))))
+    first = int(np.argmin(is_valid))
+    note = f"samples from {run.time[first]:.9g} s on were left out: values are not finite or exceed {LARGEST:g}"
+    return replace(run.select(slice(0, first)), note="; ".join(filter(None, (run.note, note))))
 
 
-def _point(q: npt.ArrayLike | None, reducer: Reducer) -> Array:
-    """Return the point q as an array (2,) [m], by default the centre of hole 1; raise UsageError if it is invalid."""
+def _check_point(q: npt.ArrayLike | None, reducer: Reducer) -> Array:
+    """Return the point q as a read-only array (2,) [m], by default the centre of hole 1.
+
+    Raises
+    ------
+    UsageError
+        It is not two finite numbers.
+    """
     point = np.array([0.0, reducer.design.output.pin_circle_radius] if q is None else q, dtype=np.float64)
     if point.shape != (2,) or not np.isfinite(point).all():
         raise UsageError(
@@ -322,21 +335,21 @@ def _point(q: npt.ArrayLike | None, reducer: Reducer) -> Array:
     return point
 
 
-def _planar(gear: str) -> tuple[str, ...]:
+def _disc_columns(gear: str) -> tuple[str, ...]:
     """Return the names of the columns of a disc's motion: x, y, angle, and their speeds."""
     return (*names.planar_joints(gear), *names.planar_speeds(gear))
 
 
 def _disc_motion(run: Run, reducer: Reducer, q: Array, disc: int) -> dict[str, Compared]:
-    """Return the attributes of a `Series` that depend on the disc."""
+    """Return angle, speed, position and velocity of a disc with their closed form, by attribute of `Series`."""
     design = reducer.design
-    *_, turn, _, _, spin = _planar(names.gears(design.gear.discs)[disc])
+    *_, angle_column, _, _, speed_column = _disc_columns(names.gears(design.gear.discs)[disc])
     crank_angle, crank_speed = run["crank_angle"], run["crank_speed"]
     path = point_path(reducer, q, disc, crank_angle, crank_speed)
     position, velocity = _point_motion(run, reducer, q, disc)
     return {
-        "gear_angle": Compared(run[turn], reducer.member.gear_angle(crank_angle)),
-        "gear_speed": Compared(run[spin], reducer.member.gear_angle(crank_speed)),
+        "gear_angle": Compared(run[angle_column], reducer.member.gear_angle(crank_angle)),
+        "gear_speed": Compared(run[speed_column], reducer.member.gear_angle(crank_speed)),
         "q_position": Compared(position, path.position),
         "q_velocity": Compared(velocity, path.velocity),
     }
@@ -344,7 +357,7 @@ def _disc_motion(run: Run, reducer: Reducer, q: Array, disc: int) -> dict[str, C
 
 def _point_motion(run: Run, reducer: Reducer, q: Array, disc: int) -> tuple[Array, Array]:
     """Position from the initial centre of the first disc [m] and velocity [m/s] of a disc's point q, each (n, 2)."""
-    columns = _planar(reducer.gears[disc])
+    columns = _disc_columns(reducer.gears[disc])
     position, velocity = kinematics.carried_point(q, run.block(columns[:3]), run.block(columns[3:]))
     return position - kinematics.gear_centre(reducer.tooth_profile, 0.0), velocity
 

@@ -87,8 +87,8 @@ class Orders(Presented):
         return float(np.sqrt(0.5 * np.sum(self.amplitude[kept] ** 2) / self.spread))
 
 
-def periodic_orders(crank: Array, values: Array, base: float = 1.0, most: float = np.inf) -> Orders:
-    """Compute the amplitudes of periodic values by order, over all full cycles.
+def periodic_orders(crank: Array, values: Array, base: float = 1.0, max_order: float = np.inf) -> Orders:
+    """Compute the amplitudes of periodic values by order, by a discrete Fourier transform over all full cycles.
 
     Parameters
     ----------
@@ -98,8 +98,8 @@ def periodic_orders(crank: Array, values: Array, base: float = 1.0, most: float 
         Shape (n,).
     base
         Cycles in a crank turn of what the values repeat with [1].
-    most
-        The largest order to return [1]; at most that of two samples in a cycle.
+    max_order
+        Largest order to return [1]; at most that of two samples in a cycle.
 
     Raises
     ------
@@ -118,9 +118,9 @@ def periodic_orders(crank: Array, values: Array, base: float = 1.0, most: float 
         )
     amplitude = 2.0 / points * np.abs(np.fft.rfft(values[:points]))
     order = base * np.arange(amplitude.size) / cycles
-    highest = 0.5 * base * points / cycles
-    kept = (order > 0.0) & (order <= most) & (order < highest)
-    return Orders(base, order[kept], amplitude[kept], (base / cycles, min(most, highest)), cycles)
+    nyquist_order = 0.5 * base * points / cycles
+    selected = (order > 0.0) & (order <= max_order) & (order < nyquist_order)
+    return Orders(base, order[selected], amplitude[selected], (base / cycles, min(max_order, nyquist_order)), cycles)
 
 
 def tapered_orders(angle: Array, values: Array, most: float = np.inf, base: float = 1.0) -> Orders | None:
@@ -150,7 +150,7 @@ def tapered_orders(angle: Array, values: Array, most: float = np.inf, base: floa
     if cycles < 1:
         return None
     points = int(np.ceil(cycles / sampled * len(swept)))
-    sample_numbers = _inverse(swept, cycles * np.arange(points) / points)
+    sample_numbers = _invert_samples(swept, cycles * np.arange(points) / points)
     even = between_samples(values, sample_numbers)
     taper = np.hanning(points + 1)[:-1]
     amplitude = 2.0 * np.abs(np.fft.rfft(taper * (even - even.mean()), SPECTRUM.padding * points)) / np.sum(taper)
@@ -161,55 +161,57 @@ def tapered_orders(angle: Array, values: Array, most: float = np.inf, base: floa
     return Orders(base, order[kept], amplitude[kept], band, cycles, SPECTRUM.hann_bandwidth * SPECTRUM.padding)
 
 
-def _inverse(rising: Array, targets: Array) -> Array:
-    """Return at which sample number, between samples, rising values (n,) reach targets (k,): by Lagrange's cubic.
+def _invert_samples(increasing: Array, targets: Array) -> Array:
+    """Compute the (fractional) sample numbers at which increasing values (n,) reach targets (k,), by Lagrange's cubic.
 
     The crank angle of a run is so smooth that this is right to 1e-5 samples; importing SciPy's splines would take
     longer than the evaluation of a run.
     """
-    first = np.clip(np.searchsorted(rising, targets) - 2, 0, len(rising) - 4)
-    nodes = rising[first + np.arange(4)[:, np.newaxis]]
-    numbers = np.zeros(len(targets))
-    for node in range(4):
-        others = [other for other in range(4) if other != node]
-        weight = np.prod([(targets - nodes[other]) / (nodes[node] - nodes[other]) for other in others], axis=0)
-        numbers += weight * (first + node)
-    return numbers
+    first = np.clip(np.searchsorted(increasing, targets) - 2, 0, len(increasing) - 4)
+    node_values = increasing[first + np.arange(4)[:, np.newaxis]]
+    sample_numbers = np.zeros(len(targets))
+    for k in range(4):
+        other_nodes = [other for other in range(4) if other != k]
+        weight = np.prod(
+            [(targets - node_values[other]) / (node_values[k] - node_values[other]) for other in other_nodes], axis=0
+        )
+        sample_numbers += weight * (first + k)
+    return sample_numbers
 
 
-def between_samples(values: Array, places: Array) -> Array:
-    """Compute the band-limited signal through evenly spaced samples.
+def between_samples(values: Array, sample_numbers: Array) -> Array:
+    """Interpolate a band-limited signal between evenly spaced samples, with a Kaiser-windowed sinc kernel.
 
-    It is accurate to 1e-3 up to ``SPECTRUM.band`` of their rate.
+    It is accurate to 1e-3 up to ``SPECTRUM.band`` of the sampling rate.
 
     Parameters
     ----------
     values
         Samples, shape (n,); they are extended at both ends by odd reflection.
-    places
+    sample_numbers
         Sample numbers, from 0 to n - 1 or little more, that need not be integers, shape (k,).
     """
-    ahead = np.pad(values, SPECTRUM.reach, mode="reflect", reflect_type="odd")
-    first = np.clip(np.floor(places).astype(np.int64), 0, len(values) - 1)
-    total, weights = np.zeros(len(places)), np.zeros(len(places))
+    extended = np.pad(values, SPECTRUM.reach, mode="reflect", reflect_type="odd")
+    index = np.clip(np.floor(sample_numbers).astype(np.int64), 0, len(values) - 1)
+    total, weights = np.zeros(len(sample_numbers)), np.zeros(len(sample_numbers))
     for offset in range(1 - SPECTRUM.reach, SPECTRUM.reach + 1):
-        away = places - first - offset
-        weight = np.sinc(away) * np.i0(
-            SPECTRUM.kaiser_beta * np.sqrt(np.clip(1.0 - (away / SPECTRUM.reach) ** 2, 0.0, 1.0))
+        distance = sample_numbers - index - offset
+        weight = np.sinc(distance) * np.i0(
+            SPECTRUM.kaiser_beta * np.sqrt(np.clip(1.0 - (distance / SPECTRUM.reach) ** 2, 0.0, 1.0))
         )
-        total += weight * ahead[first + offset + SPECTRUM.reach]
+        total += weight * extended[index + offset + SPECTRUM.reach]
         weights += weight
     return np.asarray(total / weights)
 
 
-def decimate(values: Array, every: int, means: bool = False) -> Array:
-    """Decimate samples by a factor `every` after a low-pass filter that prevents aliasing.
+def decimate(values: Array, factor: int, means: bool = False) -> Array:
+    """Decimate samples by a factor after a low-pass filter (linear-phase FIR, Kaiser window) that prevents aliasing.
 
     Parameters
     ----------
     values
         Evenly spaced samples, shape (n,) or (n, k).
-    every
+    factor
         Frequencies above ``1 - SPECTRUM.band`` of the new rate are attenuated to 1e-3, those below ``SPECTRUM.band`` of
         it are kept.
     means
@@ -218,20 +220,22 @@ def decimate(values: Array, every: int, means: bool = False) -> Array:
     Returns
     -------
     Array
-        Shape (ceil(n / every),) or (ceil(n / every), k); the first and last 10 samples are affected by the ends.
+        Shape (ceil(n / factor),) or (ceil(n / factor), k); the first and last 10 samples are affected by the ends.
     """
-    if every == 1:
+    if factor == 1:
         return values
     from scipy.signal import firwin2, upfirdn
 
-    ends, edge = 10 * every, 1.0 / every
-    frequency = np.linspace(0.0, edge, 1 + 2 ** (2 * ends).bit_length())  # the grid of firwin2 and points between
+    half_length, new_nyquist = 10 * factor, 1.0 / factor
+    frequency = np.linspace(
+        0.0, new_nyquist, 1 + 2 ** (2 * half_length).bit_length()
+    )  # the grid of firwin2 and points between
     gain = 1.0 / np.sinc(0.5 * frequency) if means else np.ones(frequency.size)
-    taps = firwin2(2 * ends + 1, [*frequency, edge, 1.0], [*gain, 0.0, 0.0], window=("kaiser", 6.0))
-    margins = ((ends, ends), *[(0, 0)] * (values.ndim - 1))
+    taps = firwin2(2 * half_length + 1, [*frequency, new_nyquist, 1.0], [*gain, 0.0, 0.0], window=("kaiser", 6.0))
+    margins = ((half_length, half_length), *[(0, 0)] * (values.ndim - 1))
     extended = np.pad(values, margins, mode="reflect", reflect_type="odd")
-    first = 2 * ends // every
-    return np.asarray(upfirdn(taps, extended, down=every, axis=0)[first : first + math.ceil(len(values) / every)])
+    first = 2 * half_length // factor
+    return np.asarray(upfirdn(taps, extended, down=factor, axis=0)[first : first + math.ceil(len(values) / factor)])
 
 
 def density(values: Array, rate: float, segment: int) -> tuple[Array, Array]:

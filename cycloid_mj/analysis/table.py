@@ -42,102 +42,106 @@ def table(findings: Findings) -> list[FigureRow]:
 
 def groups(findings: Findings) -> list[RowGroup]:
     """Return the rows of `table` in groups; groups without rows are left out."""
-    rows = (
-        _part("output", findings.output_speed, findings.output_transmission_error),
-        _gears(findings),
-        _point(findings),
-        *(about(findings) for about in (_contacts, _pin_1, _torques, _energy, _crank)),
+    rows_by_group = (
+        _motion_rows("output", findings.output_speed, findings.output_transmission_error),
+        _disc_rows(findings),
+        _point_rows(findings),
+        *(make_rows(findings) for make_rows in (_contact_rows, _pin_rows, _torque_rows, _energy_rows, _crank_rows)),
     )
     x, y = findings.q_path.q_mm
-    on = f" of {findings.discs[0].name.replace('_', ' ')}" if findings.discs else ""
-    details = {"path of q": f"= ({x:.6g}, {y:.6g}) mm{on}"}
-    row_groups = [RowGroup(name, tuple(part), details.get(name, "")) for name, part in zip(GROUPS, rows, strict=True)]
+    disc_clause = f" of {findings.discs[0].name.replace('_', ' ')}" if findings.discs else ""
+    details = {"path of q": f"= ({x:.6g}, {y:.6g}) mm{disc_clause}"}
+    row_groups = [
+        RowGroup(name, tuple(part), details.get(name, "")) for name, part in zip(GROUPS, rows_by_group, strict=True)
+    ]
     return [group for group in row_groups if group.rows]
 
 
-def _part(part: str, speed: SpeedFindings, error: TransmissionError, article: str = "the ") -> Iterator[FigureRow]:
-    """Yield the rows of transmission error and speed of a part."""
+def _motion_rows(
+    part: str, speed: SpeedFindings, error: TransmissionError, article: str = "the "
+) -> Iterator[FigureRow]:
+    """Yield the rows of transmission error [arcsec] and speed [rad/s] of a part."""
     mean, theory = speed.mean_rad_s, speed.theory_rad_s
     # a difference within rounding is shown as 0
-    off = 0.0 if abs(mean - theory) <= ROUNDING * abs(theory) else mean - theory
-    yield _row(f"transmission error of {article}{part}, peak to peak", "arcsec", error=error.peak_to_peak_arcsec)
-    yield _row(f"transmission error of {article}{part}, mean (play and wind-up)", "arcsec", error.mean_arcsec)
-    yield _row(f"{part} speed, mean", "rad/s", mean, theory, off)
-    yield _row(f"{part} speed, rms error", "rad/s", error=speed.rms_error_rad_s)
-    yield _row(f"{part} speed, peak error", "rad/s", error=speed.peak_error_rad_s)
+    mean_error = 0.0 if abs(mean - theory) <= ROUNDING * abs(theory) else mean - theory
+    yield _format_row(f"transmission error of {article}{part}, peak to peak", "arcsec", error=error.peak_to_peak_arcsec)
+    yield _format_row(f"transmission error of {article}{part}, mean (play and wind-up)", "arcsec", error.mean_arcsec)
+    yield _format_row(f"{part} speed, mean", "rad/s", mean, theory, mean_error)
+    yield _format_row(f"{part} speed, rms error", "rad/s", error=speed.rms_error_rad_s)
+    yield _format_row(f"{part} speed, peak error", "rad/s", error=speed.peak_error_rad_s)
 
 
-def _gears(findings: Findings) -> Iterator[FigureRow]:
+def _disc_rows(findings: Findings) -> Iterator[FigureRow]:
     if not findings.discs:
-        yield from _part("gear", findings.gear_speed, findings.gear_transmission_error)
+        yield from _motion_rows("gear", findings.gear_speed, findings.gear_transmission_error)
     for disc in findings.discs:
-        yield from _part(disc.name.replace("_", " "), disc.speed, disc.transmission_error, "")
+        yield from _motion_rows(disc.name.replace("_", " "), disc.speed, disc.transmission_error, "")
 
 
-def _point(findings: Findings) -> Iterator[FigureRow]:
-    yield from _errors(findings.window.phase, findings.q_path, findings.q_speed)
+def _point_rows(findings: Findings) -> Iterator[FigureRow]:
+    yield from _path_rows(findings.window.phase, findings.q_path, findings.q_speed)
     if findings.ramp and findings.window.phase == "hold":
-        yield from _errors("ramp", findings.ramp.q_path, findings.ramp.q_speed)
+        yield from _path_rows("ramp", findings.ramp.q_path, findings.ramp.q_speed)
 
 
-def _errors(phase: str, path: PathFindings, velocity: VelocityFindings) -> Iterator[FigureRow]:
-    yield _row(f"path of q, {phase}, rms error", "um", error=path.rms_error_um)
-    yield _row(f"path of q, {phase}, largest error", "um", error=path.max_error_um)
-    yield _row(f"velocity of q, {phase}, rms error", "mm/s", error=velocity.rms_error_mm_s)
-    yield _row(f"velocity of q, {phase}, largest error", "mm/s", error=velocity.max_error_mm_s)
+def _path_rows(phase: str, path: PathFindings, velocity: VelocityFindings) -> Iterator[FigureRow]:
+    yield _format_row(f"path of q, {phase}, rms error", "um", error=path.rms_error_um)
+    yield _format_row(f"path of q, {phase}, largest error", "um", error=path.max_error_um)
+    yield _format_row(f"velocity of q, {phase}, rms error", "mm/s", error=velocity.rms_error_mm_s)
+    yield _format_row(f"velocity of q, {phase}, largest error", "mm/s", error=velocity.max_error_mm_s)
 
 
-def _contacts(findings: Findings) -> Iterator[FigureRow]:
+def _contact_rows(findings: Findings) -> Iterator[FigureRow]:
     contact = findings.contact_summary
-    yield _row("contacts in touch, mean", "1", contact.mean_active)
-    yield _row("penetration, largest", "um", contact.max_penetration_um)
-    yield _row("force of one contact, largest", "N", contact.peak_force_n)
+    yield _format_row("contacts in touch, mean", "1", contact.mean_active)
+    yield _format_row("penetration, largest", "um", contact.max_penetration_um)
+    yield _format_row("force of one contact, largest", "N", contact.peak_force_n)
 
 
-def _pin_1(findings: Findings) -> Iterator[FigureRow]:
+def _pin_rows(findings: Findings) -> Iterator[FigureRow]:
     if pin := findings.pin1:
-        yield _row("pin 1, radial displacement, largest", "um", pin.max_radial_um)
-        yield _row("pin 1, spin, mean", "rad/s", pin.mean_spin_rad_s)
+        yield _format_row("pin 1, radial displacement, largest", "um", pin.max_radial_um)
+        yield _format_row("pin 1, spin, mean", "rad/s", pin.mean_spin_rad_s)
 
 
-def _torques(findings: Findings) -> Iterator[FigureRow]:
-    """Yield the rows of torques and losses."""
+def _torque_rows(findings: Findings) -> Iterator[FigureRow]:
+    """Yield the rows of mean torques [N m], and of the losses [W] of each kind of pair."""
     power = findings.power
-    yield _row("load torque, mean", "N m", power.load_torque_nm)
-    yield _row("crank torque, mean", "N m", power.crank_torque_nm)
-    yield _row("crank torque without losses, load / ratio", "N m", closed_form=power.ideal_crank_torque_nm)
+    yield _format_row("load torque, mean", "N m", power.load_torque_nm)
+    yield _format_row("crank torque, mean", "N m", power.crank_torque_nm)
+    yield _format_row("crank torque without losses, load / ratio", "N m", closed_form=power.ideal_crank_torque_nm)
     for loss in findings.losses:
         pair = loss.pair.replace("_", "-")
-        yield _row(f"loss by friction, {pair}", "W", loss.friction_w)
-        yield _row(f"loss by damping, {pair}", "W", loss.normal_w)
+        yield _format_row(f"loss by friction, {pair}", "W", loss.friction_w)
+        yield _format_row(f"loss by damping, {pair}", "W", loss.normal_w)
 
 
-def _energy(findings: Findings) -> Iterator[FigureRow]:
+def _energy_rows(findings: Findings) -> Iterator[FigureRow]:
     power, efficiency = findings.power, findings.efficiency
-    yield _row("input power, mean", "W", power.input_w)
-    yield _row("output power, mean", "W", power.output_w)
+    yield _format_row("input power, mean", "W", power.input_w)
+    yield _format_row("output power, mean", "W", power.output_w)
     if efficiency is not None:
-        yield _row("efficiency", "%", 100 * efficiency)
+        yield _format_row("efficiency", "%", 100 * efficiency)
 
 
-def _crank(findings: Findings) -> Iterator[FigureRow]:
+def _crank_rows(findings: Findings) -> Iterator[FigureRow]:
     crank = findings.crank
-    yield _row("crank speed, mean", "rad/s", crank.speed_rad_s)
-    yield _row("crank speed, largest relative error in the entire run", "1", error=crank.max_relative_error)
+    yield _format_row("crank speed, mean", "rad/s", crank.speed_rad_s)
+    yield _format_row("crank speed, largest relative error in the entire run", "1", error=crank.max_relative_error)
 
 
-def _row(
+def _format_row(
     quantity: str,
     unit: str,
     simulated: float | None = None,
     closed_form: float | None = None,
     error: float | None = None,
 ) -> FigureRow:
-    """Return a row with formatted values."""
-    return FigureRow(quantity, _text(simulated), _text(closed_form), _text(error), unit)
+    """Return a table row with values to five digits; missing values are empty cells."""
+    return FigureRow(quantity, _format_value(simulated), _format_value(closed_form), _format_value(error), unit)
 
 
-def _text(value: float | None) -> str:
+def _format_value(value: float | None) -> str:
     if value is None:
         return ""
     return f"{value:.5g}" if value else "0"

@@ -48,34 +48,34 @@ COARSE = "the log rate or the hold is too low for these powers: raise settings.l
 """Cause of an open balance, and its remedy."""
 
 
-def warnings(motion: Series, judged: Window, contacts: ContactSummary) -> Iterator[str]:
-    """Yield the warnings of a run that was judged over a window."""
+def warnings(motion: Series, window: Window, contacts: ContactSummary) -> Iterator[str]:
+    """Yield all warnings about the results of a run, evaluated over a window: incomplete, too short, or inaccurate."""
     run = motion.run
     if not run.complete:
         yield f"the run is incomplete: {run.note or 'the reason is unknown'}"
     elif run.note:
         yield run.note
-    if judged.phase == "ramp":
-        yield _ended_in_ramp(motion)
-    elif _turns(judged) < 1.0:
-        yield _short(motion, judged)
+    if window.phase == "ramp":
+        yield _ramp_warning(motion)
+    elif _window_turns(window) < 1.0:
+        yield _short_run_warning(motion, window)
     yield from run_warnings(motion)
-    limit = MICROMETRE.from_si(penetration_limit(motion.reducer))
-    if contacts.max_penetration_um > LIMITS.penetration_share * limit:
+    penetration_limit_um = MICROMETRE.from_si(penetration_limit(motion.reducer))
+    if contacts.max_penetration_um > LIMITS.penetration_share * penetration_limit_um:
         yield (
-            f"largest contact deflection {contacts.max_penetration_um:.3g} um; a run stops with an error at {limit:g} "
-            "um (contact.max_penetration_um)"
+            f"largest contact deflection {contacts.max_penetration_um:.3g} um; a run stops with an error at "
+            f"{penetration_limit_um:g} um (contact.max_penetration_um)"
         )
 
 
 def run_warnings(motion: Series) -> tuple[str, ...]:
-    """Return the warnings of a run but for its end: what is wrong, where, and what to change."""
+    """Return the warnings about log rate, time step, convergence and power balance of a run, with remedies."""
     run, reducer = motion.run, motion.reducer
     # the columns of powers suffice: most columns of a run are forces, whose copy would be as large as the run
-    judged = run.of_topic(REDUCER).select(motion.whole_periods)
-    powers = balance_warnings(judged, reducer) if motion.phase == "hold" and len(judged) > 1 else ()
-    fewest = (PLANAR_RULE if run.provenance.get("solver") == "planar" else MUJOCO_RULE).min_steps_per_tooth
-    return tuple(dict.fromkeys((*run.warnings, *pace(reducer, fewest), *convergence_warnings(run), *powers)))
+    evaluated = run.of_topic(REDUCER).select(motion.whole_periods)
+    powers = balance_warnings(evaluated, reducer) if motion.phase == "hold" and len(evaluated) > 1 else ()
+    min_steps = (PLANAR_RULE if run.provenance.get("solver") == "planar" else MUJOCO_RULE).min_steps_per_tooth
+    return tuple(dict.fromkeys((*run.warnings, *pace(reducer, min_steps), *convergence_warnings(run), *powers)))
 
 
 def convergence_warnings(run: Run) -> Iterator[str]:
@@ -105,30 +105,32 @@ def balance_warnings(run: Run, reducer: Reducer, remedy: str = "") -> tuple[str,
     """
     design = reducer.design
     powers = mean_powers(run)
-    idle = LIMITS.min_power_share * design.drive.torque * abs(design.drive.speed)
-    taken = max(powers.crank, powers.output, powers.lost)
-    scale = max(taken, idle)
+    idle_power = LIMITS.min_power_share * design.drive.torque * abs(design.drive.speed)
+    largest_power = max(powers.crank, powers.output, powers.lost)
+    reference_power = max(largest_power, idle_power)
     texts = []
-    short = _swept(run) < LIMITS.min_turns
-    if "kinetic_energy" in run.columns and not short:
-        idles = powers.delivered <= idle
-        through, most = (
-            (max(taken, LIMITS.min_power_share * idle), LIMITS.idling_balance_rtol)
-            if idles
-            else (scale, LIMITS.balance_rtol)
+    is_short = _swept_turns(run) < LIMITS.min_turns
+    if "kinetic_energy" in run.columns and not is_short:
+        is_idle = powers.delivered <= idle_power
+        balance_power, max_error = (
+            (max(largest_power, LIMITS.min_power_share * idle_power), LIMITS.idling_balance_rtol)
+            if is_idle
+            else (reference_power, LIMITS.balance_rtol)
         )
-        if abs(powers.missing) > most * through:
-            texts.append(_open(powers.missing, through, abs(design.drive.speed), idles, remedy or COARSE))
+        if abs(powers.missing) > max_error * balance_power:
+            texts.append(
+                _open_balance_warning(powers.missing, balance_power, abs(design.drive.speed), is_idle, remedy or COARSE)
+            )
     if design.load.torque and 0.0 < powers.efficiency < SELF_LOCKING:
         texts.append(
             f"efficiency {powers.efficiency:.2%}: friction losses are {1.0 / powers.efficiency - 1.0:.3g} times the "
             "output power, and the drive is almost self-locking; check friction.*, clearance.* and load.torque_nm"
         )
-    why = remedy or ("the hold is shorter than a crank turn: raise drive.hold_s" if short else COARSE)
-    of_load = abs(design.load.torque * design.drive.speed) / design.reduction
+    cause = remedy or ("the hold is shorter than a crank turn: raise drive.hold_s" if is_short else COARSE)
+    load_power = abs(design.load.torque * design.drive.speed) / design.reduction
     if (
         powers.supplied < LIMITS.min_driving_share * powers.delivered
-        and powers.delivered > LIMITS.min_power_share * of_load > 0.0
+        and powers.delivered > LIMITS.min_power_share * load_power > 0.0
     ):
         texts.append(
             f"the load does not act yet: {powers.supplied:.3g} W in, {powers.delivered:.3g} W out, while parts cross "
@@ -139,31 +141,31 @@ def balance_warnings(run: Run, reducer: Reducer, remedy: str = "") -> tuple[str,
         # the efficiency of a drive that floats or stands still is undefined
         return tuple(texts)
     # without friction the efficiency is 1 to rounding and what sampled powers leave open
-    most = 1.0 + (LIMITS.balance_rtol if powers.lost < LIMITS.balance_rtol * scale else 0.0)
-    outside = not 0.0 <= powers.efficiency <= most if design.load.torque else powers.efficiency > most
+    max_error = 1.0 + (LIMITS.balance_rtol if powers.lost < LIMITS.balance_rtol * reference_power else 0.0)
+    is_impossible = not 0.0 <= powers.efficiency <= max_error if design.load.torque else powers.efficiency > max_error
     if design.load.torque and powers.note:
-        texts.append(f"efficiency 0, {powers.note}: both shafts drive, and friction takes all power; or {why}")
-    if outside and (design.load.torque or max(powers.crank, powers.output) > idle):
-        texts.append(f"efficiency {powers.efficiency:.2%} is impossible: {why}")
+        texts.append(f"efficiency 0, {powers.note}: both shafts drive, and friction takes all power; or {cause}")
+    if is_impossible and (design.load.torque or max(powers.crank, powers.output) > idle_power):
+        texts.append(f"efficiency {powers.efficiency:.2%} is impossible: {cause}")
     return tuple(texts)
 
 
-def _open(missing: float, through: float, speed: float, idles: bool, remedy: str) -> str:
-    """Return the warning of an open balance at a crank speed [rad/s], from the missing and the total power [W]."""
-    figures = "powers and losses" if idles else "powers, losses and efficiency"
-    whose = f"{' of the idling drive' if idles else ''} at {RPM.from_si(speed):.4g} rpm"
+def _open_balance_warning(missing_power: float, total_power: float, speed: float, is_idle: bool, remedy: str) -> str:
+    """Return the warning of an open power balance at a crank speed [rad/s]; powers are in [W]."""
+    figures = "powers and losses" if is_idle else "powers, losses and efficiency"
+    whose = f"{' of the idling drive' if is_idle else ''} at {RPM.from_si(speed):.4g} rpm"
     return (
-        f"power balance{whose}: {missing:.3g} W are missing, {abs(missing) / through:.2%} of {through:.4g} W; "
-        f"{figures} have an error of this size; {remedy}"
+        f"power balance{whose}: {missing_power:.3g} W are missing, {abs(missing_power) / total_power:.2%} of "
+        f"{total_power:.4g} W; {figures} have an error of this size; {remedy}"
     )
 
 
-def _swept(run: Run) -> float:
+def _swept_turns(run: Run) -> float:
     angle = run["crank_angle"]
     return float(abs(angle[-1] - angle[0]) / (2.0 * np.pi) * angle.size / (angle.size - 1))
 
 
-def _ended_in_ramp(motion: Series) -> str:
+def _ramp_warning(motion: Series) -> str:
     """Return the warning of a run that ended during the ramp."""
     drive = motion.design.drive
     reached = RPM.from_si(float(motion.crank_speed.simulated[-1]))
@@ -174,19 +176,19 @@ def _ended_in_ramp(motion: Series) -> str:
     )
 
 
-def _short(motion: Series, judged: Window) -> str:
-    """Return the warning of a run with less than a crank turn at constant speed."""
+def _short_run_warning(motion: Series, window: Window) -> str:
+    """Return the warning of a run with less than a crank turn at constant speed, with the required drive.hold_s."""
     speed = abs(motion.design.drive.speed)
-    settled = judged.start_s - motion.design.drive.ramp
-    needed = (
+    settled = window.start_s - motion.design.drive.ramp
+    remedy = (
         f"; a full turn needs drive.hold_s = {settled + 2.0 * np.pi / speed:.2g}, settling included" if speed else ""
     )
     return (
-        f"only {judged.crank_turns:.2f} crank turns at constant speed were evaluated: means and peaks are those of part"
-        f" of a turn{needed}"
+        f"only {window.crank_turns:.2f} crank turns at constant speed were evaluated: means and peaks are those of part"
+        f" of a turn{remedy}"
     )
 
 
-def _turns(judged: Window) -> float:
+def _window_turns(judged: Window) -> float:
     """Return the crank turns of a window, including the interval after its last sample."""
     return judged.crank_turns * judged.samples / max(judged.samples - 1, 1) + 1e-6

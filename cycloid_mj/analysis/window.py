@@ -36,7 +36,7 @@ def reaches_hold(reducer: Reducer, time: Array) -> bool:
 
 
 def require_hold(reducer: Reducer, time: Array) -> None:
-    """Raise LogError for a run that does not reach its hold."""
+    """Raise LogError if a run has too few samples at constant crank speed to evaluate."""
     if not reaches_hold(reducer, time):
         count = np.count_nonzero(~in_ramp(reducer, time))
         reached = f"it ends at {time[-1]:.6g} s" if time.size else "it has no usable samples"
@@ -54,10 +54,10 @@ def settling(reducer: Reducer) -> float:
 
 
 def in_hold(reducer: Reducer, time: Array, settle: float | None = None) -> Mask:
-    """Mark the settled samples at constant crank speed, shape (n,).
+    """Return a mask of the settled samples at constant crank speed, shape (n,).
 
-    They begin `settle` [s] after the ramp, but never after more than half of the hold that was run. By default
-    `settle` is `settling`, counted from the end of the load's rise where that comes later than the ramp's.
+    They begin `settle` [s] after the ramp, but never after more than half of the hold that was run. By default `settle`
+    is `settling`, counted from the end of the load's rise where that comes later than the ramp's.
 
     Raises
     ------
@@ -82,31 +82,32 @@ def in_hold(reducer: Reducer, time: Array, settle: float | None = None) -> Mask:
 
 
 def whole_periods(crank_angle: Array, mesh_period: float) -> slice:
-    """Return the longest first part of full crank turns, or else of full mesh periods, or else everything.
+    """Return the samples of the longest first part with full crank turns, else full mesh periods, else all.
 
-    Sums over it contain no ripple of turn or mesh, except for the fraction of a sample at its end.
+    `crank_angle` [rad] has shape (n,), `mesh_period` is in [rad]. Sums over the slice contain no ripple of turn or
+    mesh, except for the fraction of a sample at its end.
     """
-    swept = np.abs(crank_angle - crank_angle[0])
-    span = swept[-1] * swept.size / max(swept.size - 1, 1)
+    swept_angle = np.abs(crank_angle - crank_angle[0])
+    span = swept_angle[-1] * swept_angle.size / max(swept_angle.size - 1, 1)
     for period in (2 * np.pi, mesh_period):
         count = np.floor(span / period + 1e-6)
         if count >= 1:
-            return slice(0, int(np.searchsorted(swept, count * period * (1 - 1e-6))))
-    return slice(0, swept.size)
+            return slice(0, int(np.searchsorted(swept_angle, count * period * (1 - 1e-6))))
+    return slice(0, swept_angle.size)
 
 
 def turn_by_turn(crank_angle: Array) -> list[slice]:
-    """Return each full crank turn from the first sample on; everything if it is shorter than a turn."""
-    swept = np.abs(crank_angle - crank_angle[0]) / (2 * np.pi)
+    """Return the samples of each full crank turn from the first sample on; all samples if there is no full turn."""
+    swept_turns = np.abs(crank_angle - crank_angle[0]) / (2 * np.pi)
     # a turn of n samples ends one sample after its last
-    turns = int(swept[-1] * swept.size / max(swept.size - 1, 1) + 1e-6)
+    turns = int(swept_turns[-1] * swept_turns.size / max(swept_turns.size - 1, 1) + 1e-6)
     # samples may fall on the ends of a turn, which the servo of the drive misses by about 1e-8 of a turn
-    starts = np.searchsorted(swept, np.arange(turns + 1) - 1e-6 / (2 * np.pi))
-    return [slice(int(first), int(last)) for first, last in pairwise(starts)] or [slice(0, swept.size)]
+    starts = np.searchsorted(swept_turns, np.arange(turns + 1) - 1e-6 / (2 * np.pi))
+    return [slice(int(first), int(last)) for first, last in pairwise(starts)] or [slice(0, swept_turns.size)]
 
 
 def one_turn(crank_angle: Array) -> slice:
-    """Return the first turn from crank angle 0 (modulo a turn), else the first turn, else everything."""
+    """Return the samples of a crank turn from crank angle 0 (modulo a turn), else of the first turn, else all."""
     turns = np.abs(crank_angle) / (2 * np.pi)
     for start in (np.ceil(turns[0] - 1e-6), turns[0]):
         first, last = np.searchsorted(turns, [start - 1e-6, start + 1 + 1e-6])

@@ -212,7 +212,7 @@ def layout(log: LogName, /, *, delivery: Annotated[Delivery, FLAT] = DELIVERY) -
     Import it once: the default 3-D view of these programs starts 20 m away and hides everything nearer than 0.5 m.
     """
     from cycloid_mj.analysis.series import design_of
-    from cycloid_mj.scene.layout import layout as arranged
+    from cycloid_mj.scene.layout import viewer_layout as arranged
 
     arrangement = arranged(Reducer(design_of(_read(log))))
     place = claim_destination(delivery, f"{Path(log).stem}-layout")

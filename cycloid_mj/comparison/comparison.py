@@ -84,9 +84,9 @@ class Comparison(Presented):
             "solver": self.solver,
             "conditions": self.conditions,
             "differences": self.differences,
-            "runs": [_run(trial) for trial in self.trials],
+            "runs": [_run_json(trial) for trial in self.trials],
             "sensitivity": [
-                plain(each) | {"changes": each.changes, "determined": each.is_determined} for each in self.sensitivity
+                plain(item) | {"changes": item.changes, "determined": item.is_determined} for item in self.sensitivity
             ],
         }
         return dict(plain(content))
@@ -121,13 +121,13 @@ def compare(trials: Sequence[Trial], sensitivity: Sequence[Sensitivity] = ()) ->
 
 
 def comparable(cases: Sequence[Design]) -> dict[str, Design]:
-    """Return the designs of cases (a design under a load each) by name; raise the errors of `compare`."""
+    """Return the distinct designs of cases by name; a case is a design under a load. Errors are those of `compare`."""
     by_name: dict[str, Design] = {}
     for case in cases:
         require_pin_bodies(Reducer(case), "the idle and dynamic figures of a comparison")
         # a name identifies one design, with any load and duration
-        first = by_name.setdefault(case.name, case)
-        if differing := [key for key in differences([first, case]) if key != HOLD]:
+        first_case = by_name.setdefault(case.name, case)
+        if differing := [key for key in differences([first_case, case]) if key != HOLD]:
             raise UsageError(
                 f"two designs are named {case.name!r}, but differ in {', '.join(differing[:3])}: set another `name` in "
                 "one of the design files"
@@ -143,11 +143,11 @@ def comparable(cases: Sequence[Design]) -> dict[str, Design]:
 
 
 def _require_every_case(cases: Sequence[Design], names: Sequence[str]) -> None:
-    """Raise UsageError where a design lacks a load, or has it twice."""
-    present = [(case.name, case.load.torque) for case in cases]
+    """Raise UsageError unless each design has exactly one run under each load."""
+    pairs = [(case.name, case.load.torque) for case in cases]
     for name in names:
-        for load in sorted({load for _, load in present}):
-            count = present.count((name, load))
+        for load in sorted({load for _, load in pairs}):
+            count = pairs.count((name, load))
             if count != 1:
                 problem = "is missing" if count == 0 else f"is given {count} times"
                 raise UsageError(
@@ -160,8 +160,8 @@ def _require_same_conditions(cases: Sequence[Design]) -> None:
     """Raise UsageError for runs under different settings; idle and loaded runs may differ in duration."""
     for case in cases:
         first = next(each for each in cases if each.load.torque == case.load.torque)
-        _require_alike(Reducer(first), Reducer(case), ())
-        _require_alike(Reducer(cases[0]), Reducer(case), (HOLD,))
+        _require_equal_settings(Reducer(first), Reducer(case), ())
+        _require_equal_settings(Reducer(cases[0]), Reducer(case), (HOLD,))
 
 
 def _same_solver(trials: Sequence[Trial]) -> str:
@@ -173,20 +173,20 @@ def _same_solver(trials: Sequence[Trial]) -> str:
     return next(iter(by_solver))
 
 
-def _require_alike(first: Reducer, case: Reducer, but: Sequence[str]) -> None:
-    """Raise UsageError where conditions differ, except for the keys in `but`."""
-    wanted, shared = conditions(first), conditions(case)
-    for key in wanted | shared:
-        if shared.get(key) != wanted.get(key) and key not in but:
+def _require_equal_settings(reference: Reducer, case: Reducer, exempt_keys: Sequence[str]) -> None:
+    """Raise UsageError if the settings of two cases differ in a key that is not in `exempt_keys`."""
+    expected, actual = conditions(reference), conditions(case)
+    for key in expected | actual:
+        if actual.get(key) != expected.get(key) and key not in exempt_keys:
             raise UsageError(
-                f"the runs have different settings: {key} is {wanted.get(key)} for {first.design.name} at "
-                f"{load_words(first.design.load.torque)}, but {shared.get(key)} for {case.design.name} at "
+                f"the runs have different settings: {key} is {expected.get(key)} for {reference.design.name} at "
+                f"{load_words(reference.design.load.torque)}, but {actual.get(key)} for {case.design.name} at "
                 f"{load_words(case.design.load.torque)}. Simulate them again with equal settings"
             )
 
 
-def _run(trial: Trial) -> dict[str, Any]:
-    """Convert a run to JSON values: the measures of its first start, and at no load the spreads over all starts."""
+def _run_json(trial: Trial) -> dict[str, Any]:
+    """Convert a trial to JSON values: measures of its first start, and at no load the spread of each figure."""
     spreads = [
         {"quantity": words, "unit": unit, **spread.as_json()}
         for words, unit, measured in ROWS

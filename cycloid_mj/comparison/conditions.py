@@ -19,11 +19,11 @@ NO_CONDITIONS = ("load.torque_nm", "drive.power_kw", "drive.torque_nm")
 
 
 def design_values(reducer: Reducer) -> dict[str, Any]:
-    """Collect all values of a design except its name, by key of the file, ``table.key``."""
+    """Return all values of a design except its name, by ``table.key`` of the design file."""
     tables = tomllib.loads(dump(reducer.design))
-    single = {table: value for table, value in tables.items() if not isinstance(value, dict) and table != "name"}
-    keyed = {table: keys for table, keys in tables.items() if isinstance(keys, dict)}
-    return single | {f"{table}.{key}": value for table, keys in keyed.items() for key, value in keys.items()}
+    top_level = {table: value for table, value in tables.items() if not isinstance(value, dict) and table != "name"}
+    by_table = {table: keys for table, keys in tables.items() if isinstance(keys, dict)}
+    return top_level | {f"{table}.{key}": value for table, keys in by_table.items() for key, value in keys.items()}
 
 
 def conditions(reducer: Reducer) -> dict[str, Any]:

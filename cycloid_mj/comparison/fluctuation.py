@@ -31,14 +31,14 @@ def compute_level(values: Array, parts: Sequence[slice]) -> Level:
     return Level(rms(np.concatenate([size[part] for part in parts])), tuple(rms(size[part]) for part in parts))
 
 
-def remove_steady_shifts(error: Array, crank_angle: Array, gear_angle: Array) -> Array:
-    """Subtract steady shifts from the errors of a path or a velocity, shape (n, 2), by least squares.
+def remove_steady_shifts(errors: Array, crank_angle: Array, gear_angle: Array) -> Array:
+    """Subtract steady shifts from the errors of a path or a velocity, shape (n, 2), by linear least squares.
 
     A shift that is constant in the frame of the housing, the crank or the disc is clearance taken up or elastic
     deflection, not vibration. With x + i y these are the terms a + b e^(i theta) + d e^(i phi) at `crank_angle` theta
     and ideal `gear_angle` phi = -theta/(N-1) [rad], shape (n,); the last term vanishes for a disc that does not turn.
     """
-    shifts = np.exp(1j * np.stack([np.zeros_like(crank_angle), crank_angle, gear_angle], axis=1))
-    complex_error = error[:, 0] + 1j * error[:, 1]
-    remainder = complex_error - shifts @ np.linalg.lstsq(shifts, complex_error, rcond=None)[0]
+    terms = np.exp(1j * np.stack([np.zeros_like(crank_angle), crank_angle, gear_angle], axis=1))
+    complex_error = errors[:, 0] + 1j * errors[:, 1]
+    remainder = complex_error - terms @ np.linalg.lstsq(terms, complex_error, rcond=None)[0]
     return np.stack([remainder.real, remainder.imag], axis=1)

@@ -39,21 +39,21 @@ def cam_force(motion: Series) -> Array:
 
 
 def forces(motion: Series) -> ForceSummary:
-    """Compute the force summary of a run."""
+    """Compute numbers of loaded teeth and forces of teeth, cams and output pins [N] over full crank turns."""
     parts = full_turns(motion)
     rows = slice(parts[0].start, parts[-1].stop)
-    teeth, cam = tooth_forces(motion)[rows], _force_sizes(motion, "cam")[rows]
-    output = _force_sizes(motion, "output")[rows]
-    loaded, largest = np.count_nonzero(teeth, axis=1), teeth.max(axis=1)
+    teeth, cams = tooth_forces(motion)[rows], _force_sizes(motion, "cam")[rows]
+    output_pins = _force_sizes(motion, "output")[rows]
+    loaded, largest_force = np.count_nonzero(teeth, axis=1), teeth.max(axis=1)
     return ForceSummary(
         teeth_mean=float(loaded.mean()),
         teeth_least=int(loaded.min()),
         teeth_most=int(loaded.max()),
-        tooth_mean_n=float(largest.mean()),
-        tooth_peak_n=float(largest.max()),
-        cam_mean_n=float(cam.max(axis=1).mean()),
-        cam_peak_n=float(cam.max()),
-        output_pin_peak_n=float(output.max()),
+        tooth_mean_n=float(largest_force.mean()),
+        tooth_peak_n=float(largest_force.max()),
+        cam_mean_n=float(cams.max(axis=1).mean()),
+        cam_peak_n=float(cams.max()),
+        output_pin_peak_n=float(output_pins.max()),
     )
 
 

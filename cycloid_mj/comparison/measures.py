@@ -64,10 +64,10 @@ def measure_run(motion: Series, log: str | None = None) -> Measures:
 
 
 def _fluctuation(motion: Series) -> Fluctuation:
-    """Compute the fluctuations over the full crank turns of the hold."""
+    """Compute the rms errors of disc speed, path and velocity of q over full crank turns, without steady shifts."""
     parts = full_turns(motion)
     rows = slice(parts[0].start, parts[-1].stop)
-    within = [slice(part.start - rows.start, part.stop - rows.start) for part in parts]
+    turns_in_rows = [slice(part.start - rows.start, part.stop - rows.start) for part in parts]
     angle = motion.crank_angle[rows]
     ideal_angle = motion.reducer.member.gear_angle(angle)
     path, velocity = (
@@ -75,6 +75,6 @@ def _fluctuation(motion: Series) -> Fluctuation:
     )
     return Fluctuation(
         gear_speed_rad_s=compute_level(motion.gear_speed.error, parts),
-        q_path_um=compute_level(1e6 * path, within),
-        q_velocity_mm_s=compute_level(1e3 * velocity, within),
+        q_path_um=compute_level(1e6 * path, turns_in_rows),
+        q_velocity_mm_s=compute_level(1e3 * velocity, turns_in_rows),
     )

@@ -55,8 +55,12 @@ class Sensitivity:
         return min(ratios) > 0.0 and max(ratios) / min(ratios) < UNDETERMINED
 
 
-def sensitivities(base: Sequence[Trial], changed: Mapping[Variation, Sequence[Trial]]) -> list[Sensitivity]:
-    """Compare each figure of runs with the same runs, in the same order, with one assumption changed."""
+def sensitivities(reference: Sequence[Trial], varied_trials: Mapping[Variation, Sequence[Trial]]) -> list[Sensitivity]:
+    """Compute how each dynamic figure of loaded runs changes with each assumption of the contact model.
+
+    `varied_trials` has for each assumption the same runs as `reference`, in the same order, with that assumption
+    changed.
+    """
     return [
         Sensitivity(
             quantity,
@@ -65,26 +69,26 @@ def sensitivities(base: Sequence[Trial], changed: Mapping[Variation, Sequence[Tr
             trial.load,
             figure,
             tuple(
-                SensitivityPoint(variation.parameter, variation.value, varied)
-                for variation, others in changed.items()
-                if (varied := measured(others[index].measures)) is not None
+                SensitivityPoint(variation.parameter, variation.value, varied_figure)
+                for variation, trials in varied_trials.items()
+                if (varied_figure := read(trials[index].measures)) is not None
             ),
         )
-        for quantity, unit, measured in DYNAMIC
-        for index, trial in enumerate(base)
-        if (figure := measured(trial.measures)) is not None
+        for quantity, unit, read in DYNAMIC
+        for index, trial in enumerate(reference)
+        if (figure := read(trial.measures)) is not None
     ]
 
 
 def sensitivity_table(sensitivities: Sequence[Sensitivity], condition: str) -> Table:
-    """Tabulate the changes of each figure with each assumption, a column for each design, or "not determined"."""
-    ends = " and ".join(each.words for each in ASSUMPTIONS)
-    designs = list(dict.fromkeys(each.design for each in sensitivities))
+    """Return a table of the change of each figure with each assumption, one column per design, or "not determined"."""
+    assumptions = " and ".join(item.words for item in ASSUMPTIONS)
+    designs = list(dict.fromkeys(item.design for item in sensitivities))
     rows = []
-    for quantity in dict.fromkeys(each.quantity for each in sensitivities):
-        by_design = {each.design: each for each in sensitivities if each.quantity == quantity}
+    for quantity in dict.fromkeys(item.quantity for item in sensitivities):
+        by_design = {item.design: item for item in sensitivities if item.quantity == quantity}
         rows.append((quantity, *(_words(by_design[name]) if name in by_design else "" for name in designs)))
-    return Table(f"{condition}: change with {ends}", ("quantity", *designs), tuple(rows))
+    return Table(f"{condition}: change with {assumptions}", ("quantity", *designs), tuple(rows))
 
 
 def _words(sensitivity: Sensitivity) -> str:

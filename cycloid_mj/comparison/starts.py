@@ -72,29 +72,32 @@ class StartSpread:
         )
 
 
-def compare_order(start_spread: StartSpread, other: StartSpread) -> int:
+def compare_order(spread: StartSpread, other: StartSpread) -> int:
     """Return which of two quantities is larger: 1 the first, -1 the second, 0 where their starts overlap.
 
     They differ where all starts of one exceed all of the other by more than `ORDER_MARGIN`.
     """
-    if start_spread.low > ORDER_MARGIN * other.high:
+    if spread.low > ORDER_MARGIN * other.high:
         return 1
-    return -1 if other.low > ORDER_MARGIN * start_spread.high else 0
+    return -1 if other.low > ORDER_MARGIN * spread.high else 0
 
 
 def start_variant(reducer: Reducer, number: int, count: int = STARTS) -> Design:
-    """Return the design of one of `count` independent starts; number 0 is the design itself.
+    """Return the design of one of `count` independent starts, by rotating gravity; number 0 is the design itself.
 
     Gravity is rotated by a whole number of tooth pitches, which is equivalent to another initial crank angle at the
     same phase of the mesh. If the ring has fewer teeth than `count`, gravity is rotated by equal parts of a turn.
     """
     design = reducer.design
-    teeth, pull = design.ring.teeth, design.environment
-    turn = 2 * math.pi * round(teeth * number / count) / teeth if teeth >= count else 2 * math.pi * number / count
-    if turn == 0.0:
+    teeth, environment = design.ring.teeth, design.environment
+    rotation = 2 * math.pi * round(teeth * number / count) / teeth if teeth >= count else 2 * math.pi * number / count
+    if rotation == 0.0:
         return design
-    cos, sin = math.cos(turn), math.sin(turn)
-    x, y = cos * pull.gravity_x - sin * pull.gravity_y, sin * pull.gravity_x + cos * pull.gravity_y
+    cos, sin = math.cos(rotation), math.sin(rotation)
+    x, y = (
+        cos * environment.gravity_x - sin * environment.gravity_y,
+        sin * environment.gravity_x + cos * environment.gravity_y,
+    )
     return reducer.but(environment={"gravity_x": x, "gravity_y": y}).design
 
 

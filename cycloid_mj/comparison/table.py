@@ -91,7 +91,7 @@ COLUMNS = ("load_nm", "design", "quantity", "unit", "mean", "least", "largest", 
 
 
 def figure_frame(trials: Iterable[Trial]) -> Frame:
-    """Collect the figures of all runs, a row of `COLUMNS` for each figure and run, over its starts."""
+    """Return a frame of the figures of all runs: one row of `COLUMNS` per figure and run."""
     rows: list[dict[str, Cell]] = [
         {
             "load_nm": trial.load,
@@ -111,14 +111,14 @@ def figure_frame(trials: Iterable[Trial]) -> Frame:
 
 
 def table(trials: Sequence[Trial]) -> Table:
-    """Tabulate the figures of runs under one load: quantity, a column for each design, unit.
+    """Return a table of the figures under one load: quantity, one column per design, unit.
 
     A figure of several starts is written as range and mean; a row without any value is omitted.
     """
     findings = trials[0].measures.findings
     window, starts = findings.window, min(len(trial.starts) for trial in trials)
-    span = f"from {window.start_s:.6g} to {window.end_s:.6g} s ({window.crank_turns:.1f} turns)"
-    over = f", range (mean) of {starts} starts" if starts > 1 else ""
+    window_text = f"from {window.start_s:.6g} to {window.end_s:.6g} s ({window.crank_turns:.1f} turns)"
+    starts_text = f", range (mean) of {starts} starts" if starts > 1 else ""
     note = ", disc and q of disc 1" if any(trial.measures.findings.discs for trial in trials) else ""
     rows = []
     for figure in ROWS:
@@ -126,7 +126,7 @@ def table(trials: Sequence[Trial]) -> Table:
         if any(spread is not None for spread in spreads):
             rows.append((figure.words, *("" if spread is None else _words(spread) for spread in spreads), figure.unit))
     header = ("quantity", *(trial.name for trial in trials), "unit")
-    return Table(f"{findings.condition}: {span}{over}{note}", header, tuple(rows))
+    return Table(f"{findings.condition}: {window_text}{starts_text}{note}", header, tuple(rows))
 
 
 def _words(spread: StartSpread) -> str:

@@ -66,59 +66,59 @@ class VibrationLevels:
 
 
 def acceleration(motion: Series) -> Acceleration:
-    """Compute the accelerations of a run relative to their closed form, as differences of the velocities' errors.
+    """Compute the accelerations of disc centre and output less their closed form, as differences between samples.
 
     The centre is that of the disc of the series.
     """
     run, reducer = motion.run, motion.reducer
     angle = run["crank_angle"] + reducer.phases[motion.disc]
     theory = kinematics.gear_centre_velocity(reducer.tooth_profile, angle, run["crank_speed"])
-    centre = run.block(planar_speeds(motion.gear)[:2]) - theory
+    velocity_error = run.block(planar_speeds(motion.gear)[:2]) - theory
     interval = np.diff(motion.time)
     return Acceleration(
-        np.diff(centre, axis=0) / interval[:, np.newaxis], np.diff(motion.output_speed.error) / interval
+        np.diff(velocity_error, axis=0) / interval[:, np.newaxis], np.diff(motion.output_speed.error) / interval
     )
 
 
 def spectrum(motion: Series) -> Spectrum:
-    """Compute the spectra of `acceleration` over full crank turns, by Welch's method in segments of two turns.
+    """Compute the power spectral densities of `acceleration` over full crank turns, by Welch's method.
 
-    The loss of high frequencies by the means between samples is corrected.
+    Segments have two turns. The loss of high frequencies by the means between samples is corrected.
     """
-    parts = full_turns(motion)
-    rows = slice(parts[0].start, parts[-1].stop)
-    accelerations, interval = acceleration(motion), _sampling(motion)
-    segment = min(TURNS_PER_SEGMENT * (parts[0].stop - parts[0].start), len(accelerations.output[rows]))
+    turns = full_turns(motion)
+    window = slice(turns[0].start, turns[-1].stop)
+    accelerations, interval = acceleration(motion), _sample_interval(motion)
+    segment = min(TURNS_PER_SEGMENT * (turns[0].stop - turns[0].start), len(accelerations.output[window]))
     frequency, power = density(
-        np.column_stack([accelerations.centre, accelerations.output])[rows], 1.0 / interval, segment
+        np.column_stack([accelerations.centre, accelerations.output])[window], 1.0 / interval, segment
     )
     power /= np.sinc(frequency * interval)[:, np.newaxis] ** 2
     return Spectrum(frequency, power[:, :2].sum(axis=1), power[:, 2])
 
 
 def vibration(motion: Series) -> VibrationLevels:
-    """Compute the vibration levels of a run."""
-    accelerations, parts = acceleration(motion), full_turns(motion)
+    """Compute the rms accelerations of disc centre and output over full crank turns, and by octave bands."""
+    accelerations, turns = acceleration(motion), full_turns(motion)
     return VibrationLevels(
-        gear_centre_m_s2=compute_level(accelerations.centre, parts),
-        output_rad_s2=compute_level(accelerations.output, parts),
-        band_hz=0.5 / _sampling(motion),
-        octaves=_octaves(spectrum(motion)),
+        gear_centre_m_s2=compute_level(accelerations.centre, turns),
+        output_rad_s2=compute_level(accelerations.output, turns),
+        band_hz=0.5 / _sample_interval(motion),
+        octaves=_octave_bands(spectrum(motion)),
     )
 
 
-def _sampling(motion: Series) -> float:
+def _sample_interval(motion: Series) -> float:
     return float(np.mean(np.diff(motion.time)))
 
 
-def _octaves(spectrum: Spectrum) -> tuple[OctaveBand, ...]:
-    """Compute the rms accelerations in all octave bands that lie entirely within the spectrum."""
+def _octave_bands(spectrum: Spectrum) -> tuple[OctaveBand, ...]:
+    """Compute the rms accelerations in the octave bands that lie entirely within the spectrum."""
     width = spectrum.frequency[1] - spectrum.frequency[0]
     bands = []
-    for middle in OCTAVES:
-        low, high = middle / np.sqrt(2.0), middle * np.sqrt(2.0)
+    for centre_frequency in OCTAVES:
+        low, high = centre_frequency / np.sqrt(2.0), centre_frequency * np.sqrt(2.0)
         if low >= width and high <= spectrum.frequency[-1]:
             inside = (spectrum.frequency >= low) & (spectrum.frequency < high)
             centre, output = (np.sqrt(width * part[inside].sum()) for part in (spectrum.centre, spectrum.output))
-            bands.append(OctaveBand(float(middle), float(centre), float(output)))
+            bands.append(OctaveBand(float(centre_frequency), float(centre), float(output)))
     return tuple(bands)

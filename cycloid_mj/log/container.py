@@ -38,21 +38,30 @@ MESSAGE_HEAD = np.dtype(
         ("publish_time", "<u8"),
     ]
 )
-LARGEST_CHUNK = 1 << 30
-"""Largest size of a decompressed chunk [bytes]. Chunks of `LogWriter` have half a megabyte."""
+MIN_MESSAGE_LENGTH = MESSAGE_HEAD.itemsize - HEAD.size
+"""Length of the content of a message without data [bytes]."""
 
-LEAST_MESSAGE = MESSAGE_HEAD.itemsize - HEAD.size
-MOST_DESCRIBED = 1 << 17
-"""Largest number of schemas and channels in a chunk: their ids have 16 bits each."""
 
-MAX_MESSAGES_PER_BYTE = 4
-"""Messages in a chunk per byte of its compressed data, at most.
+@dataclass(frozen=True)
+class ChunkLimits:
+    """Limits of a chunk, which are checked before it takes memory."""
 
-Sequence numbers and times differ from message to message. Chunks of constant columns, the most compressible content
-there is, have 0.1 (a single channel) to 0.7 (forty).
-"""
+    max_size: int = 1 << 30
+    """Largest size of a decompressed chunk [bytes]. Chunks of `LogWriter` have half a megabyte."""
+    max_definitions: int = 1 << 17
+    """Largest number of schemas and channels in a chunk: their ids have 16 bits each."""
+    max_messages_per_byte: int = 4
+    """Largest number of messages per byte of the compressed data.
 
-_PIECE = 1 << 20
+    Sequence numbers and times differ from message to message. Chunks of constant columns, the most compressible content
+    there is, have 0.1 (a single channel) to 0.7 (forty).
+    """
+    block_size: int = 1 << 20
+    """Bytes that are inflated at a time to count messages."""
+
+
+CHUNK = ChunkLimits()
+
 _START_OF_MESSAGE = struct.Struct("<BQH")  # opcode, length, channel
 
 
@@ -80,23 +89,23 @@ class Messages:
     counts: dict[int, int]
 
 
-def corrupt(path: Path, what: str) -> LogError:
+def corrupt_log_error(path: Path, problem: str) -> LogError:
     """Return the error for a damaged log."""
-    return LogError(f"log {path} is corrupt: {what}. Use an undamaged copy, or simulate the design again")
+    return LogError(f"log {path} is corrupt: {problem}. Use an undamaged copy, or simulate the design again")
 
 
 @contextmanager
-def reading(path: Path, what: str) -> Iterator[None]:
-    """Convert any error of a parser about malformed bytes to a LogError."""
+def convert_parse_errors(path: Path, content: str) -> Iterator[None]:
+    """Convert any exception inside this ``with`` block to a LogError about malformed content of a log."""
     try:
         yield
     except Exception as problem:
         reason = str(problem).splitlines()[0] if str(problem) else type(problem).__name__
-        raise corrupt(path, f"{what} ({reason})") from problem
+        raise corrupt_log_error(path, f"{content} ({reason})") from problem
 
 
-def walk(stream: BinaryIO, path: Path) -> Iterator[Record]:
-    """Yield the complete records of the data section, in order.
+def read_records(stream: BinaryIO, path: Path) -> Iterator[Record]:
+    """Yield the complete records of the data section of an MCAP file, in order, and verify the CRC of the section.
 
     The last record is DATA_END if and only if the file is complete; of a truncated file, the complete records remain.
 
@@ -106,7 +115,7 @@ def walk(stream: BinaryIO, path: Path) -> Iterator[Record]:
         The file is not an MCAP file, or the CRC of its data is wrong.
     """
     size = stream.seek(0, 2)
-    sealed = _has_seal(stream, size)
+    is_sealed = _has_seal(stream, size)
     stream.seek(0)
     if stream.read(len(MAGIC)) != MAGIC:
         raise LogError(
@@ -115,33 +124,33 @@ def walk(stream: BinaryIO, path: Path) -> Iterator[Record]:
     crc = zlib.crc32(MAGIC)
     while True:
         offset = stream.tell()
-        head = stream.read(HEAD.size)
-        opcode, length = HEAD.unpack(head) if len(head) == HEAD.size else (0, 0)
+        header = stream.read(HEAD.size)
+        opcode, length = HEAD.unpack(header) if len(header) == HEAD.size else (0, 0)
         # no record has opcode 0: these bytes were reserved but never written
         if opcode == 0 or length > size - stream.tell():
             break
         content = stream.read(length)
         if opcode == Opcode.DATA_END:
             _check_data_crc(content, crc, path)
-            if sealed:
+            if is_sealed:
                 yield Record(opcode, content, offset)
             return
-        crc = zlib.crc32(content, zlib.crc32(head, crc))
+        crc = zlib.crc32(content, zlib.crc32(header, crc))
         yield Record(opcode, content, offset)
-    if sealed:
-        raise corrupt(path, f"there is no valid record at byte {offset} of {size}")
+    if is_sealed:
+        raise corrupt_log_error(path, f"there is no valid record at byte {offset} of {size}")
 
 
-def metadata(record: Record, path: Path) -> tuple[str, dict[str, str]]:
+def read_metadata(record: Record, path: Path) -> tuple[str, dict[str, str]]:
     """Read name and entries of a metadata record."""
-    with reading(path, f"malformed metadata at byte {record.offset}"):
+    with convert_parse_errors(path, f"malformed metadata at byte {record.offset}"):
         parsed = Metadata.read(_stream(record.content))
     return parsed.name, parsed.metadata
 
 
-def attachment(record: Record, path: Path) -> tuple[str, bytes]:
+def read_attachment(record: Record, path: Path) -> tuple[str, bytes]:
     """Read name and content of an attachment and verify its CRC."""
-    with reading(path, f"malformed attachment at byte {record.offset}"):
+    with convert_parse_errors(path, f"malformed attachment at byte {record.offset}"):
         (crc,) = struct.unpack("<I", record.content[-4:])
         if zlib.crc32(record.content[:-4]) != crc:
             raise ValueError("its CRC is wrong")
@@ -149,35 +158,37 @@ def attachment(record: Record, path: Path) -> tuple[str, bytes]:
     return parsed.name, parsed.data
 
 
-def messages(record: Record, path: Path) -> Messages:
-    """Read a chunk and verify its CRC."""
-    with reading(path, f"malformed chunk at byte {record.offset}"):
+def read_chunk(record: Record, path: Path) -> Messages:
+    """Read schemas, channels and messages of a chunk record, and verify its CRC."""
+    with convert_parse_errors(path, f"malformed chunk at byte {record.offset}"):
         chunk = Chunk.read(_stream(record.content))
         _check_message_count(chunk)
         data = decompress(chunk.data, chunk.compression, chunk.uncompressed_size)
         if zlib.crc32(data) != chunk.uncompressed_crc:
             raise ValueError("its CRC is wrong")
-        return _messages(data)
+        return _parse_chunk(data)
 
 
 def _check_message_count(chunk: Chunk) -> None:
     """Refuse a chunk with more messages than its compressed data can describe, before it takes memory.
 
+    The compressed data are inflated block by block, and the record headers in them are counted.
+
     Raises
     ------
     ValueError
-        There are more than `MAX_MESSAGES_PER_BYTE`.
+        There are more than `CHUNK.max_messages_per_byte`.
     """
-    limit = MAX_MESSAGES_PER_BYTE * len(chunk.data)
-    if chunk.uncompressed_size <= limit * MESSAGE_HEAD.itemsize or chunk.uncompressed_size > LARGEST_CHUNK:
+    limit = CHUNK.max_messages_per_byte * len(chunk.data)
+    if chunk.uncompressed_size <= limit * MESSAGE_HEAD.itemsize or chunk.uncompressed_size > CHUNK.max_size:
         return
-    count, skip, rest = 0, 0, b""
+    count, bytes_to_skip, remainder = 0, 0, b""
     stream = _inflate(chunk.data, chunk.compression)
-    while piece := stream.read(_PIECE):
-        if skip >= len(piece):
-            skip -= len(piece)
+    while block := stream.read(CHUNK.block_size):
+        if bytes_to_skip >= len(block):
+            bytes_to_skip -= len(block)
             continue
-        data, position = rest + piece, skip
+        data, position = remainder + block, bytes_to_skip
         while position + HEAD.size <= len(data):
             opcode, length = HEAD.unpack_from(data, position)
             if not opcode:
@@ -186,11 +197,11 @@ def _check_message_count(chunk: Chunk) -> None:
             count += 1
         if count > limit:
             raise ValueError(f"it has more than {limit:,} messages in {len(chunk.data):,} compressed bytes")
-        rest, skip = data[position:], max(0, position - len(data))
+        remainder, bytes_to_skip = data[position:], max(0, position - len(data))
 
 
 def _inflate(data: bytes, compression: str) -> BinaryIO:
-    """Return a stream of the inflated content of a chunk.
+    """Return a stream that inflates the data of a chunk; the compression is "zstd", "lz4" or "".
 
     Raises
     ------
@@ -214,12 +225,12 @@ def decompress(data: bytes, compression: str, size: int) -> bytes:
     Raises
     ------
     ValueError
-        The chunk has more or fewer bytes, or more than `LARGEST_CHUNK`.
+        The chunk has more or fewer bytes, or more than `CHUNK.max_size`.
     Exception
         An error of zstandard or lz4 about malformed data.
     """
-    if size > LARGEST_CHUNK:
-        raise ValueError(f"its stated size is {size:,} bytes; the limit is {LARGEST_CHUNK:,}")
+    if size > CHUNK.max_size:
+        raise ValueError(f"its stated size is {size:,} bytes; the limit is {CHUNK.max_size:,}")
     with _inflate(data, compression) as stream:
         content = stream.read(size + 1)
     if len(content) != size:
@@ -227,40 +238,48 @@ def decompress(data: bytes, compression: str, size: int) -> bytes:
     return content
 
 
-def _messages(data: bytes) -> Messages:
-    """Parse the records of a decompressed chunk."""
+def _parse_chunk(data: bytes) -> Messages:
+    """Parse the records of a decompressed chunk into schemas, channels and messages by channel.
+
+    Raises
+    ------
+    ValueError
+        A record is not a valid schema, channel or message.
+    """
     schemas: dict[int, Any] = {}
     channels: dict[int, Any] = {}
     starts: dict[int, list[int]] = defaultdict(list)
-    described = 0
+    definitions = 0
     position = 0
     while position < len(data):
         opcode, length, channel = _START_OF_MESSAGE.unpack_from(data, position)
-        content = position + HEAD.size
-        if opcode == Opcode.MESSAGE and length >= LEAST_MESSAGE:
+        start = position + HEAD.size
+        if opcode == Opcode.MESSAGE and length >= MIN_MESSAGE_LENGTH:
             starts[channel].append(position)
-        elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL) and described < MOST_DESCRIBED:
-            into, kind = (schemas, Schema) if opcode == Opcode.SCHEMA else (channels, Channel)
-            message = kind.read(_stream(data[content : content + length]))
-            into[message.id] = message
-            described += 1
+        elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL) and definitions < CHUNK.max_definitions:
+            target, kind = (schemas, Schema) if opcode == Opcode.SCHEMA else (channels, Channel)
+            message = kind.read(_stream(data[start : start + length]))
+            target[message.id] = message
+            definitions += 1
         else:
             raise ValueError(f"there is no valid schema, channel or message at its byte {position}")
-        position = content + length
-    of = {channel: rows for channel, where in starts.items() if (rows := _rows(data, where)) is not None}
-    counts = {channel: len(where) for channel, where in starts.items()}
-    return Messages(schemas, channels, of, frozenset(starts.keys() - of.keys()), counts)
+        position = start + length
+    rows_by_channel = {
+        channel: rows for channel, offsets in starts.items() if (rows := _equal_length_rows(data, offsets)) is not None
+    }
+    counts = {channel: len(offsets) for channel, offsets in starts.items()}
+    return Messages(schemas, channels, rows_by_channel, frozenset(starts.keys() - rows_by_channel.keys()), counts)
 
 
-def _rows(data: bytes, starts: list[int]) -> Bytes | None:
-    """Return the records at `starts`, shape (k, length); None if their lengths differ."""
-    _, length = HEAD.unpack_from(data, starts[0])
+def _equal_length_rows(data: bytes, offsets: list[int]) -> Bytes | None:
+    """Return the message records at byte offsets as an array (k, length); None if their lengths differ."""
+    _, length = HEAD.unpack_from(data, offsets[0])
     size = HEAD.size + length
     if size < MESSAGE_HEAD.itemsize:
         return None
-    rows = np.lib.stride_tricks.sliding_window_view(np.frombuffer(data, dtype=np.uint8), size)[starts]
-    heads = rows[:, : MESSAGE_HEAD.itemsize].view(MESSAGE_HEAD)
-    return rows if (heads["length"] == length).all() else None
+    rows = np.lib.stride_tricks.sliding_window_view(np.frombuffer(data, dtype=np.uint8), size)[offsets]
+    headers = rows[:, : MESSAGE_HEAD.itemsize].view(MESSAGE_HEAD)
+    return rows if (headers["length"] == length).all() else None
 
 
 def _has_seal(stream: BinaryIO, size: int) -> bool:
@@ -269,11 +288,11 @@ def _has_seal(stream: BinaryIO, size: int) -> bool:
 
 
 def _check_data_crc(content: bytes, crc: int, path: Path) -> None:
-    with reading(path, "malformed end of data"):
+    with convert_parse_errors(path, "malformed end of data"):
         (expected,) = struct.unpack("<I", content)
     # by the specification of MCAP, 0 means that there is no CRC, as in logs that other tools repacked
     if expected not in (0, crc):
-        raise corrupt(path, "the CRC of its data is wrong")
+        raise corrupt_log_error(path, "the CRC of its data is wrong")
 
 
 def _stream(content: bytes) -> ReadDataStream:

@@ -120,13 +120,9 @@ class ColumnGroup:
         package, name = self.message.split(".")
         file = files.file.add(name=f"{package}{self.topic}.proto", package=package, syntax="proto3")
         message = file.message_type.add(name=name)
-        for line, ((field, number, kind), unit) in enumerate(
-            zip(self.fields, ("s", *self.units.values()), strict=True)
-        ):
+        for row, ((field, number, kind), unit) in enumerate(zip(self.fields, ("s", *self.units.values()), strict=True)):
             message.field.add(name=field, number=number, type=kind, label=FieldDescriptorProto.LABEL_OPTIONAL)
-            file.source_code_info.location.add(
-                path=[4, 0, 2, line], span=[line, 0, 0], trailing_comments=f" [{unit}]\n"
-            )
+            file.source_code_info.location.add(path=[4, 0, 2, row], span=[row, 0, 0], trailing_comments=f" [{unit}]\n")
         return files.SerializeToString(deterministic=True)
 
     def metadata(self) -> dict[str, str]:
@@ -135,7 +131,7 @@ class ColumnGroup:
 
 
 def group_of(channel: Any, schema: Any) -> ColumnGroup:
-    """Return the group that an MCAP `channel` with its `schema` describes.
+    """Return the column group that an MCAP channel and its schema describe.
 
     Raises
     ------

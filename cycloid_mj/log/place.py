@@ -47,6 +47,7 @@ class LogFile:
     """
 
     def __init__(self, path: Path, force: bool, hidden: bool) -> None:
+        """Open a new file for the log, and lock it against other writers."""
         require_ending(path, LOG)
         if force:
             claim(path, force=True)
@@ -100,19 +101,22 @@ class LogFile:
         self._locks.close()
 
     def _open_new(self) -> tuple[Path, BinaryIO]:
-        """Create the file of the log and lock it; return its path and stream."""
+        """Create the file of the log and lock it; return its path and stream.
+
+        If the log replaces another one, the file has the first free partial name; a hidden log has a hidden name.
+        """
         if self.hidden:
-            at = hidden_path(self.path)
-            return at, at.open("xb")
-        for at in _partial_names(self.path) if self._replaces else [self.path]:
+            partial_path = hidden_path(self.path)
+            return partial_path, partial_path.open("xb")
+        for partial_path in _partial_names(self.path) if self._replaces else [self.path]:
             try:
-                stream = at.open("xb")
+                stream = partial_path.open("xb")
             except FileExistsError:
                 if self._replaces:
                     continue
                 raise
-            self._locks.callback(lock_file(at))
-            return at, stream
+            self._locks.callback(lock_file(partial_path))
+            return partial_path, stream
         raise AssertionError("there is always another number")
 
     def _claim(self) -> None:

@@ -17,7 +17,10 @@ Metadata = Mapping[str, Mapping[str, str]]
 
 
 def preamble(provenance: Mapping[str, str], attachments: Iterable[str]) -> dict[str, dict[str, str]]:
-    """Return the metadata at the beginning of a log: entries by the name of their record, as valid UTF-8 text."""
+    """Return the metadata at the beginning of a log: record name -> entries, as valid UTF-8 text.
+
+    They state the format, a checksum of the provenance, the names of the attachments, and the provenance.
+    """
     stored = {encodable_text(key): encodable_text(value) for key, value in provenance.items()}
     names = [encodable_text(name) for name in attachments]
     entries = {"format": FORMAT, CHECKSUM: _checksum(stored), FILES: json.dumps(names)}
@@ -27,7 +30,8 @@ def preamble(provenance: Mapping[str, str], attachments: Iterable[str]) -> dict[
 def missing_contents(metadata: Metadata, attachments: Iterable[str]) -> list[str]:
     """Return a clause for each missing or damaged part of a truncated log, such as "its provenance is missing".
 
-    Logs of earlier versions have no checksum and no list of attachments: of them only missing provenance is reported.
+    `metadata` are the log's records by name, `attachments` the names of the attachments that were read. Logs of earlier
+    versions have no checksum and no list of attachments: of them only missing provenance is reported.
     """
     package, stored = metadata[PACKAGE], metadata.get(PROVENANCE)
     missing = []

@@ -68,29 +68,35 @@ class _Samples:
         self._columns: list[Array] = []
 
     def add(self, group: ColumnGroup, block: Bytes, path: Path) -> None:
-        """Append a block of messages and check that none is missing since the previous block."""
-        split = container.MESSAGE_HEAD.itemsize
-        with container.reading(path, f"malformed messages of {group.topic}"):
-            records = group.decode(block[:, split:])
-        sequence = block[:, :split].view(container.MESSAGE_HEAD)["sequence"][:, 0]
+        """Append a block of messages of a group, shape (k, length), to the columns.
+
+        Raises
+        ------
+        LogError
+            A message is malformed, or one is missing since the previous block.
+        """
+        header_size = container.MESSAGE_HEAD.itemsize
+        with container.convert_parse_errors(path, f"malformed messages of {group.topic}"):
+            records = group.decode(block[:, header_size:])
+        sequence = block[:, :header_size].view(container.MESSAGE_HEAD)["sequence"][:, 0]
         end = self.count + len(records)
         if (sequence != np.arange(self.count, end).astype(np.uint32)).any():
-            raise container.corrupt(path, f"messages of {group.topic} are missing or out of order")
+            raise container.corrupt_log_error(path, f"messages of {group.topic} are missing or out of order")
         if self._rows is not None:
             records = records[self._rows[(self._rows >= self.count) & (self._rows < end)] - self.count]
-        names, kept = (TIME, *group.units), self._kept + len(records)
+        names, end_kept = (TIME, *group.units), self._kept + len(records)
         self._columns = self._columns or [np.empty(0) for _ in names]
         for name, column in zip(names, self._columns, strict=True):
-            if column.size < kept:
-                column.resize(int(GROWTH * kept), refcheck=False)
-            column[self._kept : kept] = records[name]
-        self.count, self._kept = end, kept
+            if column.size < end_kept:
+                column.resize(int(GROWTH * end_kept), refcheck=False)
+            column[self._kept : end_kept] = records[name]
+        self.count, self._kept = end, end_kept
 
     def finish(self, samples: int) -> list[Array]:
         """Return times and columns, cut to so many samples and read-only, so that a `Run` need not copy them."""
-        left = samples if self._rows is None else int(np.count_nonzero(self._rows < samples))
+        count = samples if self._rows is None else int(np.count_nonzero(self._rows < samples))
         for column in self._columns:
-            column.resize(left, refcheck=False)
+            column.resize(count, refcheck=False)
             column.flags.writeable = False
         return self._columns
 
@@ -143,35 +149,35 @@ def read(path: str | os.PathLike[str], without: Collection[str] = (), rows: Inte
 
 
 def load(path: str | os.PathLike[str], without: Collection[str] = (), rows: Integers | None = None) -> Log:
-    """Read the run of a log together with facts about the file; see `read`."""
+    """Read a log: its run, its viewer topics, whether the file is complete, and its size; arguments as of `read`."""
     path, contents = Path(path), _Contents(without, rows)
     try:
         with _open(path) as stream:
-            whole = _scan(stream, path, contents)
+            is_complete = _read_records(stream, path, contents)
             size = stream.seek(0, os.SEEK_END)
     except OSError as problem:
         raise LogError(
             f"cannot read log {path}: {reason(problem)}. Choose a readable log that `cycloid-mj simulate` wrote"
         ) from problem
-    sizes = [contents.samples[channel].count for channel in contents.groups]
-    samples = min(sizes, default=0)
-    if whole:
-        _check_count(contents, sizes, path)
+    counts = [contents.samples[channel].count for channel in contents.groups]
+    samples = min(counts, default=0)
+    if is_complete:
+        _check_sample_count(contents, counts, path)
     if samples == 0:
         raise LogError(
             f"log {path} contains no samples, because the run was stopped too early: simulate the design again"
         )
-    run = _join(contents, samples, whole, path)
-    return Log(run, _viewers(contents), whole, size)
+    run = _make_run(contents, samples, is_complete, path)
+    return Log(run, _viewer_topics(contents), is_complete, size)
 
 
 def _open(path: Path) -> BinaryIO:
-    """Open a log for reading; raise LogError with the alternatives if it is not a readable file."""
+    """Open a log for reading; raise LogError with similar file names if it is not a readable file."""
     if not path.exists():
         raise NoLogError(f"log {path} does not exist: {_alternatives(path)}")
     if not path.is_file():
-        what = "a folder" if path.is_dir() else "not a regular file"
-        raise NoLogError(f"{path} is {what}: choose a log file, such as run.mcap")
+        kind = "a folder" if path.is_dir() else "not a regular file"
+        raise NoLogError(f"{path} is {kind}: choose a log file, such as run.mcap")
     if path.stat().st_size == 0:
         raise LogError(f"log {path} is empty, because the run was stopped too early: simulate the design again")
     return note_input(path).open("rb")
@@ -185,25 +191,25 @@ def _alternatives(path: Path) -> str:
     return f"nearest in that folder: {', '.join(nearest)}" if nearest else "there is no .mcap file in that folder"
 
 
-def _scan(stream: BinaryIO, path: Path, contents: _Contents) -> bool:
-    """Read the contents of the file and return whether it is complete."""
-    whole = False
-    for record in container.walk(stream, path):
+def _read_records(stream: BinaryIO, path: Path, contents: _Contents) -> bool:
+    """Read all records of a log into `contents`; return whether the file is complete (not truncated)."""
+    is_complete = False
+    for record in container.read_records(stream, path):
         if record.opcode == Opcode.METADATA:
-            name, entries = container.metadata(record, path)
+            name, entries = container.read_metadata(record, path)
             contents.metadata.setdefault(name, entries)
         elif record.opcode == Opcode.ATTACHMENT:
-            name, content = container.attachment(record, path)
+            name, content = container.read_attachment(record, path)
             contents.attachments[name] = content
         elif record.opcode == Opcode.CHUNK:
-            _identify(contents, path)
-            _add_messages(contents, container.messages(record, path), path)
-        whole = record.opcode == Opcode.DATA_END
-    _identify(contents, path)
-    return whole
+            _require_log_format(contents, path)
+            _add_messages(contents, container.read_chunk(record, path), path)
+        is_complete = record.opcode == Opcode.DATA_END
+    _require_log_format(contents, path)
+    return is_complete
 
 
-def _identify(contents: _Contents, path: Path) -> None:
+def _require_log_format(contents: _Contents, path: Path) -> None:
     """Raise LogError for an MCAP file of another program, or of an unknown format version."""
     if PACKAGE not in contents.metadata:
         raise LogError(
@@ -219,70 +225,79 @@ def _identify(contents: _Contents, path: Path) -> None:
 
 
 def _add_messages(contents: _Contents, messages: container.Messages, path: Path) -> None:
-    """Add the messages of a chunk that belong to groups of columns."""
+    """Add schemas, channels and samples of a chunk to the contents; skip topics that are not requested."""
     contents.schemas.update(messages.schemas)
     contents.channels.update(messages.channels)
     contents.counts.update(messages.counts)
-    for id, channel in messages.channels.items():
-        known = id in contents.groups or channel.topic in contents.without
-        if "units" in channel.metadata and not known:
-            with container.reading(path, f"malformed schema of {channel.topic}"):
-                contents.groups[id] = group_of(channel, contents.schemas[channel.schema_id])
-            contents.samples[id] = _Samples(contents.rows)
-    for id, group in contents.groups.items():
-        if id in messages.ragged:
-            raise container.corrupt(path, f"messages of {group.topic} differ in length")
-        if id in messages.of:
-            contents.samples[id].add(group, messages.of[id], path)
+    for channel_id, channel in messages.channels.items():
+        is_known = channel_id in contents.groups or channel.topic in contents.without
+        if "units" in channel.metadata and not is_known:
+            with container.convert_parse_errors(path, f"malformed schema of {channel.topic}"):
+                contents.groups[channel_id] = group_of(channel, contents.schemas[channel.schema_id])
+            contents.samples[channel_id] = _Samples(contents.rows)
+    for channel_id, group in contents.groups.items():
+        if channel_id in messages.ragged:
+            raise container.corrupt_log_error(path, f"messages of {group.topic} differ in length")
+        if channel_id in messages.of:
+            contents.samples[channel_id].add(group, messages.of[channel_id], path)
 
 
-def _viewers(contents: _Contents) -> dict[str, ViewerTopic]:
-    """Return the topics for viewers: channels without units."""
+def _viewer_topics(contents: _Contents) -> dict[str, ViewerTopic]:
+    """Return the topics for viewers by name: schema, number of messages and frame rate.
+
+    They have channels without units.
+    """
     viewers = {}
     for id, channel in contents.channels.items():
         if "units" not in channel.metadata:
             schema = contents.schemas.get(channel.schema_id)
-            rate = _number(channel.metadata.get(RATE, ""))
+            rate = _parse_float(channel.metadata.get(RATE, ""))
             viewers[channel.topic] = ViewerTopic(schema.name if schema else "", contents.counts[id], rate)
     return viewers
 
 
-def _number(text: str) -> float | None:
+def _parse_float(text: str) -> float | None:
     try:
         return float(text)
     except ValueError:
         return None
 
 
-def _check_count(contents: _Contents, sizes: list[int], path: Path) -> None:
+def _check_sample_count(contents: _Contents, sizes: list[int], path: Path) -> None:
     """Compare the messages of a complete file with the number at its end."""
     written = contents.metadata.get(END, {}).get("samples")
     if any(str(size) != written for size in sizes):
-        raise container.corrupt(path, f"it should have {written} samples and has {min(sizes)}")
+        raise container.corrupt_log_error(path, f"it should have {written} samples and has {min(sizes)}")
 
 
-def _join(contents: _Contents, samples: int, whole: bool, path: Path) -> Run:
-    """Join the first samples of all groups, which must share their times and have distinct columns."""
+def _make_run(contents: _Contents, samples: int, is_complete: bool, path: Path) -> Run:
+    """Join the first samples of all groups to a run.
+
+    Raises
+    ------
+    LogError
+        Groups differ in their times, or share a column.
+    """
     groups = contents.groups
     tables = {id: contents.samples[id].finish(samples) for id in groups}
-    time, *others = (table[0] for table in tables.values())
-    if any((other != time).any() for other in others):
-        raise container.corrupt(path, "the sampling times of its topics differ")
+    time, *other_times = (table[0] for table in tables.values())
+    if any((other != time).any() for other in other_times):
+        raise container.corrupt_log_error(path, "the sampling times of its topics differ")
     units = {name: unit for group in groups.values() for name, unit in group.units.items()}
     if len(units) != sum(len(group.units) for group in groups.values()):
-        raise container.corrupt(path, "a column occurs in two topics")
+        raise container.corrupt_log_error(path, "a column occurs in two topics")
     columns = {
         name: values for id, table in tables.items() for name, values in zip(groups[id].units, table[1:], strict=True)
     }
     end = contents.metadata.get(END, {})
     note, complete = end.get("note", ""), end.get("complete") == "true"
-    if not whole:
-        cut = f"the log is truncated: {samples} samples, up to {time[-1]:.9g} s, could be read"
-        gone = missing_contents(contents.metadata, contents.attachments)
-        note, complete = "; ".join(filter(None, (note, cut, *gone))), False
+    if not is_complete:
+        truncation_note = f"the log is truncated: {samples} samples, up to {time[-1]:.9g} s, could be read"
+        missing = missing_contents(contents.metadata, contents.attachments)
+        note, complete = "; ".join(filter(None, (note, truncation_note, *missing))), False
     try:
         provenance = contents.metadata.get(PROVENANCE, {})
         topics = {group.topic: tuple(group.units) for group in groups.values()}
         return Run(time, columns, units, provenance, contents.attachments, complete, note, topics, str(path))
     except LogError as problem:
-        raise container.corrupt(path, str(problem)) from problem
+        raise container.corrupt_log_error(path, str(problem)) from problem

@@ -33,19 +33,19 @@ class Viewer(Protocol):
         """Yield the messages of k samples: `time` [s] and each column have shape (k,)."""
 
 
-def due(time: Array, last: float, rate: float) -> npt.NDArray[np.intp]:
+def select_frames(time: Array, previous_time: float, rate: float) -> npt.NDArray[np.intp]:
     """Return the numbers of the samples that are the first at or after a multiple of 1/`rate` [s].
 
     Parameters
     ----------
     time
         Times of the samples [s], increasing.
-    last
+    previous_time
         Time of the sample before them [s], -inf if there is none.
     rate
         Frames per second.
     """
     # a sample that is before its frame by rounding belongs to it
     frame = np.floor(rate * time + 1e-6)
-    before = np.floor(rate * last + 1e-6) if np.isfinite(last) else -1.0
-    return np.flatnonzero(np.diff(frame, prepend=before) > 0.0)
+    previous_frame = np.floor(rate * previous_time + 1e-6) if np.isfinite(previous_time) else -1.0
+    return np.flatnonzero(np.diff(frame, prepend=previous_frame) > 0.0)

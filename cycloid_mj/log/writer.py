@@ -23,7 +23,7 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.log.encoding import PACKAGE, ColumnGroup
 from cycloid_mj.log.place import LogFile, LogTakenError, unwritable
 from cycloid_mj.log.preamble import Metadata, preamble
-from cycloid_mj.log.viewer import RATE, Message, Viewer, due
+from cycloid_mj.log.viewer import RATE, Message, Viewer, select_frames
 
 MEDIA_TYPES = {".json": "application/json", ".toml": "application/toml", ".xml": "application/xml"}
 
@@ -77,6 +77,7 @@ class LogWriter:
         viewer: Viewer | None = None,
         hidden: bool = False,
     ) -> None:
+        """Open the file and write everything that precedes the samples."""
         self.samples = 0
         self._groups = _check_groups(groups)
         self._on_disk = 0
@@ -84,8 +85,8 @@ class LogWriter:
         self._open = True
         size = sum(group.zeros.size for group in self._groups)
         self._chunk = max(1, chunk_size // size)
-        first = preamble(provenance or {}, attachments or {})
-        self._place, self._mcap = _open_log(Path(path), force, hidden, first, attachments or {})
+        metadata = preamble(provenance or {}, attachments or {})
+        self._place, self._mcap = _open_log(Path(path), force, hidden, metadata, attachments or {})
         self._channels = [
             _add_channel(
                 self._mcap, group.topic, _add_schema(self._mcap, group.message, group.schema()), group.metadata()
@@ -185,25 +186,32 @@ class LogWriter:
             self.close(note=f"{type(error).__name__}: {error}".removesuffix(": "), complete=False)
 
     def _viewer_messages(self, time: Array, values: Mapping[str, Array]) -> dict[int, list[Message]]:
-        """Return the messages for viewers of k samples, by their time [ns]."""
-        rows = due(time, self._last, self._viewer.rate) if self._viewer else ()
+        """Compute the messages for viewers of k samples, by their time [ns].
+
+        The opening messages precede the first sample.
+        """
+        rows = select_frames(time, self._last, self._viewer.rate) if self._viewer else ()
         if not (self._viewer and len(rows)):
             return {}
         columns = {
             name: values[group.topic][rows, column] for group in self._groups for column, name in enumerate(group.units)
         }
         opening = self._viewer.opening(float(time[0])) if self.samples == 0 else ()
-        shown: dict[int, list[Message]] = defaultdict(list)
+        messages_by_time: dict[int, list[Message]] = defaultdict(list)
         for message in chain(opening, self._viewer.frames(time[rows], columns)):
-            shown[message[1]].append(message)
-        return shown
+            messages_by_time[message[1]].append(message)
+        return messages_by_time
 
     def _append(
-        self, nanoseconds: npt.NDArray[np.uint64], messages: list[Bytes], shown: Mapping[int, list[Message]]
+        self, nanoseconds: npt.NDArray[np.uint64], messages: list[Bytes], viewer_messages: Mapping[int, list[Message]]
     ) -> None:
-        """Append samples that fit into the current chunk, each after the messages for viewers of its time."""
+        """Append samples that fit into the current chunk, each after the viewer messages of its time.
+
+        Flush a full chunk.
+        `messages` has an array (k, length) for each group, `viewer_messages` maps times [ns] to messages.
+        """
         for row, time in enumerate(nanoseconds.tolist()):
-            for topic, _, content in shown.get(time, ()):
+            for topic, _, content in viewer_messages.get(time, ()):
                 self._add_message(self._viewer_channels[topic], time, content, self._frames[topic])
                 self._frames[topic] += 1
             for channel, block in zip(self._channels, messages, strict=True):
@@ -216,7 +224,7 @@ class LogWriter:
         self._mcap.add_message(channel, time, content, time, number & 0xFFFFFFFF)
 
     def _check(self, time: Array, values: Mapping[str, Array]) -> None:
-        """Raise LogError unless topics, shapes and times of samples are valid."""
+        """Raise LogError unless topics, shapes and times of samples are valid: the arguments of `write`."""
         topics = [group.topic for group in self._groups]
         if sorted(values) != sorted(topics):
             raise LogError(
@@ -259,7 +267,7 @@ class LogWriter:
         self._place.drop()
 
     def _write_error(self, problem: OSError) -> LogError:
-        """Close the log after a failed write and return the error for the user."""
+        """Close the log after a failed write and return the error for the user, with the number of samples on disk."""
         if self._place.hidden:
             self._abandon()
             return LogError(
@@ -304,25 +312,25 @@ def _open_log(
     path: Path,
     force: bool,
     hidden: bool,
-    first: Metadata,
+    metadata: Metadata,
     attachments: Mapping[str, bytes],
 ) -> tuple[LogFile, Writer]:
-    """Open the log and write everything before the samples; leave no file if that fails."""
-    place = LogFile(path, force, hidden)
+    """Open the file of a log and write metadata and attachments; leave no file if that fails."""
+    log_file = LogFile(path, force, hidden)
     try:
-        return place, _write_preamble(place.stream, first, attachments)
+        return log_file, _write_preamble(log_file.stream, metadata, attachments)
     except BaseException as problem:
-        place.drop()
+        log_file.drop()
         if isinstance(problem, OSError):
             raise unwritable(path, problem) from problem
         raise
 
 
-def _write_preamble(stream: BinaryIO, first: Metadata, attachments: Mapping[str, bytes]) -> Writer:
-    """Write metadata and attachments to the disk; chunks end at `flush` only."""
+def _write_preamble(stream: BinaryIO, metadata: Metadata, attachments: Mapping[str, bytes]) -> Writer:
+    """Write metadata and attachments to a stream; return the MCAP writer, whose chunks end at `flush` only."""
     mcap = Writer(stream, chunk_size=sys.maxsize, enable_data_crcs=True)
     mcap.start(library=PACKAGE)
-    for name, entries in first.items():
+    for name, entries in metadata.items():
         mcap.add_metadata(name, dict(entries))
     _attach(mcap, attachments)
     mcap.flush()
@@ -354,16 +362,22 @@ def _add_channel(mcap: Writer, topic: str, schema: int, metadata: dict[str, str]
 
 
 def _check_groups(groups: Groups) -> list[ColumnGroup]:
-    """Return the groups in order; raise LogError if there is none or a column occurs twice."""
+    """Return the column groups in order.
+
+    Raises
+    ------
+    LogError
+        There is no group, or a column name occurs twice.
+    """
     if not groups:
         raise LogError("the log has no columns: pass at least one group of columns, {'/topic': [(column, unit), ...]}")
-    seen: dict[str, str] = {}
+    topic_by_column: dict[str, str] = {}
     for topic, columns in groups.items():
         for name in columns if isinstance(columns, Mapping) else [name for name, _ in columns]:
-            if name in seen:
+            if name in topic_by_column:
                 raise LogError(
-                    f"column {name!r} occurs in {topic} and in {seen[name]}, but column names must be unique: rename "
+                    f"column {name!r} occurs in {topic} and in {topic_by_column[name]}, but column names must be unique: rename "
                     "one of the two"
                 )
-            seen[name] = topic
+            topic_by_column[name] = topic
     return [ColumnGroup(topic, dict(columns)) for topic, columns in groups.items()]

@@ -20,7 +20,7 @@ from cycloid_mj.plots.stage import AnimatedFigure, Script, set_stage, show
 from cycloid_mj.plots.style import with_style
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.member import columns_from_ring, seen_from_ring
-from cycloid_mj.scene import contact_forces, drawing, drawn_radii, gaps, ideal_forces
+from cycloid_mj.scene import contact_forces, drawn_radii, ideal_forces, magnify_gaps, measure_gaps
 
 Image = npt.NDArray[np.uint8]
 
@@ -148,7 +148,7 @@ def film(scene: Take, width: int = WIDTH) -> Iterator[Image]:
     motion = scene.motion
     columns = {name: values[scene.rows] for name, values in motion.run.columns.items()}
     reducer, in_ring = Reducer(seen_from_ring(motion.design)), columns_from_ring(motion.reducer, columns)
-    poses = drawing(reducer, gaps(reducer, in_ring, motion.disc), scene.magnification)
+    poses = magnify_gaps(reducer, measure_gaps(reducer, in_ring, motion.disc), scene.magnification)
     script = Script(
         reducer=motion.reducer,
         drawn=poses,

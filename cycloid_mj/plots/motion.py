@@ -47,7 +47,7 @@ def gear_speed_figure(motion: Series) -> Figure:
     """Draw the disc speed over a crank turn with Eq. 12, and the magnified error (Fig. 6)."""
     degrees = turn_degrees(motion)
     figure, top, bottom = _speed(motion, "gear_speed", motion.one_turn, degrees)
-    speed = motion.gear_speed.at(motion.one_turn)
+    speed = motion.gear_speed.select(motion.one_turn)
     middle = float(np.mean(speed.theory))
     swing = max(float(np.abs(part - middle).max()) for part in (speed.theory, speed.simulated))
     reach = max(SPEED_SPAN * abs(middle), 1.2 * swing, 1e-9)

@@ -35,7 +35,7 @@ def path_figure(motion: Series) -> Figure:
     """Draw the path of q over a crank turn and Eq. 16, a detail at the largest error, and the error (Fig. 7)."""
     figure = sheet(5.0)
     axes = figure.subplot_mosaic("pn;ee", width_ratios=[1.55, 1], height_ratios=[1.5, 1])
-    degrees, position = turn_degrees(motion), motion.q_position.at(motion.one_turn)
+    degrees, position = turn_degrees(motion), motion.q_position.select(motion.one_turn)
     worst = int(np.argmax(position.error_size))
     _path(axes["p"], position, motion.q)
     _detail(axes["n"], position, worst)
@@ -49,7 +49,7 @@ def velocity_figure(motion: Series) -> Figure:
     """Draw the velocity of q over a crank turn with Eqs 17 and 18, and its error (Fig. 8)."""
     figure = sheet(4.2)
     top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=[1.4, 1])
-    degrees, velocity = turn_degrees(motion), motion.q_velocity.at(motion.one_turn)
+    degrees, velocity = turn_degrees(motion), motion.q_velocity.select(motion.one_turn)
     x, y = (Compared(velocity.simulated[:, i], velocity.theory[:, i]) for i in range(2))
     parts = (("$v_x$", x, BLUE), ("$v_y$", y, ORANGE), ("$|v|$", velocity.size, GREEN))
     for _, part, color in parts:

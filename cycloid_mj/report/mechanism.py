@@ -15,9 +15,9 @@ from cycloid_mj.scene import (
     contact_forces,
     drawn_radii,
     fitting_magnification,
-    gaps,
     ideal_forces,
     largest_magnification,
+    measure_gaps,
     widest_gap,
 )
 from cycloid_mj.scene.drawing import tooth_clearance
@@ -33,7 +33,7 @@ MAGNIFICATIONS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 def mechanism(reducer: Reducer, shown: Run) -> dict[str, Any]:
     """Return the outlines of the mechanism [mm] and its motion in the samples of a run over one crank turn."""
     from_ring, in_ring = Reducer(seen_from_ring(reducer.design)), columns_from_ring(reducer, shown.columns)
-    widest = widest_gap(from_ring, gaps(from_ring, in_ring))
+    widest = widest_gap(from_ring, measure_gaps(from_ring, in_ring))
     return _shape(reducer) | {
         "usual": fitting_magnification(from_ring, widest, MAGNIFICATIONS),
         "widest": 1e3 * widest,
@@ -82,7 +82,7 @@ def _shape(reducer: Reducer) -> dict[str, Any]:
 
 def _frames(reducer: Reducer, columns: dict[str, Array], time: Array) -> dict[str, Any]:
     """Return the motion [mm, rad] and the forces [N] of each sample, from columns of a run in the frame of the ring."""
-    measured, acting = gaps(reducer, columns), contact_forces(reducer, columns).of_disc(0)
+    measured, acting = measure_gaps(reducer, columns), contact_forces(reducer, columns).of_disc(0)
     deviation = measured.deviation * [1e3, 1e3, 1.0]
     frames = {
         "time": encode_array(time - time[0]),

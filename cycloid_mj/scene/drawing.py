@@ -136,15 +136,15 @@ def widest_gap(reducer: Reducer, measured: Separations) -> float:
     )
 
 
-def fitting_magnification(reducer: Reducer, widest: float, choices: Sequence[float]) -> float:
+def fitting_magnification(reducer: Reducer, widest_gap: float, choices: Sequence[float]) -> float:
     """Return the largest of `choices` at which the widest gap [m] is at most `DRAWING.max_gap_share` of any radius.
 
     Beyond that, pins appear outside their holes. If all choices are too large, the smallest is returned.
     """
     design = reducer.design
-    least = min(design.ring.pin_radius, design.output.pin_radius, design.gear.bore_radius)
-    most = min(largest_magnification(reducer), DRAWING.max_gap_share * least / widest)
-    return max((times for times in choices if times <= most), default=min(choices))
+    min_radius = min(design.ring.pin_radius, design.output.pin_radius, design.gear.bore_radius)
+    max_magnification = min(largest_magnification(reducer), DRAWING.max_gap_share * min_radius / widest_gap)
+    return max((magnification for magnification in choices if magnification <= max_magnification), default=min(choices))
 
 
 def tooth_clearance(reducer: Reducer) -> float:
@@ -168,37 +168,37 @@ def drawn_radii(reducer: Reducer, magnification: float = 1.0) -> Radii:
             f"the magnification of the clearances is {magnification:g}, which is out of range: choose 1 to "
             f"{np.floor(largest):g} for this design"
         )
-    more, play = magnification - 1.0, design.clearance
-    ring = design.ring.pin_radius - more * tooth_clearance(reducer)
+    excess, clearance = magnification - 1.0, design.clearance
+    ring = design.ring.pin_radius - excess * tooth_clearance(reducer)
     return Radii(
         pin=ring,
         socket=ring + magnification * design.pin_play,
         sleeve_bore=ring - design.ring.sleeve_thickness,
-        cam=design.gear.bore_radius - more * play.cam,
-        output_pin=design.output.pin_radius - more * play.output,
+        cam=design.gear.bore_radius - excess * clearance.cam,
+        output_pin=design.output.pin_radius - excess * clearance.output,
     )
 
 
-def gaps(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Separations:
-    """Compute the gaps between a disc and its mates from columns of shape (n,) in SI units."""
+def measure_gaps(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Separations:
+    """Compute the gaps between a disc and its mates at n times, from log columns of shape (n,) in SI units."""
     design = reducer.design
-    by_part, crank, ahead = poses(reducer, columns), columns["crank_angle"], reducer.phases[disc]
-    mesh, gear = reducer.tooth_profile, by_part[gears(design.gear.discs)[disc]]
-    ideal = np.column_stack([gear_centre(mesh, crank + ahead), gear_rotation(mesh, crank)])
+    poses_by_part, crank, phase = poses(reducer, columns), columns["crank_angle"], reducer.phases[disc]
+    profile, gear = reducer.tooth_profile, poses_by_part[gears(design.gear.discs)[disc]]
+    ideal = np.column_stack([gear_centre(profile, crank + phase), gear_rotation(profile, crank)])
     nominal = ring_places(reducer)
     pins = np.zeros((crank.size, len(nominal), 3))
-    if pin(1) in by_part:
-        pins = np.stack([by_part[pin(number)] for number in range(1, len(nominal) + 1)], axis=1)
+    if pin(1) in poses_by_part:
+        pins = np.stack([poses_by_part[pin(number)] for number in range(1, len(nominal) + 1)], axis=1)
         pins[..., :2] -= nominal
     return Separations(
         disc=disc,
         gear=ideal,
         deviation=gear - ideal,
         crank_angle=crank,
-        opening=_opening(mesh, gear - [0.0, 0.0, ahead / design.lobes], nominal + pins[..., :2]),
+        opening=_trochoid_distance(profile, gear - [0.0, 0.0, phase / design.lobes], nominal + pins[..., :2]),
         away=pins[..., :2],
         pin_angle=pins[..., 2],
-        output_away=_output_away(reducer, gear, by_part[OUTPUT]),
+        output_away=_output_gaps(reducer, gear, poses_by_part[OUTPUT]),
     )
 
 
@@ -211,14 +211,14 @@ def ring_normals(reducer: Reducer, gear: Array) -> Array:
     return normal / np.linalg.norm(normal, axis=2, keepdims=True)
 
 
-def drawing(reducer: Reducer, measured: Separations, magnification: float = 1.0) -> Drawing:
-    """Return the poses of all parts, with the gaps magnified."""
+def magnify_gaps(reducer: Reducer, measured: Separations, magnification: float = 1.0) -> Drawing:
+    """Compute the drawn poses of all parts at n times, with the gaps magnified along the ideal normals."""
     gear = measured.gear
     opening = magnification * measured.opening[..., np.newaxis] * ring_normals(reducer, gear)
     ring = ring_places(reducer) + opening
     holes = transform(gear[:, np.newaxis], output_centres(reducer))
-    outwards = gear[:, np.newaxis, :2] / reducer.design.gear.eccentricity
-    in_hole = reducer.design.gear.eccentricity + magnification * measured.output_away[..., np.newaxis]
+    eccentric_direction = gear[:, np.newaxis, :2] / reducer.design.gear.eccentricity
+    pin_distance = reducer.design.gear.eccentricity + magnification * measured.output_away[..., np.newaxis]
     return Drawing(
         magnification=magnification,
         radii=drawn_radii(reducer, magnification),
@@ -227,48 +227,51 @@ def drawing(reducer: Reducer, measured: Separations, magnification: float = 1.0)
         shaft=np.column_stack([-magnification * measured.deviation[:, :2], measured.crank_angle]),
         ring=ring,
         sockets=ring - magnification * measured.away,
-        output_pins=holes - in_hole * outwards,
+        output_pins=holes - pin_distance * eccentric_direction,
     )
 
 
-def ring_outline(reducer: Reducer, outline: Array, normals: Array, drawn: Drawing, row: int) -> Array:
-    """Compute the outline (m, 2) [m] of an internal gear in frame `row`, its points displaced along the normals.
+def ring_outline(reducer: Reducer, outline: Array, normals: Array, drawing: Drawing, frame: int) -> Array:
+    """Compute the outline of an internal gear in a frame [m], shape (m, 2), displaced by magnified gaps.
 
     Parameters
     ----------
     outline, normals
-        Points and unit normals into the bore, shape (m, 2).
-    drawn
+        Points [m] and unit normals into the bore, shape (m, 2).
+    drawing
         The drawing.
-    row
-        Number of the frame.
+    frame
+        Index of the frame.
     """
-    gear, deviation = drawn.gear[row], drawn.gaps.deviation[row]
+    gear, deviation = drawing.gear[frame], drawing.gaps.deviation[frame]
     opening = np.einsum("mk,mk->m", normals, _displacement(outline - gear[:2], deviation))
-    more = drawn.magnification - 1.0
-    return outline - normals * (more * tooth_clearance(reducer) + drawn.magnification * opening)[:, np.newaxis]
+    excess = drawing.magnification - 1.0
+    return outline - normals * (excess * tooth_clearance(reducer) + drawing.magnification * opening)[:, np.newaxis]
 
 
-def _opening(mesh: CycloidGear, gear: Array, centres: Array) -> Array:
-    """Compute the distance of pin centres (n, mates, 2) from the trochoid of teeth in poses (n, 3), positive outside.
+def _trochoid_distance(cycloid: CycloidGear, gear: Array, centres: Array) -> Array:
+    """Compute the distance [m] of pin centres (n, mates, 2) from the trochoid of a disc in poses (n, 3).
 
     Newton's method for the foot point, from its ideal position, in steps that stay on the lobe: a pin outside its
     socket is far from the ideal position.
     """
-    longest = 0.5 / centres.shape[1]
+    max_increment = 0.5 / centres.shape[1]
     point = rotate(centres - gear[:, np.newaxis, :2], -gear[:, 2:])
-    t = np.resize(profile.pin_angles(mesh), centres.shape[1]) + gear[:, 2:]
+    t = np.resize(profile.pin_angles(cycloid), centres.shape[1]) + gear[:, 2:]
     for _ in range(DRAWING.newton_steps):
-        (tangent, bend), away = profile.trochoid_derivatives(mesh, t), profile.trochoid(mesh, t) - point
+        (tangent, second_derivative), difference = (
+            profile.trochoid_derivatives(cycloid, t),
+            profile.trochoid(cycloid, t) - point,
+        )
         speed = np.einsum("nik,nik->ni", tangent, tangent)
-        stiffness = speed + np.einsum("nik,nik->ni", away, bend)
+        stiffness = speed + np.einsum("nik,nik->ni", difference, second_derivative)
         # beyond a centre of curvature the full Newton step diverges
-        increment = np.einsum("nik,nik->ni", away, tangent) / np.maximum(stiffness, 0.2 * speed)
-        t = t - np.clip(increment, -longest, longest)
-    return np.einsum("nik,nik->ni", point - profile.trochoid(mesh, t), profile.normals(mesh, t))
+        increment = np.einsum("nik,nik->ni", difference, tangent) / np.maximum(stiffness, 0.2 * speed)
+        t = t - np.clip(increment, -max_increment, max_increment)
+    return np.einsum("nik,nik->ni", point - profile.trochoid(cycloid, t), profile.normals(cycloid, t))
 
 
-def _output_away(reducer: Reducer, gear: Array, output: Array) -> Array:
+def _output_gaps(reducer: Reducer, gear: Array, output: Array) -> Array:
     pins, holes = (transform(pose[:, np.newaxis], output_centres(reducer)) for pose in (output, gear))
     return np.linalg.norm(pins - holes, axis=2) - reducer.design.gear.eccentricity
 

@@ -106,7 +106,7 @@ class ContactForces:
 def contact_forces(
     reducer: Reducer, columns: Mapping[str, Array], drawn: Drawing | None = None, kinds: Container[str] = KINDS.values()
 ) -> ContactForces:
-    """Return force and point of action of all mating pairs of some kinds that have columns.
+    """Compute force and point of action of the mating pairs of some kinds that have columns.
 
     The columns ``<pair>_force_x``, ``_force_y`` and ``_moment`` are a wrench about the origin of the loaded body. It
     determines the line of action; the point is that of a frictionless contact, shifted onto this line.
@@ -120,21 +120,30 @@ def contact_forces(
     kinds
         Kinds of mating pairs.
     """
-    acting = {name: kind for name, kind in _pairs(columns).items() if kind in kinds}
-    by_part, discs = poses(reducer, columns), gears(reducer.design.gear.discs)
-    true = _measured_centres(reducer, by_part)
-    shown = true if drawn is None else _drawn_centres(reducer, drawn)
-    parts = [columns[column(name, part)] for name in acting for part in WRENCH]
+    kind_by_pair = {name: kind for name, kind in _pairs(columns).items() if kind in kinds}
+    poses_by_part, disc_names = poses(reducer, columns), gears(reducer.design.gear.discs)
+    measured = _inner_parts_measured(reducer, poses_by_part)
+    displayed = measured if drawn is None else _inner_parts_drawn(reducer, drawn)
+    wrench_columns = [columns[column(name, part)] for name in kind_by_pair for part in WRENCH]
     count = columns["crank_angle"].size
-    wrench = usable(np.reshape(parts, (len(acting), len(WRENCH), count)).transpose(2, 0, 1))
-    felt = [pin(number_of(name)) if kind in _ON_PINS else discs[disc_of(name)] for name, kind in acting.items()]
-    origin = np.reshape([by_part[part][:, :2] for part in felt], (len(acting), count, 2)).transpose(1, 0, 2)
-    along = _direction(wrench[..., :2])
-    aside = _lateral_shift(wrench, along, true.surface(acting, along) - origin)
-    return ContactForces(tuple(acting), tuple(acting.values()), shown.surface(acting, along) + aside, wrench[..., :2])
+    wrench = usable(np.reshape(wrench_columns, (len(kind_by_pair), len(WRENCH), count)).transpose(2, 0, 1))
+    loaded_parts = [
+        pin(number_of(name)) if kind in _ON_PINS else disc_names[disc_of(name)] for name, kind in kind_by_pair.items()
+    ]
+    origin = np.reshape([poses_by_part[part][:, :2] for part in loaded_parts], (len(kind_by_pair), count, 2)).transpose(
+        1, 0, 2
+    )
+    direction = _direction(wrench[..., :2])
+    shift = _shift_to_action_line(wrench, direction, measured.surface(kind_by_pair, direction) - origin)
+    return ContactForces(
+        tuple(kind_by_pair),
+        tuple(kind_by_pair.values()),
+        displayed.surface(kind_by_pair, direction) + shift,
+        wrench[..., :2],
+    )
 
 
-def on_gear(reducer: Reducer, columns: Mapping[str, Array]) -> ContactForces:
+def shown_forces(reducer: Reducer, columns: Mapping[str, Array]) -> ContactForces:
     """Return the forces that viewers show; see `contact_forces`."""
     return contact_forces(reducer, columns, kinds=FORCE_COLOURS)
 
@@ -146,28 +155,28 @@ def arrow_heights(reducer: Reducer) -> tuple[float, ...]:
     """
     design = reducer.design
     height = 0.5 * design.gear.face_width + ARROWS.thickness * design.ring.pin_circle_radius
-    first, *others = design.gear.disc_planes
-    return (first - height if others else first + height, *(plane + height for plane in others))
+    first, *other_planes = design.gear.disc_planes
+    return (first - height if other_planes else first + height, *(plane + height for plane in other_planes))
 
 
 def ideal_forces(reducer: Reducer, columns: Mapping[str, Array], disc: int = 0) -> Array | None:
     """Compute the force of a disc on each pin by ideal load sharing [N], shape (n, mates); None for an internal gear.
 
-    The halves of a ring share the load equally.
+    `columns` are log columns, shape (n,), in SI units. The halves of a ring share the load equally.
     """
     design = reducer.design
     if design.ring.kind != "pin":
         return None
-    share, crank = columns["load_torque"] / design.gear.discs, columns["crank_angle"] + reducer.phases[disc]
+    disc_torque, crank_angle = columns["load_torque"] / design.gear.discs, columns["crank_angle"] + reducer.phases[disc]
     halves = design.ring.halves
-    return np.tile(ideal_load_sharing(reducer.tooth_profile, share / halves, crank).forces, (1, halves))
+    return np.tile(ideal_load_sharing(reducer.tooth_profile, disc_torque / halves, crank_angle).forces, (1, halves))
 
 
 def reference_force(reducer: Reducer) -> dict[str, float]:
-    """Return a typical force by kind of mating pair [N], from the load, or from the disc's inertia if that is more.
+    """Compute a typical force by kind of mating pair [N], from the load, or from the disc's inertia if that is more.
 
-    With the torque T of a disc, half of its N ring contacts share T/(c (N-1)) as a sine: the largest has
-    4 T/(c N (N-1)), that of n output pins on the radius R has 4 T/(n R), and the cam has T/(c (N-1)).
+    With the torque T of a disc, half of its N ring contacts share T/(c (N-1)) as a sine: the largest has 4 T/(c N
+    (N-1)), that of n output pins on the radius R has 4 T/(n R), and the cam has T/(c (N-1)).
     """
     design = reducer.design
     gear, output, teeth = design.gear, design.output, design.ring.teeth
@@ -197,27 +206,27 @@ class _Inner:
     output_pins: Array
     radii: Radii
 
-    def surface(self, acting: Mapping[str, str], along: Array) -> Array:
+    def surface(self, kind_by_pair: Mapping[str, str], direction: Array) -> Array:
         """Compute the points of frictionless contacts (n, k, 2) [m], on the inner part, towards the loaded part.
 
-        `acting` has the kinds of the k pairs, `along` the directions of their forces (n, k, 2); a pin in its socket is
-        itself the loaded part, a sleeve is loaded from inside.
+        `kind_by_pair` has the kinds of the k pairs, `direction` the unit vectors of their forces (n, k, 2); a pin in
+        its socket is itself the loaded part, a sleeve is loaded from inside.
         """
-        reach = {
+        radius_by_kind = {
             "cam": self.radii.cam,
             "output": self.radii.output_pin,
             "pin_socket": -self.radii.pin,
             "pin_sleeve": self.radii.sleeve_bore,
         }
-        surface = np.empty_like(along)
-        for row, (name, kind) in enumerate(acting.items()):
-            middles = {"cam": self.cams, "output": self.output_pins}.get(kind, self.ring)
-            middle = middles[:, disc_of(name) if kind == "cam" else number_of(name) - 1]
-            surface[:, row] = middle + reach.get(kind, self.radii.pin) * along[:, row]
+        surface = np.empty_like(direction)
+        for row, (name, kind) in enumerate(kind_by_pair.items()):
+            centres = {"cam": self.cams, "output": self.output_pins}.get(kind, self.ring)
+            centre = centres[:, disc_of(name) if kind == "cam" else number_of(name) - 1]
+            surface[:, row] = centre + radius_by_kind.get(kind, self.radii.pin) * direction[:, row]
         return surface
 
 
-def _measured_centres(reducer: Reducer, by_part: Mapping[str, Array]) -> _Inner:
+def _inner_parts_measured(reducer: Reducer, by_part: Mapping[str, Array]) -> _Inner:
     nominal = ring_places(reducer)
     ring = transform(by_part[HOUSING][:, np.newaxis], nominal)
     if pin(1) in by_part:
@@ -226,7 +235,7 @@ def _measured_centres(reducer: Reducer, by_part: Mapping[str, Array]) -> _Inner:
     return _Inner(ring, cams(reducer, by_part[SHAFT]), pins, drawn_radii(reducer))
 
 
-def _drawn_centres(reducer: Reducer, drawn: Drawing) -> _Inner:
+def _inner_parts_drawn(reducer: Reducer, drawn: Drawing) -> _Inner:
     return _Inner(drawn.ring, cams(reducer, drawn.shaft), drawn.output_pins, drawn.radii)
 
 
@@ -241,7 +250,7 @@ def _direction(force: Array) -> Array:
     return np.divide(force, size, out=np.zeros_like(force), where=size > 0)
 
 
-def _lateral_shift(wrench: Array, along: Array, arm: Array) -> Array:
+def _shift_to_action_line(wrench: Array, direction: Array, arm: Array) -> Array:
     """Compute the shift (..., 2) [m] of the point at `arm` from a wrench's origin onto its line of action.
 
     It is limited to `ARROWS.max_shift`: the moment of a force near zero, or of two contacts, does not determine a
@@ -249,6 +258,6 @@ def _lateral_shift(wrench: Array, along: Array, arm: Array) -> Array:
     """
     size = np.linalg.norm(wrench[..., :2], axis=-1)
     lever = np.divide(wrench[..., 2], size, out=np.zeros_like(size), where=size > 0)
-    surplus = cross(arm, along) - lever
-    across = np.stack([-along[..., 1], along[..., 0]], axis=-1)
-    return np.clip(surplus, -ARROWS.max_shift, ARROWS.max_shift)[..., np.newaxis] * across
+    distance = cross(arm, direction) - lever
+    normal = np.stack([-direction[..., 1], direction[..., 0]], axis=-1)
+    return np.clip(distance, -ARROWS.max_shift, ARROWS.max_shift)[..., np.newaxis] * normal

@@ -22,7 +22,7 @@ _FLOAT, _UNSIGNED, _VERTICES, _INDICES = 5126, 5125, 34962, 34963
 """Types of components and targets of buffer views, by glTF 2.0, 3.6 and 3.7."""
 
 
-def glb(pieces: Sequence[Piece]) -> bytes:
+def encode_glb(pieces: Sequence[Piece]) -> bytes:
     """Encode the file of a part: its meshes [m], in the part's frame, with their colours."""
     file = _File()
     for piece in pieces:
@@ -41,7 +41,7 @@ class _File:
         }
 
     def add(self, piece: Piece, points: Any, normals: Any, faces: Any) -> None:
-        """Add the mesh of a piece: points and normals (n, 3), 32-bit floats, and faces (m, 3), 32-bit integers."""
+        """Add the mesh of a piece: points and normals (n, 3) as 32-bit floats, faces (m, 3) as 32-bit integers."""
         attributes = {"POSITION": self._accessor(points, "VEC3"), "NORMAL": self._accessor(normals, "VEC3")}
         indices = self._accessor(faces.ravel(), "SCALAR")
         number = len(self._of["meshes"])
@@ -51,22 +51,22 @@ class _File:
         self._of["nodes"].append({"name": piece.name, "mesh": number, "matrix": TO_Y_UP.T.ravel().tolist()})
 
     def encode(self) -> bytes:
-        """Return the file: header, JSON chunk, binary chunk."""
-        described = {
+        """Return the file as bytes: header, JSON chunk with the description, binary chunk with the buffer."""
+        description = {
             "asset": {"version": "2.0", "generator": "cycloid_mj"},
             "scene": 0,
             "scenes": [{"nodes": list(range(len(self._of["nodes"])))}],
             **self._of,
             "buffers": [{"byteLength": len(self._buffer)}],
         }
-        text = json.dumps(described, separators=(",", ":")).encode()
+        text = json.dumps(description, separators=(",", ":")).encode()
         text += b" " * (-len(text) % 4)
         chunks = struct.pack("<I4s", len(text), b"JSON") + text
         chunks += struct.pack("<I4s", len(self._buffer), b"BIN\x00") + self._buffer
         return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 
     def _accessor(self, values: Any, kind: str) -> int:
-        """Append an array to the buffer and return the number of its accessor."""
+        """Append an array to the buffer, with its buffer view and accessor; return the number of the accessor."""
         is_index = kind == "SCALAR"
         view = {"buffer": 0, "byteOffset": len(self._buffer), "byteLength": values.nbytes}
         self._of["bufferViews"].append(view | {"target": _INDICES if is_index else _VERTICES})

@@ -12,20 +12,24 @@ DISTANCE, NEAREST, FARTHEST = 4.0, 0.02, 100.0
 """Distances of the camera and of its clipping planes, as multiples of the housing's radius."""
 
 
-def layout(reducer: Reducer) -> dict[str, Any]:
-    """Return the layout that these viewers import as JSON: the mechanism from the output side, and three plots.
+def viewer_layout(reducer: Reducer) -> dict[str, Any]:
+    """Return the layout that Foxglove and Lichtblick import as JSON: a view of the mechanism, and three plots.
 
     ``assets/layout.json`` is common to all designs. At its playback speed, a crank at 1640 rpm turns once in 4 s.
     """
     design = reducer.design
     content: dict[str, Any] = json.loads(files("cycloid_mj.scene").joinpath("assets", "layout.json").read_text("utf-8"))
-    view, reach = content["configById"]["3D!mechanism"], design.housing.outer_radius
-    view["cameraState"] |= {"distance": DISTANCE * reach, "near": NEAREST * reach, "far": FARTHEST * reach}
+    view, housing_radius = content["configById"]["3D!mechanism"], design.housing.outer_radius
+    view["cameraState"] |= {
+        "distance": DISTANCE * housing_radius,
+        "near": NEAREST * housing_radius,
+        "far": FARTHEST * housing_radius,
+    }
     pins = all_numbered(PIN, design.ring.mates) if design.ring.kind == "pin" else ()
     frames = (ROOT, HOUSING, SHAFT, *gears(design.gear.discs), OUTPUT, *pins)
     plot = content["configById"]["Plot!speed"]
-    of_gear, *others = plot["paths"]
-    discs = [of_gear | {"value": f"/reducer.{planar_speeds(gear)[2]}"} for gear in gears(design.gear.discs)]
-    plot["paths"] = [*discs, *others]
+    disc_path, *other_paths = plot["paths"]
+    discs = [disc_path | {"value": f"/reducer.{planar_speeds(gear)[2]}"} for gear in gears(design.gear.discs)]
+    plot["paths"] = [*discs, *other_paths]
     view["transforms"] = {f"frame:{frame}": {"visible": False} for frame in frames}
     return content

@@ -25,8 +25,8 @@ from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.names import pin
 from cycloid_mj.design import Design
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.scene.force import ARROWS, FORCE_COLOURS, ContactForces, arrow_heights, on_gear, reference_force
-from cycloid_mj.scene.glb import MEDIA_TYPE, glb
+from cycloid_mj.scene.force import ARROWS, FORCE_COLOURS, ContactForces, arrow_heights, reference_force, shown_forces
+from cycloid_mj.scene.glb import MEDIA_TYPE, encode_glb
 from cycloid_mj.scene.pose import poses, ring_places
 from cycloid_mj.scene.shape import shapes
 
@@ -36,14 +36,21 @@ Message = tuple[str, int, bytes]
 RATE = 60.0
 """Frames per second of simulated time."""
 
-FRAMES_PER_TURN = 36
-"""Frames of a run per turn of the crank, for a replay to show which way it turns."""
 
-MAX_FRAMES = 900
-"""Largest number of these frames, as many as a viewer shows in 15 s; a run of many turns has fewer in each."""
+@dataclass(frozen=True)
+class FrameSettings:
+    """Settings of the frame rate of a run."""
 
-MAX_RATE = 1e5
-"""Highest frame rate [1/s]."""
+    frames_per_turn: int = 36
+    """Frames per turn of the crank, for a replay to show which way it turns."""
+    max_frames: int = 900
+    """Largest number of these frames, as many as a viewer shows in 15 s; a run of many turns has fewer in each."""
+    max_rate: float = 1e5
+    """Highest frame rate [1/s]."""
+
+
+FRAME = FrameSettings()
+
 ROOT = "reducer"
 FRAMES, PARTS, FORCES = "/tf", "/scene/parts", "/scene/forces"
 
@@ -51,12 +58,12 @@ FRAMES, PARTS, FORCES = "/tf", "/scene/parts", "/scene/forces"
 def frame_rate(reducer: Reducer) -> float:
     """Compute the frame rate of a run [1/s]: a frame every 10 deg of crank, or ``settings.scene_rate`` if that is more.
 
-    A run of many turns has `MAX_FRAMES` of them, which bounds the size of its log.
+    A run of many turns has `FrameSettings.max_frames` of them, which bounds the size of its log.
     """
     design = reducer.design
-    by_angle = FRAMES_PER_TURN * abs(design.drive.speed) / (2.0 * math.pi)
-    at_most = MAX_FRAMES / (design.drive.ramp + design.drive.hold)
-    return min(max(design.settings.scene_rate, min(by_angle, at_most)), MAX_RATE)
+    by_angle = FRAME.frames_per_turn * abs(design.drive.speed) / (2.0 * math.pi)
+    at_most = FRAME.max_frames / (design.drive.ramp + design.drive.hold)
+    return min(max(design.settings.scene_rate, min(by_angle, at_most)), FRAME.max_rate)
 
 
 @dataclass(frozen=True)
@@ -80,10 +87,10 @@ class Scene:
     rate: float = RATE
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.rate <= MAX_RATE:
+        if not 0.0 < self.rate <= FRAME.max_rate:
             raise UsageError(
                 f"the frame rate of the 3-D scene is {self.rate:g} per second, which is out of range: choose more than "
-                f"0 and at most {MAX_RATE:g} per second"
+                f"0 and at most {FRAME.max_rate:g} per second"
             )
 
     @cached_property
@@ -98,22 +105,22 @@ class Scene:
         return {topic: (kind.DESCRIPTOR.full_name, _descriptors(kind)) for topic, kind in kinds.items()}
 
     def opening(self, time: float) -> Iterator[Message]:
-        """Yield the message that precedes the first frame, at `time` [s]; for errors see `shapes`."""
-        update = SceneUpdate()
-        files = {name: glb(pieces) for name, pieces in shapes(self.reducer).items()}
+        """Yield the message that precedes the first frame, at `time` [s]: the meshes of all parts."""
+        message = SceneUpdate()
+        files = {name: encode_glb(pieces) for name, pieces in shapes(self.reducer).items()}
         pin_file = files.pop("pin", b"")
         if pin_file:
             files |= {pin(number): pin_file for number, _ in enumerate(ring_places(self.reducer), start=1)}
         for part, data in files.items():
-            entity = update.entities.add(frame_id=part, id=part, frame_locked=True)
+            entity = message.entities.add(frame_id=part, id=part, frame_locked=True)
             entity.timestamp.FromNanoseconds(_nanoseconds(time))
             model = entity.models.add(data=data, media_type=MEDIA_TYPE)
             model.pose.orientation.w = 1.0
             model.scale.x = model.scale.y = model.scale.z = 1.0
-        yield PARTS, _nanoseconds(time), update.SerializeToString(deterministic=True)
+        yield PARTS, _nanoseconds(time), message.SerializeToString(deterministic=True)
 
     def frames(self, time: Array, columns: Mapping[str, Array]) -> Iterator[Message]:
-        """Yield the frames at k times.
+        """Yield the messages of frames at k times: transforms of the parts, and arrows of the contact forces.
 
         Parameters
         ----------
@@ -122,21 +129,22 @@ class Scene:
         columns
             Values by name, shape (k,), in SI units.
         """
-        by_part = poses(self.reducer, columns)
-        pose = np.stack(list(by_part.values()), axis=1)
+        poses_by_part = poses(self.reducer, columns)
+        pose = np.stack(list(poses_by_part.values()), axis=1)
         rows = np.flatnonzero(np.isfinite(pose.sum(axis=(1, 2)))).tolist()
         stamps = np.rint(1e9 * time).astype(np.int64).tolist()
-        acting = on_gear(self.reducer, columns)
-        arrows = self._arrows(acting)
+        forces = shown_forces(self.reducer, columns)
+        arrows = self._arrows(forces)
         rows_by_kind = {
-            kind: [row for row, this in enumerate(acting.kinds) if this == kind] for kind in dict.fromkeys(acting.kinds)
+            kind: [row for row, pair_kind in enumerate(forces.kinds) if pair_kind == kind]
+            for kind in dict.fromkeys(forces.kinds)
         }
         for row in rows:
-            yield FRAMES, stamps[row], self._transforms(list(by_part), pose[row], stamps[row])
+            yield FRAMES, stamps[row], self._transforms(list(poses_by_part), pose[row], stamps[row])
             yield FORCES, stamps[row], self._forces(rows_by_kind, arrows[row], stamps[row])
 
     def _transforms(self, parts: list[str], poses: Array, stamp: int) -> bytes:
-        """Return the transforms of parts in poses (parts, 3) [m, rad]."""
+        """Encode the transforms of parts in poses (parts, 3) [m, rad] at a time stamp [ns]."""
         message, turn = FrameTransforms(), 0.5 * poses[:, 2]
         values = np.column_stack([poses[:, :2], np.sin(turn), np.cos(turn)]).tolist()
         for part, (x, y, sine, cosine) in zip(parts, values, strict=True):
@@ -147,10 +155,13 @@ class Scene:
         return bytes(message.SerializeToString(deterministic=True))
 
     def _forces(self, rows_by_kind: Mapping[str, Sequence[int]], arrows: Array, stamp: int) -> bytes:
-        """Return the update of the arrows: an entity for each kind of pairs, an arrow for each force."""
-        update, thickness = SceneUpdate(), ARROWS.thickness * self.design.ring.pin_circle_radius
+        """Encode the arrows of all forces at a time stamp [ns]: an entity per kind of pair, an arrow per force.
+
+        `arrows` are those of `_arrows` at this time, shape (k, 7).
+        """
+        message, thickness = SceneUpdate(), ARROWS.thickness * self.design.ring.pin_circle_radius
         for kind, rows in rows_by_kind.items():
-            entity = update.entities.add(frame_id=ROOT, id=kind)
+            entity = message.entities.add(frame_id=ROOT, id=kind)
             entity.timestamp.FromNanoseconds(stamp)
             entity.metadata.add(key="scale [N/m]", value=f"{1.0 / self._scales[kind]:.6g}")
             for x, y, z, sine, cosine, shaft, head in arrows[rows].tolist():
@@ -161,18 +172,18 @@ class Scene:
                 position.x, position.y, position.z, rotation.z, rotation.w = x, y, z, sine, cosine
                 arrow.shaft_diameter, arrow.head_diameter = thickness, 2.0 * thickness
                 arrow.color.r, arrow.color.g, arrow.color.b, arrow.color.a = FORCE_COLOURS[kind]
-        return bytes(update.SerializeToString(deterministic=True))
+        return bytes(message.SerializeToString(deterministic=True))
 
-    def _arrows(self, acting: ContactForces) -> Array:
-        """Compute the arrows of all pairs, shape (n, k, 7).
+    def _arrows(self, forces: ContactForces) -> Array:
+        """Compute the arrows of k forces at n times, shape (n, k, 7).
 
         They are position of the tail [m], sine and cosine of half the angle, and lengths of shaft and head [m].
         """
-        scale = np.array([self._scales[kind] for kind in acting.kinds])
-        tail = acting.point - acting.force * scale[:, np.newaxis]
-        angle = 0.5 * np.arctan2(acting.force[..., 1], acting.force[..., 0])
-        height = np.broadcast_to([arrow_heights(self.reducer)[disc] for disc in acting.discs], angle.shape)
-        length = acting.size * scale
+        scale = np.array([self._scales[kind] for kind in forces.kinds])
+        tail = forces.point - forces.force * scale[:, np.newaxis]
+        angle = 0.5 * np.arctan2(forces.force[..., 1], forces.force[..., 0])
+        height = np.broadcast_to([arrow_heights(self.reducer)[disc] for disc in forces.discs], angle.shape)
+        length = forces.size * scale
         head = np.minimum(3.0 * ARROWS.thickness * self.design.ring.pin_circle_radius, 0.5 * length)
         values = (tail[..., 0], tail[..., 1], height, np.sin(angle), np.cos(angle), length - head, head)
         return np.stack(values, axis=-1)
@@ -189,12 +200,12 @@ def _nanoseconds(time: float) -> int:
 
 
 def _descriptors(message: Any) -> bytes:
-    """Return the FileDescriptorSet of a message, in topological order of the files."""
+    """Return the serialized FileDescriptorSet of a message, with its dependencies first."""
     files: dict[str, Any] = {}
 
     def add(file: Any) -> None:
-        for needed in file.dependencies:
-            add(needed)
+        for dependency in file.dependencies:
+            add(dependency)
         if file.name not in files:
             files[file.name] = file
 

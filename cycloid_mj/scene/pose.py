@@ -30,7 +30,7 @@ def ring_places(reducer: Reducer) -> Array:
 
 
 def poses(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Array]:
-    """Return x [m], y [m] and angle [rad] at n times by part, shape (n, 3).
+    """Compute the planar poses of all parts at n times by name: x [m], y [m] and angle [rad], shape (n, 3).
 
     Parts are housing, shaft, gear (of several discs gear_1, gear_2, ...), output and, where the ring has pins, pin_1
     ... pin_N. Positions are those of gears' and pins' centres and of the reducer axis; angles are counter-clockwise.
@@ -53,37 +53,37 @@ def poses(reducer: Reducer, columns: Mapping[str, Array]) -> dict[str, Array]:
             f"the log lacks the columns {', '.join(missing)}, which determine the positions of the parts: run "
             "`cycloid-mj simulate` again to write a complete log"
         )
-    still = np.zeros_like(columns["crank_angle"])
+    zeros = np.zeros_like(columns["crank_angle"])
     ring, carrier = reducer.member.ring_and_carrier(columns["output_angle"])
-    by_part = {
-        HOUSING: _pose(still, still, ring),
-        SHAFT: _pose(still, still, columns["crank_angle"]),
+    poses_by_part = {
+        HOUSING: _pose(zeros, zeros, ring),
+        SHAFT: _pose(zeros, zeros, columns["crank_angle"]),
         **{gear: _pose(*(columns[name] for name in planar_joints(gear))) for gear in gears(design.gear.discs)},
-        OUTPUT: _pose(still, still, carrier),
+        OUTPUT: _pose(zeros, zeros, carrier),
     }
     if design.ring.kind == "pin":
-        placed = _pin_poses(reducer, columns, ring)
-        by_part |= {pin(number): pose for number, pose in enumerate(placed, start=1)}
-    return by_part
+        pin_poses = _pin_poses(reducer, columns, ring)
+        poses_by_part |= {pin(number): pose for number, pose in enumerate(pin_poses, start=1)}
+    return poses_by_part
 
 
 def _pin_poses(reducer: Reducer, columns: Mapping[str, Array], ring: Array) -> Array:
-    """Compute the poses of all pins, shape (N, n, 3), of a ring rotated by `ring` (n,) [rad]."""
-    places = ring_places(reducer)
-    numbers, still = range(1, len(places) + 1), np.zeros_like(ring)
-    away = np.array(
-        [[columns.get(column(pin(number), name), still) for name in ("x", "y", "angle")] for number in numbers]
+    """Compute the poses of all ring pins, shape (N, n, 3), of a ring rotated by `ring` (n,) [rad]."""
+    nominal = ring_places(reducer)
+    numbers, zeros = range(1, len(nominal) + 1), np.zeros_like(ring)
+    displacements = np.array(
+        [[columns.get(column(pin(number), name), zeros) for name in ("x", "y", "angle")] for number in numbers]
     ).swapaxes(1, 2)
     if reducer.design.ring.has_massless_pins:
         force = np.array(
-            [[_on_discs(reducer, columns, number, axis) for axis in (FORCE_X, FORCE_Y)] for number in numbers]
+            [[_force_on_discs(reducer, columns, number, axis) for axis in (FORCE_X, FORCE_Y)] for number in numbers]
         )
-        away[..., :2] = _pressed_displacements(reducer, rotate(force.swapaxes(1, 2), -ring))
-    centres = rotate(places[:, np.newaxis] + away[..., :2], ring)
-    return usable(np.concatenate([centres, away[..., 2:] + ring[:, np.newaxis]], axis=-1))
+        displacements[..., :2] = _pressed_displacements(reducer, rotate(force.swapaxes(1, 2), -ring))
+    centres = rotate(nominal[:, np.newaxis] + displacements[..., :2], ring)
+    return usable(np.concatenate([centres, displacements[..., 2:] + ring[:, np.newaxis]], axis=-1))
 
 
-def _on_discs(reducer: Reducer, columns: Mapping[str, Array], number: int, axis: str) -> Array:
+def _force_on_discs(reducer: Reducer, columns: Mapping[str, Array], number: int, axis: str) -> Array:
     """Return the force of a pin on all discs along an axis [N], shape (n,); 0 without columns."""
     discs = reducer.design.gear.discs
     pairs = [column(of_disc(pin(number), disc, discs), axis) for disc in range(discs)]

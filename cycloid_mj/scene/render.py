@@ -11,9 +11,9 @@ import numpy.typing as npt
 from cycloid_mj.base.errors import UsageError
 from cycloid_mj.base.record import Run
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.scene.force import ARROWS, FORCE_COLOURS, arrow_heights, on_gear
+from cycloid_mj.scene.force import ARROWS, FORCE_COLOURS, arrow_heights, shown_forces
 from cycloid_mj.scene.opengl import opengl
-from cycloid_mj.scene.replay import VIEW, aim, replay_model, set_sample
+from cycloid_mj.scene.replay import VIEW, aim_camera, replay_model, set_sample
 
 Image = npt.NDArray[np.uint8]
 
@@ -73,7 +73,7 @@ def render(
     data = mujoco.MjData(model)
     set_sample(model, data, run, sample)
     camera = mujoco.MjvCamera()
-    aim(camera, model, *view)
+    aim_camera(camera, model, *view)
     return _render(model, data, camera, size, _arrows(run, reducer, sample))
 
 
@@ -87,23 +87,26 @@ def render_part(
     model = replay_model(run)
     data = mujoco.MjData(model)
     set_sample(model, data, run, 0)
-    shown = np.isin([model.body(body).name for body in model.geom_bodyid], bodies)
-    if not shown.any():
+    is_shown = np.isin([model.body(body).name for body in model.geom_bodyid], bodies)
+    if not is_shown.any():
         raise UsageError(
             f"the model has no body named {', '.join(bodies)}: choose among the bodies of the logged model (scene.xml)"
         )
-    model.geom_rgba[:, 3] = np.where(shown, 1.0, 0.0)
+    model.geom_rgba[:, 3] = np.where(is_shown, 1.0, 0.0)
     camera = mujoco.MjvCamera()
-    aim(camera, model, *view)
-    seen = shown & (model.geom_group == VISUAL_GROUP)
-    camera.lookat[:] = data.geom_xpos[seen].mean(axis=0)
-    away = np.linalg.norm(data.geom_xpos[seen] - camera.lookat, axis=1)
-    camera.distance = IMAGE.part_distance * float((away + model.geom_rbound[seen]).max())
+    aim_camera(camera, model, *view)
+    is_visible = is_shown & (model.geom_group == VISUAL_GROUP)
+    camera.lookat[:] = data.geom_xpos[is_visible].mean(axis=0)
+    distance = np.linalg.norm(data.geom_xpos[is_visible] - camera.lookat, axis=1)
+    camera.distance = IMAGE.part_distance * float((distance + model.geom_rbound[is_visible]).max())
     return _render(model, data, camera, size, [])
 
 
 def _render(model: Any, data: Any, camera: Any, size: tuple[int, int], arrows: list[dict[str, Any]]) -> Image:
-    """Render the scene of a model with arrows as an image, shape (height, width, 3)."""
+    """Render a MuJoCo model with arrows as an image, shape (height, width, 3).
+
+    Raise UsageError for a size out of range.
+    """
     width, height = size
     if not (IMAGE.min_pixels <= width <= IMAGE.max_pixels and IMAGE.min_pixels <= height <= IMAGE.max_pixels):
         raise UsageError(
@@ -125,24 +128,30 @@ def _render(model: Any, data: Any, camera: Any, size: tuple[int, int], arrows: l
 
 
 def _arrows(run: Run, reducer: Reducer, sample: int) -> list[dict[str, Any]]:
-    """Return tail, tip, width [m] and colour of the arrow of each force, on a face of its disc."""
+    """Return tail, tip, width [m] and colour of an arrow for each contact force of a sample, on a face of its disc."""
     columns = {name: values[sample : sample + 1] for name, values in run.columns.items()}
-    acting, reach, faces = on_gear(reducer, columns), reducer.design.ring.pin_circle_radius, arrow_heights(reducer)
+    forces, ring_radius, faces = (
+        shown_forces(reducer, columns),
+        reducer.design.ring.pin_circle_radius,
+        arrow_heights(reducer),
+    )
     arrows = []
-    for kind in dict.fromkeys(acting.kinds):
-        these = acting.of(kind)
-        scale = ARROWS.length * reach / max(float(these.size.max()), 1e-9)
-        for point, force, disc in zip(these.point[0], these.force[0], these.discs, strict=True):
+    for kind in dict.fromkeys(forces.kinds):
+        forces_of_kind = forces.of(kind)
+        scale = ARROWS.length * ring_radius / max(float(forces_of_kind.size.max()), 1e-9)
+        for point, force, disc in zip(
+            forces_of_kind.point[0], forces_of_kind.force[0], forces_of_kind.discs, strict=True
+        ):
             if force.any():
                 tip, tail = np.array([*point, faces[disc]]), np.array([*(point - scale * force), faces[disc]])
                 arrows.append(
-                    {"tail": tail, "tip": tip, "width": ARROWS.thickness * reach, "colour": FORCE_COLOURS[kind]}
+                    {"tail": tail, "tip": tip, "width": ARROWS.thickness * ring_radius, "colour": FORCE_COLOURS[kind]}
                 )
     return arrows
 
 
 def _add_arrow(scene: Any, tail: Any, tip: Any, width: float, colour: Any) -> None:
-    """Add an arrow from tail to tip [m] to a scene; do nothing if the scene is full."""
+    """Add an arrow from tail to tip [m] to a MuJoCo scene; do nothing if the scene is full."""
     if scene.ngeom >= scene.maxgeom:
         return
     geom, arrow = scene.geoms[scene.ngeom], mujoco.mjtGeom.mjGEOM_ARROW

@@ -58,18 +58,18 @@ def replay_model(run: Run) -> Any:
         ) from problem
     model.vis.headlight.ambient[:], model.vis.headlight.diffuse[:] = 0.3, 0.4
     model.light_diffuse[:] = 0.35
-    _see_through(model)
+    _make_output_transparent(model)
     return model
 
 
-def aim(camera: Any, model: Any, azimuth: float = VIEW.azimuth, elevation: float = VIEW.elevation) -> None:
+def aim_camera(camera: Any, model: Any, azimuth: float = VIEW.azimuth, elevation: float = VIEW.elevation) -> None:
     """Point a free camera at the reducer, by default from the output side, where x points right; angles in [deg]."""
     camera.azimuth, camera.elevation = azimuth, elevation
     camera.distance, camera.lookat[:] = VIEW.distance * model.stat.extent, model.stat.center
 
 
 def set_sample(model: Any, data: Any, run: Run, sample: int) -> None:
-    """Set every joint to a sample of the run; joints without a column stay.
+    """Set every joint of MuJoCo's data to a sample of the run; joints without a column stay.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def _joint_columns(model: Any, run: Run) -> Mapping[str, str]:
     return columns
 
 
-def _see_through(model: Any) -> None:
+def _make_output_transparent(model: Any) -> None:
     output = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, "output")
     for geom in range(model.ngeom):
         if model.geom_bodyid[geom] == output:

@@ -14,7 +14,7 @@ from cycloid_mj.base.names import gears, planar_speeds
 from cycloid_mj.base.record import Run
 from cycloid_mj.parts.parts import Colour
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.scene.force import ARROWS, FORCE_COLOURS, ContactForces, arrow_heights, on_gear
+from cycloid_mj.scene.force import ARROWS, FORCE_COLOURS, ContactForces, arrow_heights, shown_forces
 from cycloid_mj.scene.pose import poses
 from cycloid_mj.scene.shading import shade
 from cycloid_mj.scene.shape import Piece, shapes
@@ -34,14 +34,14 @@ def write_rerun(run: Run, reducer: Reducer, path: str | os.PathLike[str]) -> Non
         File to write; replaced if it exists.
     """
     rr = extra("rerun", "a recording", "rerun")
-    by_part, acting = poses(reducer, run.columns), on_gear(reducer, run.columns)
+    poses_by_part, forces = poses(reducer, run.columns), shown_forces(reducer, run.columns)
     name = "cycloid_mj_" + "_".join(reducer.design.name.split())
-    with atomic_file(path) as beside:
+    with atomic_file(path) as temporary_path:
         recording = rr.RecordingStream(name)
-        recording.save(str(beside), default_blueprint=_layout(reducer, run.topics))
+        recording.save(str(temporary_path), default_blueprint=_layout(reducer, run.topics))
         time = rr.TimeColumn(TIMELINE, duration=run.time)
-        _log_parts(rr, recording, reducer, time, by_part)
-        _log_forces(rr, recording, reducer, time, acting)
+        _log_parts(rr, recording, reducer, time, poses_by_part)
+        _log_forces(rr, recording, reducer, time, forces)
         for topic, names in run.topics.items():
             for column in names:
                 values = rr.Scalars.columns(scalars=run[column])
@@ -50,13 +50,13 @@ def write_rerun(run: Run, reducer: Reducer, path: str | os.PathLike[str]) -> Non
         recording.disconnect()
 
 
-def _log_parts(rr: Any, recording: Any, reducer: Reducer, time: Any, by_part: Mapping[str, Array]) -> None:
-    """Log the meshes of the parts and their poses."""
-    looks = shapes(reducer)
-    for part, pose in by_part.items():
+def _log_parts(rr: Any, recording: Any, reducer: Reducer, time: Any, poses_by_part: Mapping[str, Array]) -> None:
+    """Log the meshes of the parts, and their poses over time; parts that do not move are logged once."""
+    pieces_by_part = shapes(reducer)
+    for part, pose in poses_by_part.items():
         entity = f"{MECHANISM}/{part}"
-        for piece in looks["pin" if part.startswith("pin_") else part]:
-            recording.log(f"{entity}/{piece.name}", _mesh(rr, piece), static=True)
+        for piece in pieces_by_part["pin" if part.startswith("pin_") else part]:
+            recording.log(f"{entity}/{piece.name}", _rerun_mesh(rr, piece), static=True)
         translation = np.column_stack([pose[:, :2], np.zeros(len(pose))])
         turn = np.zeros((len(pose), 4))
         turn[:, 2], turn[:, 3] = np.sin(0.5 * pose[:, 2]), np.cos(0.5 * pose[:, 2])
@@ -67,32 +67,34 @@ def _log_parts(rr: Any, recording: Any, reducer: Reducer, time: Any, by_part: Ma
             recording.log(entity, rr.Transform3D(translation=translation[0], quaternion=turn[0]), static=True)
 
 
-def _mesh(rr: Any, piece: Piece) -> Any:
+def _rerun_mesh(rr: Any, piece: Piece) -> Any:
     """Return a piece as a mesh of Rerun."""
-    mesh, colour = shade(piece.mesh), _bytes(piece.colour)
+    mesh, colour = shade(piece.mesh), _colour_bytes(piece.colour)
     return rr.Mesh3D(
         vertex_positions=mesh.vertices, vertex_normals=mesh.normals, triangle_indices=mesh.faces, albedo_factor=colour
     )
 
 
-def _bytes(colour: Colour) -> list[int]:
+def _colour_bytes(colour: Colour) -> list[int]:
     return [round(255 * part) for part in colour]
 
 
-def _log_forces(rr: Any, recording: Any, reducer: Reducer, time: Any, acting: ContactForces) -> None:
-    """Log the arrows of each kind of mating pair, with their tips at the contacts, on a face of their disc."""
-    reach, faces = reducer.design.ring.pin_circle_radius, np.array(arrow_heights(reducer))
-    for kind in dict.fromkeys(acting.kinds):
-        these = acting.of(kind)
-        scale = ARROWS.length * reach / these.size.max(initial=1e-9)
-        vectors = np.concatenate([scale * these.force, np.zeros((*these.size.shape, 1))], axis=2)
-        heights = np.broadcast_to(faces[list(these.discs)][:, np.newaxis], (*these.size.shape, 1))
-        origins = np.concatenate([these.point, heights], axis=2) - vectors
-        count, pairs = these.size.shape
+def _log_forces(rr: Any, recording: Any, reducer: Reducer, time: Any, forces: ContactForces) -> None:
+    """Log the arrows of each kind of mating pair over time, with their tips at the contacts, on a disc face."""
+    ring_radius, faces = reducer.design.ring.pin_circle_radius, np.array(arrow_heights(reducer))
+    for kind in dict.fromkeys(forces.kinds):
+        forces_of_kind = forces.of(kind)
+        scale = ARROWS.length * ring_radius / forces_of_kind.size.max(initial=1e-9)
+        vectors = np.concatenate([scale * forces_of_kind.force, np.zeros((*forces_of_kind.size.shape, 1))], axis=2)
+        heights = np.broadcast_to(faces[list(forces_of_kind.discs)][:, np.newaxis], (*forces_of_kind.size.shape, 1))
+        origins = np.concatenate([forces_of_kind.point, heights], axis=2) - vectors
+        count, pairs = forces_of_kind.size.shape
         arrows = rr.Arrows3D.columns(vectors=vectors.reshape(-1, 3), origins=origins.reshape(-1, 3))
         entity = f"{MECHANISM}/forces/{kind}"
-        look = rr.Arrows3D.from_fields(colors=[_bytes(FORCE_COLOURS[kind])], radii=0.4 * ARROWS.thickness * reach)
-        recording.log(entity, look, static=True)
+        style = rr.Arrows3D.from_fields(
+            colors=[_colour_bytes(FORCE_COLOURS[kind])], radii=0.4 * ARROWS.thickness * ring_radius
+        )
+        recording.log(entity, style, static=True)
         recording.send_columns(entity, indexes=[time], columns=arrows.partition([pairs] * count))
 
 
@@ -106,7 +108,11 @@ def _layout(reducer: Reducer, topics: Mapping[str, tuple[str, ...]]) -> Any:
         for names in (speeds, *PLOTTED)
         if all(name in entities for name in names)
     ]
-    reach = reducer.design.housing.outer_radius
-    eye = rrb.EyeControls3D(position=[0.8 * reach, 0.6 * reach, 3.2 * reach], look_target=[0, 0, 0], eye_up=[0, 1, 0])
+    housing_radius = reducer.design.housing.outer_radius
+    eye = rrb.EyeControls3D(
+        position=[0.8 * housing_radius, 0.6 * housing_radius, 3.2 * housing_radius],
+        look_target=[0, 0, 0],
+        eye_up=[0, 1, 0],
+    )
     mechanism = rrb.Spatial3DView(origin=f"/{MECHANISM}", name="mechanism", eye_controls=eye, line_grid=False)
     return rrb.Blueprint(rrb.Horizontal(mechanism, rrb.Vertical(*plots)))

@@ -25,21 +25,23 @@ class ShadedMesh:
 
 
 def shade(mesh: Mesh) -> ShadedMesh:
-    """Return a watertight mesh with its vertices split at creases, and normals weighted by the angles of the faces."""
+    """Split the vertices of a watertight mesh at creases; compute vertex normals weighted by corner angles."""
     corners = mesh.vertices[mesh.faces]
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    area = np.linalg.norm(across, axis=1, keepdims=True)
-    flat = np.divide(across, area, out=np.zeros_like(across), where=area > 0.0)
-    pairs = _adjacent_faces(mesh.faces)
-    smooth = np.einsum("ij,ij->i", flat[pairs[:, 0]], flat[pairs[:, 1]]) >= np.cos(CREASE)
-    surface = _components(pairs[smooth], len(mesh.faces))
-    key = surface[:, np.newaxis] * len(mesh.vertices) + mesh.faces
-    used, numbers = np.unique(key, return_inverse=True)
+    cross_products = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = np.linalg.norm(cross_products, axis=1, keepdims=True)
+    face_normals = np.divide(cross_products, area, out=np.zeros_like(cross_products), where=area > 0.0)
+    adjacent = _adjacent_faces(mesh.faces)
+    smooth = np.einsum("ij,ij->i", face_normals[adjacent[:, 0]], face_normals[adjacent[:, 1]]) >= np.cos(CREASE)
+    surface = _components(adjacent[smooth], len(mesh.faces))
+    vertex_keys = surface[:, np.newaxis] * len(mesh.vertices) + mesh.faces
+    unique_keys, numbers = np.unique(vertex_keys, return_inverse=True)
     faces = numbers.reshape(-1, 3)
-    weighted = (_corner_angles(corners)[..., np.newaxis] * flat[:, np.newaxis]).reshape(-1, 3)
-    sums = np.stack([np.bincount(faces.ravel(), weights=part, minlength=len(used)) for part in weighted.T], axis=1)
+    weighted_normals = (_corner_angles(corners)[..., np.newaxis] * face_normals[:, np.newaxis]).reshape(-1, 3)
+    sums = np.stack(
+        [np.bincount(faces.ravel(), weights=part, minlength=len(unique_keys)) for part in weighted_normals.T], axis=1
+    )
     normals = sums / np.linalg.norm(sums, axis=1, keepdims=True)
-    return ShadedMesh(mesh.vertices[used % len(mesh.vertices)], normals, faces.astype(np.int32))
+    return ShadedMesh(mesh.vertices[unique_keys % len(mesh.vertices)], normals, faces.astype(np.int32))
 
 
 def _adjacent_faces(faces: Faces) -> Integers:
@@ -51,17 +53,17 @@ def _adjacent_faces(faces: Faces) -> Integers:
 
 
 def _components(pairs: Integers, count: int) -> Integers:
-    """Return for each of `count` nodes the smallest node that pairs (k, 2) connect it with.
+    """Return for each of `count` nodes the smallest node that pairs (k, 2) connect it with: connected components.
 
     Each round hooks roots onto smaller neighbours and then shortens all paths (Shiloach & Vishkin 1982).
     """
     root = np.arange(count)
     a, b = pairs.T
     while True:
-        low, high = np.minimum(root[a], root[b]), np.maximum(root[a], root[b])
-        if (low == high).all():
+        smaller, larger = np.minimum(root[a], root[b]), np.maximum(root[a], root[b])
+        if (smaller == larger).all():
             return root
-        np.minimum.at(root, high, low)
+        np.minimum.at(root, larger, smaller)
         while (shorter := root[root]).tolist() != root.tolist():
             root = shorter
 

@@ -28,33 +28,40 @@ class Piece:
 
 
 def shapes(reducer: Reducer) -> dict[str, tuple[Piece, ...]]:
-    """Return housing, shaft, gears, pin (if the ring has pins) and output, each in the frame of its pose in the plane.
+    """Return the coloured meshes of all parts by name, each in the frame of the part's pose in the plane.
 
-    The output disc is a transparent piece of its own: the mechanism is seen from its side, where x points right and y
-    up. A built-up crank is the shaft with its cams and spacers, the output has its rollers; several discs are in their
-    planes.
+    Parts are housing, shaft, gears, pin (if the ring has pins) and output. The output disc is a transparent piece of
+    its own: the mechanism is seen from its side, where x points right and y up. A built-up crank is the shaft with its
+    cams and spacers, the output has its rollers; several discs are in their planes.
     """
-    solids, copies = parts(reducer, CHORD_ERROR), {body: attached_parts(reducer, body) for body in (SHAFT, OUTPUT)}
+    solids, attached_by_body = (
+        parts(reducer, CHORD_ERROR),
+        {body: attached_parts(reducer, body) for body in (SHAFT, OUTPUT)},
+    )
     planes = {
         name: np.array([0.0, 0.0, plane])
         for name, plane in zip(gears(reducer.design.gear.discs), reducer.design.gear.disc_planes, strict=True)
     }
-    seen = {name: _pieces(name, solid, planes.get(name, np.zeros(3)), reducer) for name, solid in solids.items()}
-    for body, attached in copies.items():
-        seen[body] += tuple(_piece(name, solids[part], position) for name, (part, position) in attached.items())
-    apart = {part for attached in copies.values() for part, _ in attached.values()}
-    return {name: pieces for name, pieces in seen.items() if name not in apart}
+    pieces_by_part = {
+        name: _pieces(name, solid, planes.get(name, np.zeros(3)), reducer) for name, solid in solids.items()
+    }
+    for body, attached in attached_by_body.items():
+        pieces_by_part[body] += tuple(
+            _piece(name, solids[part], position) for name, (part, position) in attached.items()
+        )
+    attached_names = {part for attached in attached_by_body.values() for part, _ in attached.values()}
+    return {name: pieces for name, pieces in pieces_by_part.items() if name not in attached_names}
 
 
 def _pieces(name: str, solid: Solid, position: Array, reducer: Reducer) -> tuple[Piece, ...]:
-    """Return the pieces of a solid at a position [m]; the output's discs and pins are separate pieces."""
+    """Return the coloured pieces of a solid at a position [m], shape (3,); the output's discs and pins are separate."""
     if name != OUTPUT:
         return (_piece(name, solid, position),)
-    disc, *others = solid.prisms
-    pins, second = others[: reducer.design.output.pins], others[reducer.design.output.pins :]
+    disc, *other_prisms = solid.prisms
+    pins, second_disc_prisms = other_prisms[: reducer.design.output.pins], other_prisms[reducer.design.output.pins :]
     discs = [
         Piece("disc", mesh(disc), COLOURS["disc"]),
-        *(Piece("second_disc", mesh(ring), COLOURS["disc"]) for ring in second),
+        *(Piece("second_disc", mesh(ring), COLOURS["disc"]) for ring in second_disc_prisms),
     ]
     return Piece("pins", mesh(Solid("output", tuple(pins), solid.density)), COLOURS[OUTPUT]), *discs
 

@@ -10,10 +10,8 @@ import mujoco
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.record import Run
 from cycloid_mj.dynamics.contact.collider import install
-from cycloid_mj.scene.replay import aim, replay_model, set_sample
-
-FRAME_TIME = 1.0 / 60.0
-"""Time between frames [s]."""
+from cycloid_mj.scene.messages import RATE
+from cycloid_mj.scene.replay import aim_camera, replay_model, set_sample
 
 
 def require_display() -> None:
@@ -37,8 +35,8 @@ def show_model(model: Any) -> None:
         _open(viewer.launch, model)
 
 
-def show_run(run: Run, slow: float) -> None:
-    """Replay a run in a loop, `slow` times slower than real time, until the window is closed.
+def show_run(run: Run, slowdown: float) -> None:
+    """Replay a run in a loop in MuJoCo's viewer, `slowdown` times slower than real time, until the window is closed.
 
     Raises
     ------
@@ -52,13 +50,13 @@ def show_run(run: Run, slow: float) -> None:
     set_sample(model, data, run, 0)
     start = time.monotonic()
     with _open(_viewer().launch_passive, model, data) as window:
-        aim(window.cam, model)
+        aim_camera(window.cam, model)
         while window.is_running():
-            played = (time.monotonic() - start) / slow
+            played_time = (time.monotonic() - start) / slowdown
             span = float(run.time[-1] - run.time[0]) or 1.0
-            set_sample(model, data, run, int(run.time.searchsorted(run.time[0] + played % span)))
+            set_sample(model, data, run, int(run.time.searchsorted(run.time[0] + played_time % span)))
             window.sync()
-            time.sleep(FRAME_TIME)
+            time.sleep(1.0 / RATE)
 
 
 def _viewer() -> Any:
@@ -68,7 +66,7 @@ def _viewer() -> Any:
 
 
 def _open(open_window: Any, *args: Any) -> Any:
-    """Call a function that opens a window; raise CycloidError if that fails."""
+    """Call a function that opens a window and return its result; raise CycloidError if it fails."""
     try:
         return open_window(*args)
     except Exception as problem:

@@ -10,7 +10,7 @@ from cycloid_mj.base.validation import ValidationRow, relative
 from cycloid_mj.dynamics.contact.collider import install
 from cycloid_mj.dynamics.mjcf import ReducerModel, build
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.validate.rig import FREE, KINDS, NONPIN, reducer_of, without_friction, without_gravity
+from cycloid_mj.validate.rig import FREE, KINDS, NONPIN, design_of_kind, without_friction, without_gravity
 
 TORQUE = 0.01
 """Torque that presses the disc against its stop [N m]; it deflects the teeth by less than 0.1 % of a clearance."""
@@ -18,12 +18,12 @@ TORQUE = 0.01
 
 def rows(quick: bool) -> list[ValidationRow]:
     """Return the rows of this step."""
-    return [_row(kind) for kind in KINDS]
+    return [_backlash_row(kind) for kind in KINDS]
 
 
-def _row(kind: str) -> ValidationRow:
-    """Return the row of a kind of ring."""
-    design = reducer_of(
+def _backlash_row(kind: str) -> ValidationRow:
+    """Compare the simulated backlash of a disc on a kind of ring with the closed form, without friction and gravity."""
+    design = design_of_kind(
         kind,
         *without_friction(),
         *without_gravity(),
@@ -33,10 +33,12 @@ def _row(kind: str) -> ValidationRow:
         "settings.timestep_us=2.0",
     )
     reducer = Reducer(design)
-    low, high = stop_angles(reducer)
-    measured, closed = 1e6 * (high - low), 1e6 * closed_form_backlash(reducer, kind)
-    series = " + delta of the sockets" if kind == FREE else ""
-    return relative(f"backlash of the gear, {kind}", measured, closed, "urad", f"2 delta/(c (N-1)){series}", 0.5)
+    min_angle, max_angle = stop_angles(reducer)
+    measured, reference = 1e6 * (max_angle - min_angle), 1e6 * closed_form_backlash(reducer, kind)
+    socket_term = " + delta of the sockets" if kind == FREE else ""
+    return relative(
+        f"backlash of the gear, {kind}", measured, reference, "urad", f"2 delta/(c (N-1)){socket_term}", 0.5
+    )
 
 
 def closed_form_backlash(reducer: Reducer, kind: str) -> float:
@@ -54,7 +56,10 @@ def stop_angles(reducer: Reducer) -> tuple[float, float]:
 
 
 def turn_to_stop(compiled: ReducerModel, torque: float, joint: str = "gear_angle") -> float:
-    """Turn disc or output to its stop by a torque [N m]; return its angle [rad]. Halts make it settle."""
+    """Turn disc or output against its stop by a torque [N m] in MuJoCo; return its angle [rad].
+
+    The speeds are set to zero several times, which makes the parts settle.
+    """
     data = mujoco.MjData(compiled.model)
     data.joint(joint).qfrc_applied[0] = torque
     with install():

@@ -75,10 +75,12 @@ def design_with_errors(layout: str, *changes: str) -> Design:
     return override(PRESETS["pin"], ["ring.pins=fixed", *LAYOUTS[layout], *ERRORS, *still, uniform, *changes])
 
 
-def springs_and_reference(reducer: Reducer, crank: float = BALANCE.crank) -> tuple[KernelSprings, DisplacedSprings]:
+def springs_and_reference(
+    reducer: Reducer, crank_angle: float = BALANCE.crank
+) -> tuple[KernelSprings, DisplacedSprings]:
     """Return the springs of a design at a crank angle [rad], and the reference springs on exact gaps."""
-    springs = springs_of(reducer, [crank], friction=False)
-    contacts, angle = springs.contacts, float(springs.crank[0])
+    design_springs = springs_of(reducer, [crank_angle], friction=False)
+    contacts, angle = design_springs.contacts, float(design_springs.crank[0])
     play = arc_gaps(reducer, angle).play
     return contacts, DisplacedSprings(
         reducer.design, angle, contacts.stiffness[0], contacts.cam_stiffness, play, contacts.bending
@@ -87,142 +89,168 @@ def springs_and_reference(reducer: Reducer, crank: float = BALANCE.crank) -> tup
 
 def random_pose(unknowns: int, size: float) -> Array:
     """Draw a pose in which many contacts press [m], shape (u,); rotations are three times as large as translations."""
-    drawn = np.random.default_rng(2).uniform(-size, size, unknowns)
-    drawn[2::3] *= 3.0
-    drawn[-1] *= 3.0
-    return drawn
+    pose = np.random.default_rng(2).uniform(-size, size, unknowns)
+    pose[2::3] *= 3.0
+    pose[-1] *= 3.0
+    return pose
 
 
 def state_rows(layout: str) -> list[ValidationRow]:
-    """Compare energy and forces of displaced parts with those on exact gaps."""
-    springs, exact = springs_and_reference(Reducer(design_with_errors(layout)))
-    number = springs.slope.shape[2]
-    z, load = random_pose(number, BALANCE.near), 100.0 * random_pose(number, 1.0)
-    computed = state(springs, 0, load, z)
-    energy, force = exact.energy(z) - load @ z, load + exact.push(z)
-    energies = np.array([1e3 * computed.energy]), np.array([1e3 * energy])
+    """Compare energy and forces of the springs at a random pose with those of springs on exact gaps."""
+    springs, reference = springs_and_reference(Reducer(design_with_errors(layout)))
+    unknowns = springs.slope.shape[2]
+    pose, load = random_pose(unknowns, BALANCE.near), 100.0 * random_pose(unknowns, 1.0)
+    springs_state = state(springs, 0, load, pose)
+    energy, force = reference.energy(pose) - load @ pose, load + reference.push(pose)
+    energies = np.array([1e3 * springs_state.energy]), np.array([1e3 * energy])
     return [
         deviation(f"energy of displaced parts, {layout}", *energies, "mJ", SOURCE, 0.02),
-        deviation(f"forces on displaced parts, {layout}", computed.residual, force, "N", SOURCE, 0.02),
+        deviation(f"forces on displaced parts, {layout}", springs_state.residual, force, "N", SOURCE, 0.02),
     ]
 
 
 def balance_rows(layout: str, *changes: str) -> list[ValidationRow]:
-    """Compare the forces in equilibrium with the rated load, and each contact force with the one on its exact gap."""
+    """Compare the contact forces in static equilibrium at the rated load with those of springs on exact gaps.
+
+    The rows are the sum of the generalised forces, which must equal the load, and each contact force.
+    """
     design = design_with_errors(layout, *changes)
     reducer = Reducer(design)
     springs = springs_of(reducer, [BALANCE.crank], friction=False)
-    _, exact = springs_and_reference(reducer)
+    _, reference = springs_and_reference(reducer)
     contact_loads = loads(reducer, springs, rig.RATED_LOAD)
-    z, load = contact_loads.departures[0], springs.load(Reducer(design).share * rig.RATED_LOAD)[0]
-    ours = np.concatenate([contact_loads.teeth[0], contact_loads.output[0]])
+    pose, load = contact_loads.departures[0], springs.load(Reducer(design).share * rig.RATED_LOAD)[0]
+    contact_forces = np.concatenate([contact_loads.teeth[0], contact_loads.output[0]])
     name = ", ".join((layout, *changes))
     return [
-        deviation(f"forces in balance, {name}", exact.push(z), -load, "N", SOURCE, 0.1),
-        deviation(f"forces of contacts, {name}", ours, exact.forces(z)[: ours.size], "N", SOURCE, 0.3),
+        deviation(f"forces in balance, {name}", reference.push(pose), -load, "N", SOURCE, 0.1),
+        deviation(
+            f"forces of contacts, {name}",
+            contact_forces,
+            reference.forces(pose)[: contact_forces.size],
+            "N",
+            SOURCE,
+            0.3,
+        ),
     ]
 
 
 def sample_rows() -> list[ValidationRow]:
-    """Compare the figures of one sample of two discs with the equilibria on exact gaps at three crank angles."""
+    """Compare the figures of one random sample of two discs with equilibria on exact gaps at three crank angles."""
     design, count = design_with_errors(TWO), len(TURN)
     stiffness = dict.fromkeys(design.pair_kinds, 3e8)  # a sample's springs are those of the design without its errors
     design = design.but(stiffness=stiffness)
     figures = solve_samples(Reducer(design), identical_samples(Reducer(design), 1), [rig.RATED_LOAD], count)[0]
     springs = springs_of(Reducer(design), TURN, friction=False)
     contact_loads, load = loads(Reducer(design), springs, rig.RATED_LOAD), springs.load(rig.RATED_LOAD)
-    z, force = [], []
+    poses, forces = [], []
     for number, crank in enumerate(TURN):
-        _, exact = springs_and_reference(Reducer(design), crank)
-        z.append(exact.balance(load[number], contact_loads.departures[number]))
-        force.append(exact.forces(z[-1]))
-    places, pushes = np.array(z), np.array(force)
-    gear, output = places[:, [2, 5]].mean(axis=1), places[:, -1]
-    turns = [value for arcs in (gear, output) for value in (arcs.mean(), np.ptp(arcs))]
+        _, reference = springs_and_reference(Reducer(design), crank)
+        poses.append(reference.balance(load[number], contact_loads.departures[number]))
+        forces.append(reference.forces(poses[-1]))
+    pose_array, force_array = np.array(poses), np.array(forces)
+    gear, output = pose_array[:, [2, 5]].mean(axis=1), pose_array[:, -1]
+    rotations = [value for arcs in (gear, output) for value in (arcs.mean(), np.ptp(arcs))]
     teeth = 2 * design.ring.teeth
-    peaks = [pushes[:, part].max() for part in (slice(teeth), slice(teeth, -2), slice(-2, None))]
-    carrying = np.sum(pushes[:, :teeth] > 0.01 * peaks[0]) / count
-    lever = 1e6 / design.output.pin_circle_radius
-    of_turns = ("gear_mean", "gear_range", "output_mean", "output_range")
-    ours = {name: getattr(figures, name) for name in (*of_turns, "tooth", "output_pin", "cam", "carrying")}
+    peaks = [force_array[:, rows].max() for rows in (slice(teeth), slice(teeth, -2), slice(-2, None))]
+    loaded_share = np.sum(force_array[:, :teeth] > 0.01 * peaks[0]) / count
+    urad_per_metre = 1e6 / design.output.pin_circle_radius
+    rotation_names = ("gear_mean", "gear_range", "output_mean", "output_range")
+    sample = {name: getattr(figures, name) for name in (*rotation_names, "tooth", "output_pin", "cam", "carrying")}
     return [
         *(
-            deviation(f"{name.replace('_', ', ')} of a sample", 1e6 * ours[name], turn, "urad", SOURCE, 0.1)
-            for name, turn in zip(of_turns, np.reshape(lever * np.array(turns), (-1, 1)), strict=True)
+            deviation(f"{name.replace('_', ', ')} of a sample", 1e6 * sample[name], turn, "urad", SOURCE, 0.1)
+            for name, turn in zip(
+                rotation_names, np.reshape(urad_per_metre * np.array(rotations), (-1, 1)), strict=True
+            )
         ),
         *(
-            deviation(f"{name} force of a sample", ours[name], np.array([peak]), "N", SOURCE, 0.1)
+            deviation(f"{name} force of a sample", sample[name], np.array([peak]), "N", SOURCE, 0.1)
             for name, peak in zip(("tooth", "output_pin", "cam"), peaks, strict=True)
         ),
-        deviation("teeth that carry in a sample", ours["carrying"], np.array([carrying]), "", SOURCE, 1e-3),
+        deviation("teeth that carry in a sample", sample["carrying"], np.array([loaded_share]), "", SOURCE, 1e-3),
     ]
 
 
 def springs_with_friction(layout: str) -> tuple[KernelSprings, DisplacedSprings, Rubbing]:
-    """Return springs and reference of a design with friction, and all friction with memory, at a locked crank."""
-    rubs = (f"friction.{kind}={BALANCE.friction}" for kind in rig.MATING)
-    design = design_with_errors(layout, *rubs, f"friction.cam_rolling={BALANCE.rolling}")
+    """Return springs, reference springs and friction elements of a design with friction at a locked crank."""
+    friction_changes = (f"friction.{kind}={BALANCE.friction}" for kind in rig.MATING)
+    design = design_with_errors(layout, *friction_changes, f"friction.cam_rolling={BALANCE.rolling}")
     reducer = Reducer(design)
-    springs, exact = springs_and_reference(reducer)
+    springs, reference = springs_and_reference(reducer)
     losses = Losses(drag=1.0, travel=1e-4, material=0.1)
-    return springs, exact, build_friction_elements(reducer, springs, BALANCE.crank, losses, "crank")
+    return springs, reference, build_friction_elements(reducer, springs, BALANCE.crank, losses, "crank")
 
 
 def step_rows(layout: str) -> list[ValidationRow]:
-    """Compare the forces after a step between two displaced poses with the stick-slip law.
+    """Compare the residual forces after a step between two random poses with those of the stick-slip law.
 
     Some surfaces stick during the step and some slip.
     """
-    springs, exact, rubbing = springs_with_friction(layout)
-    number = springs.slope.shape[2]
-    before, load = random_pose(number, BALANCE.near), 100.0 * random_pose(number, 1.0)
-    z = before + random_pose(number, BALANCE.slip)[::-1]
-    *_, push = _pushes(exact, rubbing, np.array([before, z]))
-    ours = assemble_after(springs, rubbing, before, load, z, False).residual
-    return [deviation(f"forces after a step, {layout}", ours, load + push, "N", SOURCE, 0.02)]
+    springs, reference, rubbing = springs_with_friction(layout)
+    unknowns = springs.slope.shape[2]
+    before, load = random_pose(unknowns, BALANCE.near), 100.0 * random_pose(unknowns, 1.0)
+    after = before + random_pose(unknowns, BALANCE.slip)[::-1]
+    *_, spring_force = _reference_forces(reference, rubbing, np.array([before, after]))
+    residual = assemble_after(springs, rubbing, before, load, after, False).residual
+    return [deviation(f"forces after a step, {layout}", residual, load + spring_force, "N", SOURCE, 0.02)]
 
 
-def path_rows(layout: str, max_travel: float = np.inf, spare: int = 0) -> list[ValidationRow]:
+def path_rows(layout: str, max_travel: float = np.inf, spare_rows: int = 0) -> list[ValidationRow]:
     """Compare a torque loop at a locked crank with the stick-slip law: the residual force of each step.
 
-    The reference pushes with springs on exact gaps; surfaces and material hysteresis are springs that slip at a limit.
-    A step in which the output moves by more than `max_travel` [m] is divided as long as `spare` rows remain.
+    The reference has springs on exact gaps; friction and material hysteresis are springs that slip at a limit. A step
+    in which the output moves by more than `max_travel` [m] is divided as long as `spare_rows` remain.
     """
-    springs, exact, rubbing = springs_with_friction(layout)
+    springs, reference, rubbing = springs_with_friction(layout)
     path = np.zeros((len(LOOP), springs.slope.shape[2]))
     path[:, -1] = rig.RATED_LOAD / springs.radius * LOOP
-    when = np.zeros(len(path) + spare)
-    z = np.zeros((when.size, path.shape[1]))
-    rows = follow_path(springs, rubbing, path, max_travel, when, z)[1]
-    when, z = when[:rows], z[:rows]
-    load = np.stack([np.interp(when, range(len(path)), course) for course in path.T], axis=1)
-    residual = load + np.array(list(_pushes(exact, rubbing, z)))
-    most, name = np.abs(load).max(), f"{layout}, {rows} steps"
-    deviations = [deviation(f"a loop with friction, {name}", load + most, load + most - residual, "N", SOURCE, 0.1)]
-    if spare > len(path):
-        beyond = 1e6 * max(np.abs(np.diff(z[:, -1])).max() - max_travel, 0.0)
-        deviations.append(absolute(f"travel beyond the limit, {name}", beyond, 0.0, "um", "no step is longer", 0.0))
+    parameters = np.zeros(len(path) + spare_rows)
+    poses = np.zeros((parameters.size, path.shape[1]))
+    rows = follow_path(springs, rubbing, path, max_travel, parameters, poses)[1]
+    parameters, poses = parameters[:rows], poses[:rows]
+    load = np.stack([np.interp(parameters, range(len(path)), column) for column in path.T], axis=1)
+    residual = load + np.array(list(_reference_forces(reference, rubbing, poses)))
+    largest_load, label = np.abs(load).max(), f"{layout}, {rows} steps"
+    deviations = [
+        deviation(
+            f"a loop with friction, {label}", load + largest_load, load + largest_load - residual, "N", SOURCE, 0.1
+        )
+    ]
+    if spare_rows > len(path):
+        excess = 1e6 * max(np.abs(np.diff(poses[:, -1])).max() - max_travel, 0.0)
+        deviations.append(absolute(f"travel beyond the limit, {label}", excess, 0.0, "um", "no step is longer", 0.0))
     return deviations
 
 
-def _pushes(exact: DisplacedSprings, rubbing: Rubbing, path: Array) -> Iterator[Array]:
+def _reference_forces(reference: DisplacedSprings, rubbing: Rubbing, path: Array) -> Iterator[Array]:
     """Yield the generalised force of springs and friction [N], shape (u,), at each pose of a path from rest."""
-    count, discs = rubbing.stick.size, exact.design.gear.discs
-    bearing = exact.stiffness.size + discs
-    before, side, material, depth = np.zeros(path.shape[1]), np.zeros(count), np.zeros(bearing), np.zeros(bearing)
-    for z in path:
+    count, discs = rubbing.stick.size, reference.design.gear.discs
+    bearing_count = reference.stiffness.size + discs
+    previous_pose, friction_force, hysteresis_force, previous_depth = (
+        np.zeros(path.shape[1]),
+        np.zeros(count),
+        np.zeros(bearing_count),
+        np.zeros(bearing_count),
+    )
+    for pose in path:
         slip = rubbing.slip.copy()
-        for disc, (x, y) in enumerate(cam_offsets(Reducer(exact.design), exact.crank, before)):
+        for disc, (x, y) in enumerate(cam_offsets(Reducer(reference.design), reference.crank, previous_pose)):
             # a disc slides across its cam at right angles to its offset from the centre of the cam
-            slip[bearing - discs + disc, 3 * disc : 3 * disc + 2] += np.array([-y, x]) / (np.hypot(x, y) or 1.0)
-        (gaps, slopes), spring = exact.contacts(z), exact.forces(z)
-        deeper = np.maximum(-gaps, 0.0)
-        material = slip_force(material, deeper - depth, rubbing.loss[:bearing] * spring, rubbing.backing[:bearing])
-        pressed_by = spring + material
-        limit = np.concatenate([rubbing.coefficient[:bearing] * pressed_by, rubbing.drag])
-        side = slip_force(side, slip @ (z - before), limit, rubbing.stick)
-        yield slopes.T @ pressed_by - slip.T @ side
-        before, depth = z, deeper
+            slip[bearing_count - discs + disc, 3 * disc : 3 * disc + 2] += np.array([-y, x]) / (np.hypot(x, y) or 1.0)
+        (gaps, slopes), spring = reference.contacts(pose), reference.forces(pose)
+        depth = np.maximum(-gaps, 0.0)
+        hysteresis_force = slip_force(
+            hysteresis_force,
+            depth - previous_depth,
+            rubbing.loss[:bearing_count] * spring,
+            rubbing.backing[:bearing_count],
+        )
+        normal_force = spring + hysteresis_force
+        limit = np.concatenate([rubbing.coefficient[:bearing_count] * normal_force, rubbing.drag])
+        friction_force = slip_force(friction_force, slip @ (pose - previous_pose), limit, rubbing.stick)
+        yield slopes.T @ normal_force - slip.T @ friction_force
+        previous_pose, previous_depth = pose, depth
 
 
 STATICS: tuple[Callable[[], list[ValidationRow]], ...] = (

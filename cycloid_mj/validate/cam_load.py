@@ -18,7 +18,8 @@ from cycloid_mj.parts import gear_solid, mass_properties
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate import rig
-from cycloid_mj.validate.rig import FIXED, FREE, reducer_of
+from cycloid_mj.validate.rig import FIXED, FREE, design_of_kind
+from cycloid_mj.validate.sharing import SHARING
 
 IDEAL = [
     *rig.without_friction(),
@@ -26,62 +27,65 @@ IDEAL = [
     'contact.stiffness_law="uniform"',
     "settings.timestep_us=2.0",
 ]
-STIFF_CAM = 2e11
-"""Stiffness of an ideal cam [N/m]."""
-SETTLED = 0.008
-"""Time at which the load is applied and its transient has decayed [s]."""
 
 
 def rows(quick: bool) -> list[ValidationRow]:
     """Return the rows of this step."""
-    return [_slow_row(quick), *_fast_rows(quick), *_rated_rows()]
+    return [_slow_ideal_row(quick), *_fast_ideal_rows(quick), *_rated_rows()]
 
 
-def _slow_row(quick: bool) -> ValidationRow:
+def _slow_ideal_row(quick: bool) -> ValidationRow:
+    """Compare the cam's force on a disc of the ideal reducer with the closed form, slowly under load."""
     rpm = 100.0 if quick else 40.0
-    design = reducer_of(FIXED, *IDEAL, *rig.without_gravity(), "contact.stiffness_n_m=1e7", "load.torque_nm=1.0")
+    design = design_of_kind(FIXED, *IDEAL, *rig.without_gravity(), "contact.stiffness_n_m=1e7", "load.torque_nm=1.0")
     reducer = Reducer(design)
     run = _ideal_run(reducer, rpm, 60.0 / (rpm * design.ring.teeth))
-    ours, ideal = run.forces("cam")[:, 0], statics_load(reducer, run["crank_angle"])
-    return deviation("load of the cam, slow and ideal", ours, ideal, "N", "ring + output pins, closed form", 0.5)
+    simulated, expected = run.forces("cam")[:, 0], statics_load(reducer, run["crank_angle"])
+    return deviation(
+        "load of the cam, slow and ideal", simulated, expected, "N", "ring + output pins, closed form", 0.5
+    )
 
 
-def _fast_rows(quick: bool) -> list[ValidationRow]:
-    """Compare the mean radial force in the rotating frame and the mean upward force, over one turn at rated speed."""
-    design = reducer_of(
+def _fast_ideal_rows(quick: bool) -> list[ValidationRow]:
+    """Compare the mean radial and the mean upward force of the cam on an ideal reducer at rated speed and 10 g."""
+    design = design_of_kind(
         FIXED, *IDEAL, "contact.stiffness_n_m=3e7", "load.torque_nm=0.5", "environment.gravity_y_m_s2=-98.0"
     )
     reducer = Reducer(design)
     run = _ideal_run(reducer, 1640.0, 60.0 / 1640.0)
     crank, speed = run["crank_angle"], run["crank_speed"]
-    ours = run.forces("cam")[:, 0]
-    inertia = body_force(reducer, crank, speed)
-    ideal = statics_load(reducer, crank, inertia)
+    simulated = run.forces("cam")[:, 0]
+    disc_force = body_force(reducer, crank, speed)
+    expected = statics_load(reducer, crank, disc_force)
     outward = np.stack([-np.sin(crank), np.cos(crank)], axis=-1)
-    radial, expected = (float(np.mean(np.sum(force * outward, axis=1))) for force in (ours, ideal))
-    up, weight = (float(np.mean(force[:, 1])) for force in (ours, ideal))
+    mean_radial, expected_radial = (float(np.mean(np.sum(force * outward, axis=1))) for force in (simulated, expected))
+    upward, expected_upward = (float(np.mean(force[:, 1])) for force in (simulated, expected))
     return [
-        relative("radial load of the cam, fast and ideal", radial, expected, "N", "ring + output + m c w^2", 1.5),
-        relative("upward load of the cam, fast, at 10 g", up, weight, "N", "ring + output + weight", 0.3),
+        relative(
+            "radial load of the cam, fast and ideal", mean_radial, expected_radial, "N", "ring + output + m c w^2", 1.5
+        ),
+        relative("upward load of the cam, fast, at 10 g", upward, expected_upward, "N", "ring + output + weight", 0.3),
     ]
 
 
 def _rated_rows() -> list[ValidationRow]:
-    """Compare the cam load of a run at rated load with the balance of forces and with the ideal load."""
+    """Compare the cam's force at rated load with the balance of logged forces and with ideal sharing."""
     run, design = rig.rated_run(FREE, 1640.0, 12)
     reducer = Reducer(design)
     crank, cam = run["crank_angle"], run.forces("cam")[:, 0]
-    body = body_force(reducer, crank, run["crank_speed"])
-    balance = -run.forces(design.tooth_pair).sum(axis=1) - run.forces("output").sum(axis=1) - body
+    disc_force = body_force(reducer, crank, run["crank_speed"])
+    balance = -run.forces(design.tooth_pair).sum(axis=1) - run.forces("output").sum(axis=1) - disc_force
     # The vibration of the disc has zero mean in the rotating frame.
-    ours, balanced = (np.mean(_in_crank_frame(force, crank), axis=0, keepdims=True) for force in (cam, balance))
-    ideal = statics_load(reducer, crank, body)
+    mean_cam, mean_balance = (np.mean(_in_crank_frame(force, crank), axis=0, keepdims=True) for force in (cam, balance))
+    ideal_force = statics_load(reducer, crank, disc_force)
     return [
-        deviation("load of the cam, rated, free pins", ours, balanced, "N", "m (g - a), ring, output, logged", 0.01),
+        deviation(
+            "load of the cam, rated, free pins", mean_cam, mean_balance, "N", "m (g - a), ring, output, logged", 0.01
+        ),
         relative(
             "load of the cam, rated, free pins",
-            float(rig.lengths(cam).mean()),
-            float(rig.lengths(ideal).mean()),
+            float(rig.vector_lengths(cam).mean()),
+            float(rig.vector_lengths(ideal_force).mean()),
             "N",
             "ideal, closed form",
             None,
@@ -94,9 +98,9 @@ def statics_load(reducer: Reducer, crank: Array, force: npt.ArrayLike = (0.0, 0.
     """Compute the ideal force of the cam on the disc [N], shape (n, 2), with a `force` [N] on the disc."""
     design = reducer.design
     gear, torque, output = tooth_profile(design), design.load.torque, design.output
-    ring = ideal_loads.ideal_load_sharing(gear, torque, crank)
-    pins = ideal_loads.ideal_output_forces(gear, output.pins, output.pin_circle_radius, torque, crank)
-    return ideal_loads.cam_force(ring, pins, crank, force)
+    tooth_loads = ideal_loads.ideal_load_sharing(gear, torque, crank)
+    output_forces = ideal_loads.ideal_output_forces(gear, output.pins, output.pin_circle_radius, torque, crank)
+    return ideal_loads.cam_force(tooth_loads, output_forces, crank, force)
 
 
 def body_force(reducer: Reducer, crank: Array, speed: Array) -> Array:
@@ -108,11 +112,14 @@ def body_force(reducer: Reducer, crank: Array, speed: Array) -> Array:
 
 
 def _ideal_run(reducer: Reducer, rpm: float, duration: float) -> Run:
-    """Simulate an ideal reducer at a crank speed [rpm]; return the samples of a last duration [s]."""
-    drive = f"drive.speed_rpm={rpm!r}", f"drive.hold_s={SETTLED + duration!r}"
-    reducer = rig.with_changes(reducer, *drive, "load.rise_s=0.004", "settings.log_rate_hz=10000.0")
+    """Simulate a reducer with a nearly rigid cam at a crank speed [rpm].
+
+    Return the samples of the last `duration` [s].
+    """
+    drive_changes = f"drive.speed_rpm={rpm!r}", f"drive.hold_s={SHARING.settled + duration!r}"
+    reducer = rig.with_changes(reducer, *drive_changes, "load.rise_s=0.004", "settings.log_rate_hz=10000.0")
     compiled = build(reducer.design)
-    rig.stiffen_cam(compiled, STIFF_CAM)
+    rig.stiffen_cam(compiled, SHARING.stiff_cam)
     run = simulate(reducer.design, compiled)
     return run.select(run.time >= run.time[-1] - duration)
 

@@ -14,18 +14,18 @@ from cycloid_mj.base.errors import RunError
 from cycloid_mj.design import Design
 from cycloid_mj.geometry import kinematics, profile
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.validate.gaps import GearPose, flanks_of, pin_gaps, rotate
+from cycloid_mj.validate.gaps import GearPose, design_flanks, pin_gaps, rotate
 
 _DIFFERENCE_STEP = 1e-8
 """Step of finite differences [m]."""
 
 
-def pose_of(reducer: Reducer, crank: float, z: Array, disc: int = 0) -> GearPose:
+def pose_of(reducer: Reducer, crank: float, unknowns: Array, disc: int = 0) -> GearPose:
     """Return the pose of the teeth of a disc at displacements z [m]; disc d of D is d/D of a turn ahead."""
-    gear, ahead = reducer.tooth_profile, crank + phase_of(reducer, disc)
-    x, y, turn = z[3 * disc : 3 * disc + 3]
-    angle = float(kinematics.gear_rotation(gear, ahead)) + turn / reducer.design.output.pin_circle_radius
-    return GearPose(kinematics.gear_centre(gear, ahead) + np.array([x, y]), angle)
+    gear, crank_angle = reducer.tooth_profile, crank + phase_of(reducer, disc)
+    x, y, arc = unknowns[3 * disc : 3 * disc + 3]
+    angle = float(kinematics.gear_rotation(gear, crank_angle)) + arc / reducer.design.output.pin_circle_radius
+    return GearPose(kinematics.gear_centre(gear, crank_angle) + np.array([x, y]), angle)
 
 
 def phase_of(reducer: Reducer, disc: int) -> float:
@@ -33,64 +33,71 @@ def phase_of(reducer: Reducer, disc: int) -> float:
     return 2.0 * np.pi * disc / reducer.design.gear.discs
 
 
-def in_ring_frame(reducer: Reducer, crank: float, shift: Array, turns: Array, output: float) -> tuple[float, Array]:
-    """Transform a pose from the fixed frame to the ring: the crank angle [rad] and the unknowns z [m].
+def in_ring_frame(
+    reducer: Reducer, crank_angle: float, shifts: Array, rotations: Array, output_turn: float
+) -> tuple[float, Array]:
+    """Transform a pose from the fixed frame to the ring's frame: crank angle [rad] and the unknowns z [m].
 
     In the fixed frame the crank is at an angle [rad]; each disc departs from its ideal pose by a shift [m], in the axes
-    of the ring, shape (D, 2), and a turn [rad], shape (D,); the output (carrier or ring) by an angle [rad].
+    of the ring, shape (D, 2), and a rotation [rad], shape (D,); the output (carrier or ring) by an angle [rad].
     """
     design = reducer.design
-    ring, carrier = float(reducer.member.ring_angle(crank)), float(reducer.member.gear_angle(crank))
-    turned = carrier + turns
-    with_ring, with_carrier = reducer.member.ring_and_carrier(output)
-    ring, carrier = ring + float(with_ring), carrier + float(with_carrier)
-    seen = crank - ring
-    ideal = float(kinematics.gear_rotation(reducer.tooth_profile, seen))
-    arcs = design.output.pin_circle_radius * (np.append(turned, carrier) - ring - ideal)
-    return seen, np.append(np.column_stack([shift, arcs[:-1]]), arcs[-1])
+    ring, carrier = float(reducer.member.ring_angle(crank_angle)), float(reducer.member.gear_angle(crank_angle))
+    disc_angles = carrier + rotations
+    ring_turn, carrier_turn = reducer.member.ring_and_carrier(output_turn)
+    ring, carrier = ring + float(ring_turn), carrier + float(carrier_turn)
+    relative_angle = crank_angle - ring
+    ideal_angle = float(kinematics.gear_rotation(reducer.tooth_profile, relative_angle))
+    arc_lengths = design.output.pin_circle_radius * (np.append(disc_angles, carrier) - ring - ideal_angle)
+    return relative_angle, np.append(np.column_stack([shifts, arc_lengths[:-1]]), arc_lengths[-1])
 
 
-def exact_gaps(reducer: Reducer, crank: float, z: Array, aside: Array | float = 0.0) -> Array:
-    """Compute the gaps of pins or arcs, disc after disc, then those of output pins [m], at the unknowns of ``reducer``.
+def exact_gaps(reducer: Reducer, crank: float, z: Array, pin_shift: Array | float = 0.0) -> Array:
+    """Compute the gaps of teeth, disc after disc, then of output pins [m] at the unknowns z [m], on exact curves.
 
-    All pins are shifted by `aside` [m]. The play of a pin in its socket is not part of its gap.
+    All pins are shifted by `pin_shift` [m]. The play of a pin in its socket is not part of its gap.
     """
-    return exact_contacts(reducer, crank, z, aside)[0]
+    return exact_contacts(reducer, crank, z, pin_shift)[0]
 
 
-def exact_contacts(reducer: Reducer, crank: float, z: Array, aside: Array | float = 0.0) -> tuple[Array, Array]:
+def exact_contacts(reducer: Reducer, crank: float, z: Array, pin_shift: Array | float = 0.0) -> tuple[Array, Array]:
     """Compute the gaps of `exact_gaps` [m], shape (n,), and their gradients [1], shape (n, u)."""
-    discs, both = range(reducer.design.gear.discs), (partial(_teeth, aside=aside), _holes)
-    sides = [side(reducer, crank, z, disc) for side in both for disc in discs]
-    return np.concatenate([gaps for gaps, _ in sides]), np.concatenate([slopes for _, slopes in sides])
+    discs, functions = range(reducer.design.gear.discs), (partial(_tooth_contacts, pin_shift=pin_shift), _hole_contacts)
+    parts = [function(reducer, crank, z, disc) for function in functions for disc in discs]
+    return np.concatenate([gaps for gaps, _ in parts]), np.concatenate([slopes for _, slopes in parts])
 
 
-def _teeth(reducer: Reducer, crank: float, z: Array, disc: int, aside: Array | float = 0.0) -> tuple[Array, Array]:
-    """Compute the gaps of pins or arcs to a disc [m] and their gradients; motion along the normal closes a gap."""
+def _tooth_contacts(
+    reducer: Reducer, crank: float, z: Array, disc: int, pin_shift: Array | float = 0.0
+) -> tuple[Array, Array]:
+    """Compute the gaps of pins or arcs to a disc [m], shape (N,), and their gradients by the unknowns, shape (N, u)."""
     gear, errors, pose = reducer.tooth_profile, reducer.deviations, pose_of(reducer, crank, z, disc)
-    pins = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear)) + errors.pin_place + aside
-    mesh = pin_gaps(gear, pose, pins, flanks_of(reducer))
-    grown = reducer.profile_offset - errors.disc_radius[disc] - gear.pin_radius - errors.pin_radius
-    slopes = np.zeros((mesh.distance.size, z.size))
-    slopes[:, 3 * disc : 3 * disc + 2] = -mesh.normals
+    pins = gear.pin_circle_radius * profile.unit(profile.pin_angles(gear)) + errors.pin_place + pin_shift
+    nearest = pin_gaps(gear, pose, pins, design_flanks(reducer))
+    offset = reducer.profile_offset - errors.disc_radius[disc] - gear.pin_radius - errors.pin_radius
+    slopes = np.zeros((nearest.distance.size, z.size))
+    slopes[:, 3 * disc : 3 * disc + 2] = -nearest.normals
     slopes[:, 3 * disc + 2] = (
-        -_moment(mesh.places - pose.centre, mesh.normals) / reducer.design.output.pin_circle_radius
+        -_moment(nearest.places - pose.centre, nearest.normals) / reducer.design.output.pin_circle_radius
     )
-    return mesh.distance + grown, slopes
+    return nearest.distance + offset, slopes
 
 
-def _holes(reducer: Reducer, crank: float, z: Array, disc: int) -> tuple[Array, Array]:
-    """Compute the gaps of the output pins in the holes of a disc [m], circles in circles, and their gradients."""
+def _hole_contacts(reducer: Reducer, crank: float, z: Array, disc: int) -> tuple[Array, Array]:
+    """Compute the gaps of the output pins in the holes of a disc [m], shape (n,), and their gradients, shape (n, u)."""
     output, ideal = reducer.design.output, float(kinematics.gear_rotation(reducer.tooth_profile, crank))
-    around = output.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins)
-    turn, out = (ideal + float(arc) / output.pin_circle_radius for arc in (z[3 * disc + 2], z[-1]))
-    holes, pins = rotate(around + reducer.deviations.hole_place[disc], turn), rotate(around, out)
-    between = pins - holes - pose_of(reducer, crank, z, disc).centre
-    distance = np.linalg.norm(between, axis=1)
-    push, slopes = between / distance[:, np.newaxis], np.zeros((output.pins, z.size))
-    slopes[:, 3 * disc : 3 * disc + 2] = push
-    slopes[:, 3 * disc + 2] = _moment(holes, push) / output.pin_circle_radius
-    slopes[:, -1] = -_moment(pins, push) / output.pin_circle_radius
+    ideal_positions = output.pin_circle_radius * profile.unit(2.0 * np.pi * np.arange(output.pins) / output.pins)
+    disc_angle, output_angle = (ideal + float(arc) / output.pin_circle_radius for arc in (z[3 * disc + 2], z[-1]))
+    holes, pins = (
+        rotate(ideal_positions + reducer.deviations.hole_place[disc], disc_angle),
+        rotate(ideal_positions, output_angle),
+    )
+    centre_distances = pins - holes - pose_of(reducer, crank, z, disc).centre
+    distance = np.linalg.norm(centre_distances, axis=1)
+    normals, slopes = centre_distances / distance[:, np.newaxis], np.zeros((output.pins, z.size))
+    slopes[:, 3 * disc : 3 * disc + 2] = normals
+    slopes[:, 3 * disc + 2] = _moment(holes, normals) / output.pin_circle_radius
+    slopes[:, -1] = -_moment(pins, normals) / output.pin_circle_radius
     return output.hole_radius + reducer.design.clearance.output - output.pin_radius - distance, slopes
 
 
@@ -104,8 +111,12 @@ def cam_offsets(reducer: Reducer, crank: float, z: Array) -> Array:
     design = reducer.design
     errors, offsets = reducer.deviations, []
     for disc in range(design.gear.discs):
-        out = kinematics.gear_centre(reducer.tooth_profile, crank + phase_of(reducer, disc)) / design.gear.eccentricity
-        offsets.append(z[3 * disc : 3 * disc + 2] - errors.eccentricity * out - rotate(errors.cam_place[disc], crank))
+        direction = (
+            kinematics.gear_centre(reducer.tooth_profile, crank + phase_of(reducer, disc)) / design.gear.eccentricity
+        )
+        offsets.append(
+            z[3 * disc : 3 * disc + 2] - errors.eccentricity * direction - rotate(errors.cam_place[disc], crank)
+        )
     return np.array(offsets)
 
 
@@ -127,15 +138,15 @@ class DisplacedSprings:
     """Compliance of the output pins under a force at each disc, along these forces [m/N], shape (D, D); the diagonal is
     part of `stiffness` and is 0 here. None if no disc bends the pins of another."""
 
-    def contacts(self, z: Array) -> tuple[Array, Array]:
+    def contacts(self, unknowns: Array) -> tuple[Array, Array]:
         """Compute the gaps of contacts after their free travel, then of cams [m], and the gradients of both."""
-        gaps, slopes = exact_contacts(Reducer(self.design), self.crank, z)
-        offsets = cam_offsets(Reducer(self.design), self.crank, z)
-        out, of_cams = np.linalg.norm(offsets, axis=1), np.zeros((len(offsets), z.size))
+        gaps, slopes = exact_contacts(Reducer(self.design), self.crank, unknowns)
+        offsets = cam_offsets(Reducer(self.design), self.crank, unknowns)
+        distances, cam_gradients = np.linalg.norm(offsets, axis=1), np.zeros((len(offsets), unknowns.size))
         for disc, offset in enumerate(offsets):
-            of_cams[disc, 3 * disc : 3 * disc + 2] = -offset / (out[disc] or 1.0)
-        cams = self.design.clearance.cam - out
-        return np.concatenate([gaps + self.play, cams]), np.concatenate([slopes, of_cams])
+            cam_gradients[disc, 3 * disc : 3 * disc + 2] = -offset / (distances[disc] or 1.0)
+        cams = self.design.clearance.cam - distances
+        return np.concatenate([gaps + self.play, cams]), np.concatenate([slopes, cam_gradients])
 
     def gaps(self, z: Array) -> Array:
         """Compute the gaps of contacts, then of cams [m], shape (n + D,)."""
@@ -146,15 +157,15 @@ class DisplacedSprings:
         return self._forces_at(self.gaps(z))
 
     def _forces_at(self, gaps: Array) -> Array:
-        """Compute the forces of contacts and cams [N] from their gaps [m], shape (n + D,)."""
+        """Compute the forces of contacts and cams [N] from their gaps [m], shape (n + D,), with bent pins."""
         discs = self.design.gear.discs
         force = -np.append(self.stiffness, [self.cam_stiffness] * discs) * np.minimum(gaps, 0.0)
         if self.bending is not None:
             pins = self.design.output.pins
-            first = self.stiffness.size - discs * pins
+            first_row = self.stiffness.size - discs * pins
             for pin in range(pins):
-                of_pin = first + pin + pins * np.arange(discs)
-                force[of_pin] = _pin_forces(gaps[of_pin], np.diag(1.0 / self.stiffness[of_pin]) + self.bending)
+                rows = first_row + pin + pins * np.arange(discs)
+                force[rows] = _pin_forces(gaps[rows], np.diag(1.0 / self.stiffness[rows]) + self.bending)
         return force
 
     def energy(self, z: Array) -> float:
@@ -168,33 +179,37 @@ class DisplacedSprings:
         return np.asarray(slopes.T @ self._forces_at(gaps))
 
     def balance(self, load: Array, start: Array) -> Array:
-        """Solve for the equilibrium under a load (u,) [N] by modified Newton steps; return its pose [m].
+        """Solve for the equilibrium under a load (u,) [N] by modified Newton steps from a start pose.
 
-        The stiffness matrix is that of the start, which has to be near.
+        Return its pose [m].
+        The stiffness matrix is that of the start (finite differences), which has to be near.
 
         Raises
         ------
         RunError
             The steps do not converge.
         """
-        z, pushed = start, self.push(start)
-        stiffness = np.stack(
-            [(pushed - self.push(start + shift)) / _DIFFERENCE_STEP for shift in _DIFFERENCE_STEP * np.eye(z.size)],
+        pose, start_force = start, self.push(start)
+        stiffness_matrix = np.stack(
+            [
+                (start_force - self.push(start + shift)) / _DIFFERENCE_STEP
+                for shift in _DIFFERENCE_STEP * np.eye(pose.size)
+            ],
             axis=1,
         )
         for _ in range(30):
-            residual = load + self.push(z)
+            residual = load + self.push(pose)
             if np.abs(residual).max() < 1e-6 * np.abs(load).max():
-                return z
-            z = z + np.linalg.solve(stiffness, residual)
+                return pose
+            pose = pose + np.linalg.solve(stiffness_matrix, residual)
         raise RunError(
             f"no equilibrium with exact gaps: the residual force is {np.abs(residual).max():.3g} N, but at most one "
             "millionth of the load is allowed. Check the clearances of the design"
         )
 
 
-def _pin_forces(gaps: Array, flexible: Array) -> Array:
-    """Compute the forces on one pin [N], shape (D,), from the gaps of the unbent pin [m], shape (D,).
+def _pin_forces(gaps: Array, compliance: Array) -> Array:
+    """Solve for the forces of D discs on one bent output pin [N], from the gaps of the unbent pin [m], shape (D,).
 
     Solves the linear complementarity problem by enumeration: closed contacts have f >= 0, open ones a gap >= 0.
     """
@@ -202,9 +217,9 @@ def _pin_forces(gaps: Array, flexible: Array) -> Array:
     for code in range(2**discs):
         closed: Mask = np.array([bool(code >> disc & 1) for disc in range(discs)])
         force = np.zeros(discs)
-        force[closed] = np.linalg.solve(flexible[np.ix_(closed, closed)], -gaps[closed])
-        bent = gaps + flexible @ force
-        if np.all(force >= 0.0) and np.all(bent[~closed] >= 0.0):
+        force[closed] = np.linalg.solve(compliance[np.ix_(closed, closed)], -gaps[closed])
+        bent_gaps = gaps + compliance @ force
+        if np.all(force >= 0.0) and np.all(bent_gaps[~closed] >= 0.0):
             return force
     raise RunError(
         "the forces of the discs on a bent output pin have no equilibrium, because the compliance matrix of the pin is "

@@ -18,7 +18,7 @@ from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate import rig
-from cycloid_mj.validate.rig import FIXED, FREE, RATED_LOAD, reducer_of
+from cycloid_mj.validate.rig import FIXED, FREE, RATED_LOAD, design_of_kind
 
 
 @dataclass(frozen=True)
@@ -63,13 +63,13 @@ def jolt_rows(quick: bool) -> list[ValidationRow]:
 
 def _logged_at_every_step(kind: str, *changes: str) -> Run:
     """Simulate with the automatic time step and log every step."""
-    design = reducer_of(kind, *changes)
+    design = design_of_kind(kind, *changes)
     reducer = Reducer(design)
     return simulate(rig.with_changes(reducer, f"settings.log_rate_hz={1.0 / timestep(reducer)!r}").design)
 
 
 def balance(run: Run) -> EnergyBalance:
-    """Integrate the logged powers."""
+    """Integrate the logged powers of a run over its time: works and change of stored energy [J]."""
     energy = run["kinetic_energy"] + run["potential_energy"]
     return EnergyBalance(
         supplied=_work(run, run["crank_torque"] * run["crank_speed"]),

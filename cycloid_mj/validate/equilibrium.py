@@ -25,7 +25,7 @@ from cycloid_mj.geometry.modification import profile_offset
 from cycloid_mj.geometry.profile import CycloidGear, unit
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.sockets import arc_half_angle
-from cycloid_mj.validate.gaps import Flanks, GearPose, NearestPoints, flanks_of, pin_gaps, ring_gaps, rotate
+from cycloid_mj.validate.gaps import Flanks, GearPose, NearestPoints, design_flanks, pin_gaps, ring_gaps, rotate
 from cycloid_mj.validate.stiffness import tooth_stiffness
 
 _SCALE = 1e-6
@@ -108,7 +108,7 @@ class PairSprings:
 def solve(
     reducer: Reducer, stiffness: Mapping[str, float], crank: float, start: Equilibrium | None = None
 ) -> Equilibrium:
-    """Solve for the pose at which contact forces and load are in equilibrium.
+    """Solve for the pose at which contact forces and load are in equilibrium, by SciPy's hybrid Powell method.
 
     Parameters
     ----------
@@ -126,19 +126,19 @@ def solve(
     RunError
         The solver did not converge.
     """
-    locked = _lock_crank(reducer, stiffness, crank)
-    allowed = _RESIDUAL_RTOL * np.abs(locked.load).max()
+    locked = _make_locked_reducer(reducer, stiffness, crank)
+    max_residual = _RESIDUAL_RTOL * np.abs(locked.load).max()
     if start is not None:
-        z, residual = _solve_balance(locked, start.departures)
-        if residual < allowed:
-            return _solution(locked, z)
+        pose, residual = _solve_balance(locked, start.departures)
+        if residual < max_residual:
+            return _make_equilibrium(locked, pose)
     for method in _METHODS:
-        z, residual = _solve_balance(locked, _least_energy(locked, method))
-        if residual < allowed:
-            return _solution(locked, z)
+        pose, residual = _solve_balance(locked, _minimise_energy(locked, method))
+        if residual < max_residual:
+            return _make_equilibrium(locked, pose)
     raise RunError(
         f"no static equilibrium at crank angle {np.degrees(crank):.4g} deg: the residual force is {residual:.3g} N, "
-        f"but at most {allowed:.3g} N is allowed. Check the clearances of the design, or reduce the load"
+        f"but at most {max_residual:.3g} N is allowed. Check the clearances of the design, or reduce the load"
     )
 
 
@@ -146,17 +146,17 @@ def _solve_balance(locked: LockedReducer, start: Array) -> tuple[Array, float]:
     """Solve for the pose [m] of equilibrium from an initial guess; return it and the largest residual force [N]."""
 
     def imbalance(x: Array) -> Array:
-        return _imbalance(locked, _SCALE * x)
+        return _residual_force(locked, _SCALE * x)
 
     solution = root(imbalance, start / _SCALE, method="hybr", tol=1e-10)
     return _SCALE * np.asarray(solution.x), float(np.abs(solution.fun).max())
 
 
-def _least_energy(locked: LockedReducer, method: Method) -> Array:
-    """Minimise the energy at uniform stiffness; return the pose [m]."""
+def _minimise_energy(locked: LockedReducer, method: Method) -> Array:
+    """Minimise the energy at uniform stiffness by a trust-region method; return the pose [m]."""
 
-    def slope(x: Array) -> Array:
-        return -_imbalance(locked, _SCALE * x, uniform=True)
+    def gradient(x: Array) -> Array:
+        return -_residual_force(locked, _SCALE * x, uniform=True)
 
     def hessian(x: Array) -> Array:
         return _stiffness_matrix(locked, _SCALE * x) * _SCALE
@@ -166,91 +166,102 @@ def _least_energy(locked: LockedReducer, method: Method) -> Array:
 
     start = np.zeros(locked.load.size)
     # a rough minimum, from which the equilibrium is solved
-    minimum = minimize(energy, start, jac=slope, hess=hessian, method=method, options={"gtol": 1e-2, "maxiter": 100})
+    minimum = minimize(energy, start, jac=gradient, hess=hessian, method=method, options={"gtol": 1e-2, "maxiter": 100})
     return _SCALE * np.asarray(minimum.x)
 
 
-def _lock_crank(reducer: Reducer, stiffness: Mapping[str, float], crank: float) -> LockedReducer:
+def _make_locked_reducer(reducer: Reducer, stiffness: Mapping[str, float], crank: float) -> LockedReducer:
     """Return a reducer with its crank locked at an angle [rad], under the load of its design."""
     design = reducer.design
     gear = reducer.tooth_profile
     roots = np.zeros(0, dtype=np.int64)
     if design.ring.kind == "nonpin":
-        ideal = envelope.sigma_contacts(gear, crank).lobe
-        roots = np.unique((ideal[:, np.newaxis] + [-1, 0, 1]) % gear.ring_teeth)
+        touched_roots = envelope.sigma_contacts(gear, crank).lobe
+        roots = np.unique((touched_roots[:, np.newaxis] + [-1, 0, 1]) % gear.ring_teeth)
     load = np.zeros(4 + (2 * gear.ring_teeth if design.ring.has_moving_pins else 0))
     load[3] = design.load.torque / design.output.pin_circle_radius
-    return LockedReducer(design, gear, stiffness, crank, load, roots, flanks_of(reducer), reducer.deviations)
+    return LockedReducer(design, gear, stiffness, crank, load, roots, design_flanks(reducer), reducer.deviations)
 
 
 def _energy(locked: LockedReducer, z: Array) -> float:
     """Compute the elastic energy at uniform stiffness less the work of the load [J]."""
-    springs = _springs(locked, z, True).values()
+    springs = _springs_at_pose(locked, z, True).values()
     elastic = sum(0.5 * np.sum(s.stiffness * np.minimum(s.gap, 0.0) ** 2) for s in springs)
     return float(elastic - locked.load @ z)
 
 
-def _imbalance(locked: LockedReducer, z: Array, uniform: bool = False) -> Array:
+def _residual_force(locked: LockedReducer, z: Array, uniform: bool = False) -> Array:
     """Compute the generalised residual force of springs and load [N], shape (unknowns,)."""
-    pushes = [s.slope.T @ s.force for s in _springs(locked, z, uniform).values()]
+    pushes = [s.slope.T @ s.force for s in _springs_at_pose(locked, z, uniform).values()]
     return np.asarray(locked.load + np.sum(pushes, axis=0))
 
 
 def _stiffness_matrix(locked: LockedReducer, z: Array) -> Array:
     """Compute the stiffness matrix of the closed springs [N/m], shape (unknowns, unknowns), at fixed directions."""
-    closed = [(s.slope[s.gap < 0], s.stiffness[s.gap < 0]) for s in _springs(locked, z, True).values()]
+    closed = [(s.slope[s.gap < 0], s.stiffness[s.gap < 0]) for s in _springs_at_pose(locked, z, True).values()]
     return np.asarray(np.sum([slope.T @ (stiffness[:, np.newaxis] * slope) for slope, stiffness in closed], axis=0))
 
 
-def _solution(locked: LockedReducer, z: Array) -> Equilibrium:
-    """Return the equilibrium at a solved pose."""
-    springs = _springs(locked, z, False)
-    ring, cam = springs["ring"], springs["cam"]
+def _make_equilibrium(locked: LockedReducer, z: Array) -> Equilibrium:
+    """Return rotations, tooth forces and cam force of the equilibrium at a pose z [m]."""
+    springs = _springs_at_pose(locked, z, False)
+    ring_springs, cam_spring = springs["ring"], springs["cam"]
     forces = np.zeros((locked.gear.ring_teeth, 2))
-    np.add.at(forces, _mesh(locked, z).owner, ring.force[:, np.newaxis] * ring.push)
-    lever = locked.design.output.pin_circle_radius
-    cam_force = (cam.force[:, np.newaxis] * cam.push)[0]
-    return Equilibrium(z[2] / lever, z[3] / lever, forces, cam_force, z)
+    np.add.at(forces, _nearest_points(locked, z).owner, ring_springs.force[:, np.newaxis] * ring_springs.push)
+    pin_circle_radius = locked.design.output.pin_circle_radius
+    cam_force = (cam_spring.force[:, np.newaxis] * cam_spring.push)[0]
+    return Equilibrium(z[2] / pin_circle_radius, z[3] / pin_circle_radius, forces, cam_force, z)
 
 
-def _springs(locked: LockedReducer, z: Array, uniform: bool) -> dict[str, PairSprings]:
+def _springs_at_pose(locked: LockedReducer, z: Array, uniform: bool) -> dict[str, PairSprings]:
     return _springs_at(locked, z.tobytes(), uniform)
 
 
 @lru_cache(maxsize=1)  # energy, residual and stiffness use the same pose
 def _springs_at(locked: LockedReducer, pose: bytes, uniform: bool) -> dict[str, PairSprings]:
-    z = np.frombuffer(pose)
-    springs = {"ring": _ring(locked, z, uniform), "cam": _cam(locked, z), "output": _output(locked, z)}
-    return springs | {"socket": _sockets(locked, z)} if locked.has_moving_pins else springs
+    """Compute the springs of all kinds of pairs at a pose, given as the bytes of the unknowns [m]."""
+    unknowns = np.frombuffer(pose)
+    springs = {
+        "ring": _ring_springs(locked, unknowns, uniform),
+        "cam": _cam_spring(locked, unknowns),
+        "output": _output_springs(locked, unknowns),
+    }
+    return springs | {"socket": _seat_springs(locked, unknowns)} if locked.has_moving_pins else springs
 
 
-def _mesh(locked: LockedReducer, z: Array) -> NearestPoints:
+def _nearest_points(locked: LockedReducer, z: Array) -> NearestPoints:
+    """Compute the nearest points of disc and ring at a pose z [m], by search along the exact curves."""
     pose = locked.pose(z)
     if locked.design.ring.kind == "nonpin":
         return ring_gaps(locked.gear, pose, locked.roots, locked.flanks)
-    centres = locked.gear.pin_circle_radius * unit(profile.pin_angles(locked.gear)) + locked.deviations.pin_place
-    moved = centres + z[4:].reshape(-1, 2) if locked.has_moving_pins else centres
-    return pin_gaps(locked.gear, pose, moved, locked.flanks)
+    pin_centres = locked.gear.pin_circle_radius * unit(profile.pin_angles(locked.gear)) + locked.deviations.pin_place
+    displaced = pin_centres + z[4:].reshape(-1, 2) if locked.has_moving_pins else pin_centres
+    return pin_gaps(locked.gear, pose, displaced, locked.flanks)
 
 
-def _ring(locked: LockedReducer, z: Array, uniform: bool) -> PairSprings:
-    """Compute the springs between disc and ring at a pose."""
-    mesh, pose, design = _mesh(locked, z), locked.pose(z), locked.design
-    count, n = mesh.distance.size, mesh.normals
-    slope = np.zeros((count, z.size))
-    slope[:, :2] = -n
-    slope[:, 2] = -np.sum(n * _quarter_turn(mesh.places - pose.centre), axis=1) / design.output.pin_circle_radius
+def _ring_springs(locked: LockedReducer, z: Array, uniform: bool) -> PairSprings:
+    """Compute the springs between disc and ring at a pose z [m].
+
+    Without `uniform` they depend on the local curvature.
+    """
+    nearest, pose, design = _nearest_points(locked, z), locked.pose(z), locked.design
+    count, normals = nearest.distance.size, nearest.normals
+    gradient = np.zeros((count, z.size))
+    gradient[:, :2] = -normals
+    gradient[:, 2] = (
+        -np.sum(normals * _quarter_turn(nearest.places - pose.centre), axis=1) / design.output.pin_circle_radius
+    )
     if locked.has_moving_pins:
-        slope[:, 4:] = (np.eye(count)[:, :, np.newaxis] * n[:, np.newaxis, :]).reshape(count, -1)
-    clearance = profile_offset(design) - locked.gear.pin_radius - locked.deviations.pin_radius[mesh.owner]
+        gradient[:, 4:] = (np.eye(count)[:, :, np.newaxis] * normals[:, np.newaxis, :]).reshape(count, -1)
+    clearance = profile_offset(design) - locked.gear.pin_radius - locked.deviations.pin_radius[nearest.owner]
     kind = "tooth" if design.ring.kind == "nonpin" else "pin_gear"
     stiffness = np.full(count, locked.stiffness[kind])
     if not uniform:
-        stiffness = tooth_stiffness(Reducer(design), locked.stiffness[kind], mesh, pose, locked.flanks)
-    return PairSprings(mesh.distance + clearance, stiffness, slope, -n)
+        stiffness = tooth_stiffness(Reducer(design), locked.stiffness[kind], nearest, pose, locked.flanks)
+    return PairSprings(nearest.distance + clearance, stiffness, gradient, -normals)
 
 
-def _sockets(locked: LockedReducer, z: Array) -> PairSprings:
+def _seat_springs(locked: LockedReducer, z: Array) -> PairSprings:
     """Compute the springs of pins and sleeves in their seats, with sockets as full circles.
 
     Under load pins rest on the walls or carry nothing; an unloaded pin could leave an open socket during the search.
@@ -258,16 +269,16 @@ def _sockets(locked: LockedReducer, z: Array) -> PairSprings:
     shift = z[4:].reshape(-1, 2)
     distance = np.linalg.norm(shift, axis=1)
     outward = shift / np.maximum(distance, np.finfo(float).tiny)[:, np.newaxis]
-    slope = np.zeros((len(shift), z.size))
-    slope[:, 4:] = (np.eye(len(shift))[:, :, np.newaxis] * -outward[:, np.newaxis, :]).reshape(len(shift), -1)
+    gradient = np.zeros((len(shift), z.size))
+    gradient[:, 4:] = (np.eye(len(shift))[:, :, np.newaxis] * -outward[:, np.newaxis, :]).reshape(len(shift), -1)
     kind = "pin_sleeve" if locked.design.ring.has_sleeves else "pin_socket"
     stiffness = np.full(len(shift), locked.stiffness[kind])
-    larger = locked.deviations.pin_radius if locked.design.ring.has_sockets else 0.0
-    return PairSprings(locked.design.pin_play - larger - distance, stiffness, slope, -outward)
+    oversize = locked.deviations.pin_radius if locked.design.ring.has_sockets else 0.0
+    return PairSprings(locked.design.pin_play - oversize - distance, stiffness, gradient, -outward)
 
 
-def seats(reducer: Reducer, shift: Array) -> tuple[Array, Array]:
-    """Compute the distance of pins or sleeves from their seats.
+def seat_gaps(reducer: Reducer, shift: Array) -> tuple[Array, Array]:
+    """Compute the gaps of pins or sleeves displaced in their seats, and the directions of the nearest points.
 
     The nearest point of the arc of a socket is in the direction of the shift, or at the edge of the socket.
 
@@ -290,43 +301,49 @@ def seats(reducer: Reducer, shift: Array) -> tuple[Array, Array]:
     outward = shift / np.maximum(distance, np.finfo(float).tiny)[:, np.newaxis]
     if not ring.has_sockets or ring.socket == "closed":
         return design.pin_play - distance, outward
-    home = profile.pin_angles(reducer.tooth_profile)
-    ahead = np.arctan2(shift[:, 0], shift[:, 1]) - home
-    ahead = (ahead + np.pi) % (2.0 * np.pi) - np.pi
+    pin_angles = profile.pin_angles(reducer.tooth_profile)
+    angle = np.arctan2(shift[:, 0], shift[:, 1]) - pin_angles
+    angle = (angle + np.pi) % (2.0 * np.pi) - np.pi
     radius = ring.pin_radius + design.clearance.pin_socket
-    wall = arc_half_angle(design, radius)
-    away = radius * unit(home + np.clip(ahead, -wall, wall)) - shift
-    size = np.linalg.norm(away, axis=1)
-    outward = np.where((np.abs(ahead) > wall)[:, np.newaxis], away / size[:, np.newaxis], outward)
-    return np.where(np.abs(ahead) > wall, size - ring.pin_radius, design.pin_play - distance), outward
+    half_angle = arc_half_angle(design, radius)
+    to_wall = radius * unit(pin_angles + np.clip(angle, -half_angle, half_angle)) - shift
+    distance_to_wall = np.linalg.norm(to_wall, axis=1)
+    outward = np.where((np.abs(angle) > half_angle)[:, np.newaxis], to_wall / distance_to_wall[:, np.newaxis], outward)
+    return np.where(np.abs(angle) > half_angle, distance_to_wall - ring.pin_radius, design.pin_play - distance), outward
 
 
-def _cam(locked: LockedReducer, z: Array) -> PairSprings:
-    """Compute the spring between disc and cam at a pose."""
-    away = kinematics.gear_centre(locked.gear, locked.crank) / locked.gear.eccentricity
-    from_cam = z[:2] - locked.deviations.eccentricity * away
-    distance = np.linalg.norm(from_cam)
-    inward = -from_cam / max(distance, np.finfo(float).tiny)
-    slope = np.zeros((1, z.size))
-    slope[0, :2] = inward
+def _cam_spring(locked: LockedReducer, z: Array) -> PairSprings:
+    """Compute the spring between disc and cam at a pose z [m]."""
+    eccentric_direction = kinematics.gear_centre(locked.gear, locked.crank) / locked.gear.eccentricity
+    offset = z[:2] - locked.deviations.eccentricity * eccentric_direction
+    distance = np.linalg.norm(offset)
+    inward = -offset / max(distance, np.finfo(float).tiny)
+    gradient = np.zeros((1, z.size))
+    gradient[0, :2] = inward
     gap = np.array([locked.design.clearance.cam - distance])
-    return PairSprings(gap, np.array([locked.stiffness["cam"]]), slope, inward[np.newaxis])
+    return PairSprings(gap, np.array([locked.stiffness["cam"]]), gradient, inward[np.newaxis])
 
 
-def _output(locked: LockedReducer, z: Array) -> PairSprings:
-    """Compute the springs of output pins in the holes of the disc; a pin pushes its hole along the line of centres."""
+def _output_springs(locked: LockedReducer, z: Array) -> PairSprings:
+    """Compute the springs of output pins in the holes of the disc at a pose z [m].
+
+    Pins push along the lines of centres.
+    """
     output, pose = locked.design.output, locked.pose(z)
-    start = output.pin_circle_radius * unit(2 * np.pi * np.arange(output.pins) / output.pins)
-    on_gear, pins = rotate(start + locked.deviations.hole_place[0], pose.angle), rotate(start, locked.angle(z[3]))
-    between = pins - pose.centre - on_gear
-    distance = np.linalg.norm(between, axis=1)
-    push = between / distance[:, np.newaxis]
-    slope = np.zeros((output.pins, z.size))
-    slope[:, :2] = push
-    slope[:, 2] = np.sum(push * _quarter_turn(on_gear), axis=1) / output.pin_circle_radius
-    slope[:, 3] = -np.sum(push * _quarter_turn(pins), axis=1) / output.pin_circle_radius
+    ideal_positions = output.pin_circle_radius * unit(2 * np.pi * np.arange(output.pins) / output.pins)
+    holes, pins = (
+        rotate(ideal_positions + locked.deviations.hole_place[0], pose.angle),
+        rotate(ideal_positions, locked.angle(z[3])),
+    )
+    centre_distances = pins - pose.centre - holes
+    distance = np.linalg.norm(centre_distances, axis=1)
+    normals = centre_distances / distance[:, np.newaxis]
+    gradient = np.zeros((output.pins, z.size))
+    gradient[:, :2] = normals
+    gradient[:, 2] = np.sum(normals * _quarter_turn(holes), axis=1) / output.pin_circle_radius
+    gradient[:, 3] = -np.sum(normals * _quarter_turn(pins), axis=1) / output.pin_circle_radius
     play = output.hole_radius + locked.design.clearance.output - output.pin_radius
-    return PairSprings(play - distance, np.full(output.pins, locked.stiffness["output"]), slope, push)
+    return PairSprings(play - distance, np.full(output.pins, locked.stiffness["output"]), gradient, normals)
 
 
 def _quarter_turn(vectors: Array) -> Array:

@@ -20,7 +20,7 @@ from cycloid_mj.reducer import Reducer
 
 Indices = Integers
 
-_MAX_NEWTON_ATOLS, _NEWTON_ATOL = 8, 1e-10
+_MAX_NEWTON_STEPS, _NEWTON_ATOL = 8, 1e-10
 """Maximum number of steps, and the step [rad] at which iteration stops: convergence is quadratic."""
 
 
@@ -50,7 +50,7 @@ class Flanks:
     waves: tuple[tuple[int, float, float], ...] = ()
 
 
-def flanks_of(reducer: Reducer) -> Flanks:
+def design_flanks(reducer: Reducer) -> Flanks:
     """Return the flanks of a design."""
     amplitudes = enumerate(reducer.deviations.waves.tolist(), start=1)
     waves = tuple((order, cosine, sine) for order, (cosine, sine) in amplitudes if cosine or sine)
@@ -95,66 +95,70 @@ def rotate(points: Array, angle: npt.ArrayLike) -> Array:
 
 
 def trochoid_distance(gear: CycloidGear, points: Array) -> tuple[Array, Array, Array]:
-    """Compute the signed distance [m], the outward normal and the parameter t of the nearest point of the trochoid.
+    """Compute signed distance [m], outward normal and parameter t of the point of the trochoid nearest to each point.
 
-    `points` (n, 2) [m] in the gear's frame. Newton's method on (T - p) . T' = 0 from the nearest of many samples.
+    `points` (n, 2) [m] are in the gear's frame. Newton's method on (T - p) . T' = 0 from the nearest of many samples.
     """
     tree, samples = _samples(gear)
     t = samples[tree.query(points)[1]]
-    for _ in range(_MAX_NEWTON_ATOLS):
+    for _ in range(_MAX_NEWTON_STEPS):
         first, second = profile.trochoid_derivatives(gear, t)
-        lead = profile.trochoid(gear, t) - points
-        step = _dot(lead, first) / (_dot(first, first) + _dot(lead, second))
-        t = t - step
-        if np.abs(step).max(initial=0.0) < _NEWTON_ATOL:
+        difference = profile.trochoid(gear, t) - points
+        increment = _dot(difference, first) / (_dot(first, first) + _dot(difference, second))
+        t = t - increment
+        if np.abs(increment).max(initial=0.0) < _NEWTON_ATOL:
             break
     normals = profile.normals(gear, t)
     return _dot(points - profile.trochoid(gear, t), normals), normals, t
 
 
 def flank_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
-    """Compute the distance from the flanks less their offset [m], the outward normal and the parameter t of the foot.
+    """Compute the distance of points from the flanks less their offset [m], outward normal and parameter t of the foot.
 
-    `points` (n, 2) [m] in the gear's frame, outside the gear. Turned flanks: the nearer of the two families, where a
-    foot beyond the end of its flank is moved to that end.
+    `points` (n, 2) [m] are in the gear's frame, outside the gear. Rotated flanks: the nearer of the two families, where
+    a foot beyond the end of its flank is moved to that end.
     """
     if not flanks.rotation:
-        return _path_distance(flanks, points)
-    families = [_family_distance(flanks, points, side) for side in (1, -1)]
-    first = (families[0][0] <= families[1][0])[:, np.newaxis]
+        return _waved_distance(flanks, points)
+    families = [_rotated_flank_distance(flanks, points, side) for side in (1, -1)]
+    is_first = (families[0][0] <= families[1][0])[:, np.newaxis]
     distance, normals, t = (
-        np.where(first if family.ndim == 2 else first[:, 0], family, other)
-        for family, other in zip(*families, strict=True)
+        np.where(is_first if values.ndim == 2 else is_first[:, 0], values, other_values)
+        for values, other_values in zip(*families, strict=True)
     )
     return distance, normals, t
 
 
-def _path_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
-    """Compute distance, normal and parameter as `trochoid_distance`, for the trochoid set back by the waves."""
+def _waved_distance(flanks: Flanks, points: Array) -> tuple[Array, Array, Array]:
+    """Compute distance, normal and parameter as `trochoid_distance`, for the waved trochoid, by Newton steps."""
     distance, normals, t = trochoid_distance(flanks.gear, points)
     if not flanks.waves:
         return distance, normals, t
-    for _ in range(_MAX_NEWTON_ATOLS):
-        path, first = _path(flanks, t)
-        lead, second = path - points, profile.trochoid_derivatives(flanks.gear, t)[1]
-        t = t - _dot(lead, first) / (_dot(first, first) + _dot(lead, second))
-    path, first = _path(flanks, t)
-    normals = _outwards(first)
-    return _dot(points - path, normals), normals, t
+    for _ in range(_MAX_NEWTON_STEPS):
+        curve, tangent = _waved_curve(flanks, t)
+        difference, curvature_vector = curve - points, profile.trochoid_derivatives(flanks.gear, t)[1]
+        t = t - _dot(difference, tangent) / (_dot(tangent, tangent) + _dot(difference, curvature_vector))
+    curve, tangent = _waved_curve(flanks, t)
+    normals = _outwards(tangent)
+    return _dot(points - curve, normals), normals, t
 
 
-def _path(flanks: Flanks, t: Array) -> tuple[Array, Array]:
-    """Compute the points T - w n [m] of the trochoid set back by w(t), and their derivative, shape (n, 2) each."""
+def _waved_curve(flanks: Flanks, t: Array) -> tuple[Array, Array]:
+    """Compute the points T - w n [m] of the trochoid set back by waves w(t), and their derivative, each (n, 2)."""
     gear = flanks.gear
-    back, slope = np.zeros(t.shape), np.zeros(t.shape)
+    offset, offset_rate = np.zeros(t.shape), np.zeros(t.shape)
     for order, cosine, sine in flanks.waves:
-        back += cosine * np.cos(order * t) + sine * np.sin(order * t)
-        slope += order * (sine * np.cos(order * t) - cosine * np.sin(order * t))
+        offset += cosine * np.cos(order * t) + sine * np.sin(order * t)
+        offset_rate += order * (sine * np.cos(order * t) - cosine * np.sin(order * t))
     normals = profile.normals(gear, t)
-    turning = profile.turning_rate(gear, t)[:, np.newaxis] * rotate(normals, -np.pi / 2)
-    moved = profile.trochoid(gear, t) - back[:, np.newaxis] * normals
-    first = profile.trochoid_derivatives(gear, t)[0] - slope[:, np.newaxis] * normals - back[:, np.newaxis] * turning
-    return moved, first
+    normal_rate = profile.turning_rate(gear, t)[:, np.newaxis] * rotate(normals, -np.pi / 2)
+    curve = profile.trochoid(gear, t) - offset[:, np.newaxis] * normals
+    tangent = (
+        profile.trochoid_derivatives(gear, t)[0]
+        - offset_rate[:, np.newaxis] * normals
+        - offset[:, np.newaxis] * normal_rate
+    )
+    return curve, tangent
 
 
 def _outwards(along: Array) -> Array:
@@ -162,24 +166,27 @@ def _outwards(along: Array) -> Array:
     return rotate(along / np.linalg.norm(along, axis=1, keepdims=True), np.pi / 2)
 
 
-def _family_distance(flanks: Flanks, points: Array, side: int) -> tuple[Array, Array, Array]:
-    """Compute the distance from the flanks before (1) or after (-1) the tips, clockwise."""
-    gear, ends = flanks.gear, _ends(flanks)
-    turned = rotate(points, side * flanks.rotation)
-    t = _path_distance(flanks, turned)[2]
+def _rotated_flank_distance(flanks: Flanks, points: Array, side: int) -> tuple[Array, Array, Array]:
+    """Compute distance less the offset [m], normal and parameter for flanks before (1) or after (-1) the tips."""
+    gear, ends = flanks.gear, _flank_ends(flanks)
+    rotated = rotate(points, side * flanks.rotation)
+    t = _waved_distance(flanks, rotated)[2]
     pitch = 2 * np.pi / gear.lobes
     # From the valley of its lobe half; feet beyond the middle between tip and valley belong to the next valley.
-    lobe = np.floor(side * t / pitch + 1 / 4)
-    within = np.clip(side * t - lobe * pitch, -ends.valley, pitch / 2 - ends.tip)
-    t = side * (within + lobe * pitch)
-    path, first = _path(flanks, t)
-    away = turned - path + flanks.offset * _outwards(first)
-    size = np.linalg.norm(away, axis=1)
-    return size - flanks.offset, rotate(away / size[:, np.newaxis], -side * flanks.rotation), t
+    lobe_number = np.floor(side * t / pitch + 1 / 4)
+    phase = np.clip(side * t - lobe_number * pitch, -ends.valley, pitch / 2 - ends.tip)
+    t = side * (phase + lobe_number * pitch)
+    curve, tangent = _waved_curve(flanks, t)
+    difference = rotated - curve + flanks.offset * _outwards(tangent)
+    distance = np.linalg.norm(difference, axis=1)
+    return distance - flanks.offset, rotate(difference / distance[:, np.newaxis], -side * flanks.rotation), t
 
 
 def pin_gaps(gear: CycloidGear, pose: GearPose, centres: Array, flanks: Flanks | None = None) -> NearestPoints:
-    """Compute the gap of every pin, wherever it is; `centres` (N, 2) [m]; `flanks` if they are modified."""
+    """Compute the signed distance of every pin from the disc, wherever it is.
+
+    `centres` (N, 2) [m] are in the ring's frame; `flanks` are given if they are modified.
+    """
     distance, normals, t = flank_distance(flanks or _ideal(gear), pose.to_gear(centres))
     number = gear.ring_teeth
     return NearestPoints(
@@ -194,17 +201,17 @@ def pin_gaps(gear: CycloidGear, pose: GearPose, centres: Array, flanks: Flanks |
 
 
 def ring_gaps(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks | None = None) -> NearestPoints:
-    """Compute the gap of every arc of the internal gear, and every local minimum of the gap inside some `roots`.
+    """Compute the gap of every arc of the internal gear, and every local minimum of the gap inside some roots.
 
-    Root k lies counter-clockwise of lobe k; its half beyond B = pi belongs to the next lobe. An arc touches only
-    within the fan of its normals, |alpha| <= asin(c N / E). `flanks` if they are modified.
+    Root k lies counter-clockwise of lobe k; its half beyond B = pi belongs to the next lobe. An arc touches only within
+    the fan of its normals, |alpha| <= asin(c N / E). `flanks` are given if they are modified.
     """
     flanks = flanks or _ideal(gear)
     arcs = pin_gaps(gear, pose, gear.pin_circle_radius * unit(profile.pin_angles(gear)), flanks)
-    radial = unit(profile.pin_angles(gear))
-    across = arcs.normals[:, 0] * radial[:, 1] - arcs.normals[:, 1] * radial[:, 0]
-    fan = np.abs(across) <= np.sin(envelope.largest_alpha(gear))
-    return _join(_at(arcs, fan), _root_gaps(gear, pose, roots, flanks))
+    arc_directions = unit(profile.pin_angles(gear))
+    sine = arcs.normals[:, 0] * arc_directions[:, 1] - arcs.normals[:, 1] * arc_directions[:, 0]
+    is_on_arc = np.abs(sine) <= np.sin(envelope.largest_alpha(gear))
+    return _concatenate(_select(arcs, is_on_arc), _root_minima(gear, pose, roots, flanks))
 
 
 def offset_root(gear: CycloidGear, root: int | Indices, B: Array) -> Array:
@@ -214,21 +221,21 @@ def offset_root(gear: CycloidGear, root: int | Indices, B: Array) -> Array:
     return rotate(surface, -profile.pin_angles(gear)[root])
 
 
-def _root_gaps(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks) -> NearestPoints:
-    """Find the inner minima of the distance along roots: the lowest of three samples, refined by their parabola."""
-    low = gear.best_phase
-    B = np.pi - (np.pi - low) * np.cos(np.linspace(0, np.pi, 400))
-    sampled_places = pose.to_gear(offset_root(gear, roots[:, np.newaxis], B))
-    sampled = flank_distance(flanks, sampled_places.reshape(-1, 2))[0].reshape(roots.size, B.size)
-    row, inner = np.nonzero((sampled[:, 1:-1] < sampled[:, :-2]) & (sampled[:, 1:-1] <= sampled[:, 2:]))
-    columns = [inner, inner + 1, inner + 2]
-    vertices = _parabola(*(B[column] for column in columns), *(sampled[row, column] for column in columns))
-    places = offset_root(gear, roots[row], vertices)
-    distance, normals, t = flank_distance(flanks, pose.to_gear(places))
+def _root_minima(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks) -> NearestPoints:
+    """Find the local minima of the distance inside roots: the lowest of three samples, refined by their parabola."""
+    min_phase = gear.best_phase
+    B = np.pi - (np.pi - min_phase) * np.cos(np.linspace(0, np.pi, 400))
+    samples = pose.to_gear(offset_root(gear, roots[:, np.newaxis], B))
+    distances = flank_distance(flanks, samples.reshape(-1, 2))[0].reshape(roots.size, B.size)
+    row, columns = np.nonzero((distances[:, 1:-1] < distances[:, :-2]) & (distances[:, 1:-1] <= distances[:, 2:]))
+    triple = [columns, columns + 1, columns + 2]
+    vertices = _parabola_minimum(*(B[column] for column in triple), *(distances[row, column] for column in triple))
+    points = offset_root(gear, roots[row], vertices)
+    distance, normals, t = flank_distance(flanks, pose.to_gear(points))
     return NearestPoints(
         distance=distance,
         normals=rotate(normals, pose.angle),
-        places=places,
+        places=points,
         t=t,
         owner=(roots[row] - (vertices > np.pi)) % gear.ring_teeth,
         B=vertices,
@@ -236,7 +243,7 @@ def _root_gaps(gear: CycloidGear, pose: GearPose, roots: Indices, flanks: Flanks
     )
 
 
-def _parabola(x0: Array, x1: Array, x2: Array, y0: Array, y1: Array, y2: Array) -> Array:
+def _parabola_minimum(x0: Array, x1: Array, x2: Array, y0: Array, y1: Array, y2: Array) -> Array:
     """Compute the position of the minimum of parabolas through three points each."""
     left, right = (y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1)
     return (x0 + x1) / 2 - left * (x2 - x0) / (2 * (right - left))
@@ -247,7 +254,7 @@ def _ideal(gear: CycloidGear) -> Flanks:
 
 
 @cache
-def _ends(flanks: Flanks) -> FlankEnds:
+def _flank_ends(flanks: Flanks) -> FlankEnds:
     return flank_ends(flanks.gear, flanks.offset, flanks.rotation)
 
 
@@ -257,11 +264,11 @@ def _samples(gear: CycloidGear) -> tuple[cKDTree, Array]:
     return cKDTree(profile.trochoid(gear, t)), t
 
 
-def _at(gaps: NearestPoints, rows: Mask) -> NearestPoints:
+def _select(gaps: NearestPoints, rows: Mask) -> NearestPoints:
     return NearestPoints(**{name: values[rows] for name, values in vars(gaps).items()})
 
 
-def _join(*parts: NearestPoints) -> NearestPoints:
+def _concatenate(*parts: NearestPoints) -> NearestPoints:
     return NearestPoints(**{name: np.concatenate([vars(part)[name] for part in parts]) for name in vars(parts[0])})
 
 

@@ -60,20 +60,28 @@ class Descent:
 
 
 def rows(quick: bool) -> list[ValidationRow]:
-    """Return the rows of this step."""
+    """Compare creep, sliding and rolling of bodies on an incline in MuJoCo with closed forms."""
     law = pair_law()
-    low, high = math.atan(0.5 * law.friction), math.atan(3.0 * law.friction)
-    stuck, sliding = descent(law, low, False), descent(law, high, False)
-    rolling = descent(law, math.atan(2.0 * law.friction), True)
-    slope = INCLINE.gravity * math.sin(math.atan(2.0 * law.friction))
-    creeps = 1e6 * stuck.speed, 1e6 * INCLINE.mass * INCLINE.gravity * math.sin(low) / law.creep
-    slides = sliding.acceleration, INCLINE.gravity * (math.sin(high) - law.friction * math.cos(high))
-    slips, rolls = (1e6 * rolling.slip, 1e6 * INCLINE.mass * slope / 3.0 / law.creep), 2.0 * slope / 3.0
+    small_angle, large_angle = math.atan(0.5 * law.friction), math.atan(3.0 * law.friction)
+    sticking, sliding = simulate_descent(law, small_angle, False), simulate_descent(law, large_angle, False)
+    rolling = simulate_descent(law, math.atan(2.0 * law.friction), True)
+    gravity_along = INCLINE.gravity * math.sin(math.atan(2.0 * law.friction))
+    creep_pair = 1e6 * sticking.speed, 1e6 * INCLINE.mass * INCLINE.gravity * math.sin(small_angle) / law.creep
+    acceleration_pair = (
+        sliding.acceleration,
+        INCLINE.gravity * (math.sin(large_angle) - law.friction * math.cos(large_angle)),
+    )
+    slip_pair, rolling_acceleration = (
+        (1e6 * rolling.slip, 1e6 * INCLINE.mass * gravity_along / 3.0 / law.creep),
+        2.0 * gravity_along / 3.0,
+    )
     return [
-        relative("creep of a block below the friction angle", *creeps, "um/s", "m g sin/creep", 5e-6),
-        relative("acceleration of a block above it", *slides, "m/s2", "g (sin - mu cos)", 1e-6),
-        relative("acceleration of a rolling cylinder", rolling.acceleration, rolls, "m/s2", "2/3 g sin", 5e-5),
-        relative("slip of the rolling cylinder", *slips, "um/s", "m g sin/(3 creep)", 2.5e-3),
+        relative("creep of a block below the friction angle", *creep_pair, "um/s", "m g sin/creep", 5e-6),
+        relative("acceleration of a block above it", *acceleration_pair, "m/s2", "g (sin - mu cos)", 1e-6),
+        relative(
+            "acceleration of a rolling cylinder", rolling.acceleration, rolling_acceleration, "m/s2", "2/3 g sin", 5e-5
+        ),
+        relative("slip of the rolling cylinder", *slip_pair, "um/s", "m g sin/(3 creep)", 2.5e-3),
     ]
 
 
@@ -86,22 +94,22 @@ def pair_law() -> ContactParameters:
     return contact_law(stiffness, design.design.contact.damping_ratio, INCLINE.mass, friction, creep, INCLINE.timestep)
 
 
-def descent(law: ContactParameters, angle: float, turns: bool) -> Descent:
-    """Simulate a block, or a cylinder that `turns`, on an incline of `angle` [rad] from rest for 20 ms."""
-    model = incline(law, angle, turns)
+def simulate_descent(law: ContactParameters, angle: float, is_cylinder: bool) -> Descent:
+    """Simulate a block, or a cylinder, on an incline of `angle` [rad] from rest for 20 ms; return its final motion."""
+    model = incline_model(law, angle, is_cylinder)
     data = mujoco.MjData(model)
     data.joint("y").qpos[0] = -INCLINE.mass * INCLINE.gravity * math.cos(angle) / law.stiffness
     mujoco.mj_step(model, data, 5000)
-    before = float(data.joint("x").qvel[0])
+    start_speed = float(data.joint("x").qvel[0])
     mujoco.mj_step(model, data, 5000)
     speed = float(data.joint("x").qvel[0])
-    spin = float(data.joint("turn").qvel[0]) if turns else 0.0
-    return Descent((speed - before) / (5000 * INCLINE.timestep), speed, speed + INCLINE.radius * spin)
+    angular_speed = float(data.joint("turn").qvel[0]) if is_cylinder else 0.0
+    return Descent((speed - start_speed) / (5000 * INCLINE.timestep), speed, speed + INCLINE.radius * angular_speed)
 
 
-def incline(law: ContactParameters, angle: float, turns: bool) -> Any:
-    """Return the model of a body on an incline of `angle` [rad]; a cylinder has the inertia m r^2/2."""
-    model = _compile_model("", angle, turns)
+def incline_model(law: ContactParameters, angle: float, is_cylinder: bool) -> Any:
+    """Return the MuJoCo model of a body on an incline of `angle` [rad]; a cylinder has the inertia m r^2/2."""
+    model = _compile_model("", angle, is_cylinder)
     bodies = [model.geom(name).bodyid[0] for name in ("plane", "foot")]
     parameters = solver_parameters(law, float(sum(model.body_invweight0[body, 0] for body in bodies)))
     pair = _PAIR.format(
@@ -111,11 +119,11 @@ def incline(law: ContactParameters, angle: float, turns: bool) -> Any:
         solreffriction=_words(parameters.solreffriction),
         solimp=_words(parameters.solimp),
     )
-    return _compile_model(pair, angle, turns)
+    return _compile_model(pair, angle, is_cylinder)
 
 
-def _compile_model(pair: str, angle: float, turns: bool) -> Any:
-    """Compile the model of a body on an incline of an angle [rad]."""
+def _compile_model(pair: str, angle: float, is_cylinder: bool) -> Any:
+    """Compile the MuJoCo model of a body on an incline of an angle [rad] with the XML of its contact pair."""
     text = _BODY.format(
         timestep=INCLINE.timestep,
         along=INCLINE.gravity * math.sin(angle),
@@ -124,7 +132,7 @@ def _compile_model(pair: str, angle: float, turns: bool) -> Any:
         radius=INCLINE.radius,
         mass=INCLINE.mass,
         inertia=0.5 * INCLINE.mass * INCLINE.radius**2,
-        turn=_TURN if turns else "",
+        turn=_TURN if is_cylinder else "",
         pair=pair,
     )
     return mujoco.MjModel.from_xml_string(text)

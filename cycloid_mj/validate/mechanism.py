@@ -28,7 +28,7 @@ from cycloid_mj.validate import equilibrium, rig
 from cycloid_mj.validate.balance import BALANCE, random_pose
 from cycloid_mj.validate.displaced import cam_offsets, exact_gaps, in_ring_frame, pose_of
 from cycloid_mj.validate.gaps import rotate
-from cycloid_mj.validate.rig import FIXED, FREE, NONPIN, SLEEVED, reducer_of
+from cycloid_mj.validate.rig import FIXED, FREE, NONPIN, SLEEVED, design_of_kind
 
 TURN = (1.9, 3.1, 5.2)
 """Crank angles of the equilibria [rad]."""
@@ -69,11 +69,11 @@ SEARCH = "static solution by scipy"
 def design_with_errors(kind: str, *changes: str) -> Design:
     """Return a design with errors and modification, without friction and gravity."""
     free = (*rig.without_friction(), *rig.without_gravity(), f"load.torque_nm={rig.RATED_LOAD}")
-    return reducer_of(kind, *ERRORS, *(() if kind == NONPIN else PIN_ERRORS), *free, *changes)
+    return design_of_kind(kind, *ERRORS, *(() if kind == NONPIN else PIN_ERRORS), *free, *changes)
 
 
 def gap_rows(kind: str) -> list[ValidationRow]:
-    """Compare the gaps of displaced parts with exact curves."""
+    """Compare the gaps of displaced parts of a kind of ring with exact curves."""
     design = design_with_errors(
         kind, *WIDE_CLEARANCES, "modification.rotation_arcsec=0.0"
     )  # corners have no second derivative
@@ -85,7 +85,7 @@ def gap_rows(kind: str) -> list[ValidationRow]:
 
 
 def hole_rows() -> list[ValidationRow]:
-    """Compare the gaps of far displaced output pins with exact circles, which show the effect of finite rotations."""
+    """Compare the gaps of output pins at large displacements with exact circles, which shows second-order effects."""
     reducer = Reducer(design_with_errors(FIXED))
     springs, teeth = springs_of(reducer, BALANCE.crank, friction=False).contacts, reducer.design.ring.teeth
     width = np.array([gap(springs, 0, i, FAR_POSE).width for i in range(teeth, springs.disc.size)])
@@ -94,67 +94,84 @@ def hole_rows() -> list[ValidationRow]:
 
 
 def model_rows(pins: str) -> list[ValidationRow]:
-    """Compare the distances computed by the collider with exact gaps of the same pose.
+    """Compare the penetrations computed by the collider in MuJoCo with exact gaps, for a support of the pins.
 
     Three discs and the output are displaced, pins and sleeves by ``PIN_SHIFT``.
     """
-    tight = [f"clearance.{pair}_um=0.01" for pair in ("pin_gear", "pin_socket", "pin_sleeve", "cam", "output")]
+    clearances = [f"clearance.{pair}_um=0.01" for pair in ("pin_gear", "pin_socket", "pin_sleeve", "cam", "output")]
     errors = ("errors.cam_position_um=0.8", "errors.disc_size_um=0.7")
-    design = design_with_errors(FIXED, UNIFORM, *tight, *errors, *THREE_DISCS, f"ring.pins={pins}")
+    design = design_with_errors(FIXED, UNIFORM, *clearances, *errors, *THREE_DISCS, f"ring.pins={pins}")
     reducer = Reducer(design)
-    compiled, moving, larger = build(design), design.ring.has_pin_bodies, deviations(design).pin_radius
-    data, z = mujoco.MjData(compiled.model), random_pose(3 * design.gear.discs + 1, BALANCE.near)
-    for joint, value in _joints(reducer, z).items():
+    compiled, has_moving_pins, pin_oversize = build(design), design.ring.has_pin_bodies, deviations(design).pin_radius
+    data, pose = mujoco.MjData(compiled.model), random_pose(3 * design.gear.discs + 1, BALANCE.near)
+    for joint, value in _joint_positions(reducer, pose).items():
         data.joint(joint).qpos[0] = value
     for pin in mechanism(design).pins:
         data.joint(pin.joints[0]).qpos[0], data.joint(pin.joints[1]).qpos[0] = PIN_SHIFT
     with install():
         mujoco.mj_forward(compiled.model, data)
     pair_of = {frozenset(compiled.model.geom(geom).id for geom in (pair.on, pair.by)): pair for pair in compiled.pairs}
-    mating = [pair_of[frozenset(geoms)].name for geoms in data.contact.geom.tolist()]
+    pair_names = [pair_of[frozenset(geoms)].name for geoms in data.contact.geom.tolist()]
     # a pin may touch both edges of its socket: the deeper contact is its distance
-    by_pair = dict(sorted(zip(mating, data.contact.dist, strict=True), key=itemgetter(1), reverse=True))
-    ours = np.array([by_pair.get(pair.name, 0.0) for pair in compiled.pairs])
-    exact, teeth = exact_gaps(reducer, BALANCE.crank, z, PIN_SHIFT if moving else 0.0), design.gear.discs * larger.size
-    if design.ring.has_massless_pins:
-        exact[:teeth] += np.tile(design.clearance.pin_socket - larger, design.gear.discs)
-    seat = equilibrium.seats(reducer, np.tile(PIN_SHIFT, (larger.size, 1)))[0]
-    seat -= larger if design.ring.has_sockets else 0.0
-    cams = design.clearance.cam - np.linalg.norm(cam_offsets(reducer, BALANCE.crank, z), axis=1)
-    depths = np.minimum(np.concatenate([exact[:teeth], *([seat] if moving else []), cams, exact[teeth:]]), 0.0)
-    return [deviation(f"depths in the model, {pins} pins", 1e6 * ours, 1e6 * depths, "um", "exact curves", 1e-3)]
-
-
-def _joints(reducer: Reducer, z: Array) -> dict[str, float]:
-    """Compute the joint positions of crank, discs and output at the unknowns z [m]."""
-    turned = (
-        float(kinematics.gear_rotation(reducer.tooth_profile, BALANCE.crank))
-        + z / reducer.design.output.pin_circle_radius
+    distance_by_pair = dict(sorted(zip(pair_names, data.contact.dist, strict=True), key=itemgetter(1), reverse=True))
+    collider_depths = np.array([distance_by_pair.get(pair.name, 0.0) for pair in compiled.pairs])
+    exact_gap, tooth_count = (
+        exact_gaps(reducer, BALANCE.crank, pose, PIN_SHIFT if has_moving_pins else 0.0),
+        design.gear.discs * pin_oversize.size,
     )
-    read = {names.CRANK_JOINT: BALANCE.crank, names.OUTPUT_JOINT: float(turned[-1])}
+    if design.ring.has_massless_pins:
+        exact_gap[:tooth_count] += np.tile(design.clearance.pin_socket - pin_oversize, design.gear.discs)
+    seat_gap = equilibrium.seat_gaps(reducer, np.tile(PIN_SHIFT, (pin_oversize.size, 1)))[0]
+    seat_gap -= pin_oversize if design.ring.has_sockets else 0.0
+    cams = design.clearance.cam - np.linalg.norm(cam_offsets(reducer, BALANCE.crank, pose), axis=1)
+    depths = np.minimum(
+        np.concatenate(
+            [exact_gap[:tooth_count], *([seat_gap] if has_moving_pins else []), cams, exact_gap[tooth_count:]]
+        ),
+        0.0,
+    )
+    return [
+        deviation(f"depths in the model, {pins} pins", 1e6 * collider_depths, 1e6 * depths, "um", "exact curves", 1e-3)
+    ]
+
+
+def _joint_positions(reducer: Reducer, unknowns: Array) -> dict[str, float]:
+    """Return the joint positions of crank, discs and output [rad], [m] at the unknowns z [m], by joint name."""
+    angles = (
+        float(kinematics.gear_rotation(reducer.tooth_profile, BALANCE.crank))
+        + unknowns / reducer.design.output.pin_circle_radius
+    )
+    positions = {names.CRANK_JOINT: BALANCE.crank, names.OUTPUT_JOINT: float(angles[-1])}
     for disc, gear in enumerate(reducer.gears):
-        x, y = pose_of(reducer, BALANCE.crank, z, disc).centre
-        read |= dict(zip(names.planar_joints(gear), (x, y, turned[3 * disc + 2]), strict=True))
-    return read
+        x, y = pose_of(reducer, BALANCE.crank, unknowns, disc).centre
+        positions |= dict(zip(names.planar_joints(gear), (x, y, angles[3 * disc + 2]), strict=True))
+    return positions
 
 
-def balance_rows(kind: str, turn: Sequence[float]) -> list[ValidationRow]:
-    """Compare the equilibrium of springs at crank angles [rad] with the independent static solution."""
+def balance_rows(kind: str, crank_angles: Sequence[float]) -> list[ValidationRow]:
+    """Compare the static equilibrium of springs at crank angles [rad] with an independent solution on exact gaps.
+
+    The rows are tooth forces, cam force and turn of the output.
+    """
     design = design_with_errors(kind, UNIFORM)
     reducer = Reducer(design)
     rated = reducer.at_rated_load
     stiffness = {pair: rated.contacts[pair].stiffness for pair in rated.design.pair_kinds}
-    contact_loads = loads(reducer, springs_of(reducer, turn, friction=False), rig.RATED_LOAD)
-    solved = [equilibrium.solve(reducer, stiffness, crank) for crank in turn]
-    cam, output = (np.array([getattr(solution, name) for solution in solved]) for name in ("cam_force", "output_turn"))
+    contact_loads = loads(reducer, springs_of(reducer, crank_angles, friction=False), rig.RATED_LOAD)
+    equilibria = [equilibrium.solve(reducer, stiffness, crank) for crank in crank_angles]
+    cam, output = (
+        np.array([getattr(solution, name) for solution in equilibria]) for name in ("cam_force", "output_turn")
+    )
     # An arc and a flank in one contact patch are one spring here, and up to two in the search.
     bounds = (3.0, 0.05) if kind == NONPIN else (0.01, 0.01)
-    forces = []
+    tooth_rows = []
     if kind != NONPIN:
-        exact = np.array([rig.lengths(solution.ring_forces) for solution in solved]).ravel()
-        forces = [deviation(f"teeth in statics, {kind}", contact_loads.teeth.ravel(), exact, "N", SEARCH, 0.08)]
+        exact_forces = np.array([rig.vector_lengths(solution.ring_forces) for solution in equilibria]).ravel()
+        tooth_rows = [
+            deviation(f"teeth in statics, {kind}", contact_loads.teeth.ravel(), exact_forces, "N", SEARCH, 0.08)
+        ]
     return [
-        *forces,
+        *tooth_rows,
         deviation(f"cam in statics, {kind}", contact_loads.cam[:, 0], cam, "N", SEARCH, bounds[0]),
         deviation(
             f"turn of the output, {kind}", 1e6 * contact_loads.output_turn, 1e6 * output, "urad", SEARCH, bounds[1]
@@ -166,34 +183,36 @@ def friction_rows(name: str, *changes: str) -> list[ValidationRow]:
     """Compare the power of the cams, with friction, with the power of the load and of all sliding contacts."""
     frictions = [f"friction.{kind}={BALANCE.friction}" for kind in (*rig.MATING, "cam_rolling", "output_rolling")]
     load = f"load.torque_nm={rig.RATED_LOAD}"
-    design = reducer_of(FIXED, *frictions, *rig.without_gravity(), load, "drive.speed_rpm=1.0", *changes)
+    design = design_of_kind(FIXED, *frictions, *rig.without_gravity(), load, "drive.speed_rpm=1.0", *changes)
     reducer = Reducer(design)
     gear, springs = tooth_profile(design), springs_of(reducer, TURN)
     contact_loads, speed = loads(reducer, springs, rig.RATED_LOAD), design.drive.speed
-    turned = np.add.outer(TURN, phases(design))
-    velocity = speed * rotate(kinematics.gear_centre(gear, turned), np.pi / 2)
-    slow, pressed = speed / gear.lobes, np.linalg.norm(contact_loads.cam, axis=2)
-    driven = (
+    disc_angles = np.add.outer(TURN, phases(design))
+    velocity = speed * rotate(kinematics.gear_centre(gear, disc_angles), np.pi / 2)
+    disc_speed, cam_force = speed / gear.lobes, np.linalg.norm(contact_loads.cam, axis=2)
+    cam_power = (
         np.sum(contact_loads.cam * velocity, axis=(1, 2))
-        - BALANCE.friction * design.gear.bore_radius * pressed.sum(axis=1) * slow
+        - BALANCE.friction * design.gear.bore_radius * cam_force.sum(axis=1) * disc_speed
     )
     friction_power = BALANCE.friction * np.sum(
         np.concatenate([contact_loads.teeth, contact_loads.output], axis=1) * np.abs(springs.slip), axis=1
     )
-    lost = 1e3 * (rig.RATED_LOAD * slow + friction_power)
-    return [deviation(f"power through friction, {name}", 1e3 * driven, lost, "mW", "load and sliding", 0.1)]
+    expected_power = 1e3 * (rig.RATED_LOAD * disc_speed + friction_power)
+    return [
+        deviation(f"power through friction, {name}", 1e3 * cam_power, expected_power, "mW", "load and sliding", 0.1)
+    ]
 
 
 def fit_rows(bound: float, *changes: str) -> list[ValidationRow]:
-    """Compare the play of the best fit with the smallest exact gap of parts placed as it says."""
+    """Compare the smallest clearance of the best fit with the smallest exact gap of parts placed accordingly."""
     design = design_with_errors(FIXED, *WIDE_CLEARANCES, *changes)
     reducer = Reducer(design)
     fit = best_fit(reducer, BALANCE.crank)
-    seen, z = in_ring_frame(reducer, BALANCE.crank, fit.shift, fit.gear_turn, fit.output_turn)
-    cams = design.clearance.cam - np.linalg.norm(cam_offsets(reducer, seen, z), axis=1)
-    least = np.array([min(*cams, *exact_gaps(reducer, seen, z))])
+    relative_angle, unknowns = in_ring_frame(reducer, BALANCE.crank, fit.shift, fit.gear_turn, fit.output_turn)
+    cams = design.clearance.cam - np.linalg.norm(cam_offsets(reducer, relative_angle, unknowns), axis=1)
+    min_gap = np.array([min(*cams, *exact_gaps(reducer, relative_angle, unknowns))])
     name = ", ".join(("least gap of the best fit", FIXED, *changes))
-    return [deviation(name, 1e6 * np.array([fit.room]), 1e6 * least, "um", "exact curves", bound)]
+    return [deviation(name, 1e6 * np.array([fit.room]), 1e6 * min_gap, "um", "exact curves", bound)]
 
 
 def shifted_pin_rows(bound: float, *changes: str) -> list[ValidationRow]:
@@ -201,17 +220,19 @@ def shifted_pin_rows(bound: float, *changes: str) -> list[ValidationRow]:
     design = design_with_errors(FREE, "clearance.pin_gear_um=0.5", "clearance.pin_socket_um=4.0", *changes)
     reducer = Reducer(design)
     fit, teeth = best_fit(reducer, BALANCE.crank), design.ring.teeth
-    seen, z = in_ring_frame(reducer, BALANCE.crank, fit.shift, fit.gear_turn, fit.output_turn)
-    moved = np.any(fit.pin_shift, axis=1)
-    of_discs = exact_gaps(reducer, seen, z, fit.pin_shift)[: design.gear.discs * teeth].reshape(-1, teeth)
-    ahead = of_discs.min(axis=0)[moved]
-    behind = (design.pin_play - deviations(design).pin_radius - np.linalg.norm(fit.pin_shift, axis=1))[moved]
+    relative_angle, unknowns = in_ring_frame(reducer, BALANCE.crank, fit.shift, fit.gear_turn, fit.output_turn)
+    is_shifted = np.any(fit.pin_shift, axis=1)
+    disc_gaps = exact_gaps(reducer, relative_angle, unknowns, fit.pin_shift)[: design.gear.discs * teeth].reshape(
+        -1, teeth
+    )
+    front_gaps = disc_gaps.min(axis=0)[is_shifted]
+    seat_gaps = (design.pin_play - deviations(design).pin_radius - np.linalg.norm(fit.pin_shift, axis=1))[is_shifted]
     name = ", ".join(("free pins between disc and socket", *changes))
-    return [deviation(name, 1e6 * ahead, 1e6 * behind, "um", "exact curves", bound)]
+    return [deviation(name, 1e6 * front_gaps, 1e6 * seat_gaps, "um", "exact curves", bound)]
 
 
 def stop_rows(kind: str) -> list[ValidationRow]:
-    """Compare the stops of rigid parts with the rotation of very stiff parts under a small torque, in both directions.
+    """Compare the stops of rigid parts (linear programme) with very stiff parts under a small torque both ways.
 
     Moving pins are replaced by fixed pins with the clearances added, which is equivalent for rigid parts.
     """
@@ -219,13 +240,15 @@ def stop_rows(kind: str) -> list[ValidationRow]:
     variant = design
     if kind == FREE:
         design = rig.with_changes(Reducer(design), "errors.pin_radius_um=0.0").design
-        play = design.clearance.pin_gear + design.clearance.pin_socket
-        variant = rig.with_changes(Reducer(design), 'ring.pins="fixed"', f"clearance.pin_gear_um={1e6 * play!r}").design
-    ours = 1e6 * np.array(stops(Reducer(design), BALANCE.crank))
+        total_clearance = design.clearance.pin_gear + design.clearance.pin_socket
+        variant = rig.with_changes(
+            Reducer(design), 'ring.pins="fixed"', f"clearance.pin_gear_um={1e6 * total_clearance!r}"
+        ).design
+    stop_angles = 1e6 * np.array(stops(Reducer(design), BALANCE.crank))
     stiffness = dict.fromkeys(design.pair_kinds, 1e11)
     loaded = [rig.with_changes(Reducer(variant), f"load.torque_nm={torque}") for torque in (-1.0, 1.0)]
-    solved = 1e6 * np.array([equilibrium.solve(each, stiffness, BALANCE.crank).output_turn for each in loaded])
-    return [deviation(f"stops of the output, {kind}", ours, solved, "urad", SEARCH, 0.35)]
+    loaded_angles = 1e6 * np.array([equilibrium.solve(drive, stiffness, BALANCE.crank).output_turn for drive in loaded])
+    return [deviation(f"stops of the output, {kind}", stop_angles, loaded_angles, "urad", SEARCH, 0.35)]
 
 
 WITH_FRICTION: tuple[Callable[[], list[ValidationRow]], ...] = (

@@ -26,7 +26,7 @@ from cycloid_mj.statics import loads, springs_of
 from cycloid_mj.statics.friction import ideal_losses
 from cycloid_mj.validate import rig
 from cycloid_mj.validate.backlash import turn_to_stop
-from cycloid_mj.validate.rig import FIXED, reducer_of
+from cycloid_mj.validate.rig import FIXED, design_of_kind
 
 
 @dataclass(frozen=True)
@@ -89,35 +89,42 @@ WANG = (Wang(141.0, 8.5, 0.8441, 100.0, 13.2, 0.8947, 0.5e-4), Wang(141.0, 7.7, 
 
 
 def hertz_rows(quick: bool) -> list[ValidationRow]:
-    """Compare Hertz stresses with those printed by Krol et al."""
+    """Compare the Hertz stresses of three variants with those printed by Krol et al. 2019."""
     rows = []
     for number, case in enumerate(KROL, start=1):
         source, unit = f"Krol et al. 2019, variant {number}", "MPa"
-        for name, ours, printed in zip(
+        for name, computed, printed in zip(
             ("lobe", "valley", "output sleeve"), krol_stresses(case), (case.lobe, case.pit, case.sleeve), strict=True
         ):
-            rows.append(absolute(f"Hertz stress, {name}", ours / 1e6, printed, unit, source, case.rounded))
+            rows.append(absolute(f"Hertz stress, {name}", computed / 1e6, printed, unit, source, case.rounded))
     return rows
 
 
-def printed_rows(quick: bool) -> list[ValidationRow]:
-    """Compare the backlash of the printed drive: simulated, by the linear programme, and measured."""
+def printed_drive_rows(quick: bool) -> list[ValidationRow]:
+    """Compare the backlash of the 3-D printed drive: simulated, by linear programme, and measured by its builder."""
     design = rig.with_changes(Reducer(PRESETS["printed"]), *rig.without_friction(), *rig.without_gravity())
     # torques that press the output against a stop [N m]
     compiled, (small, large) = build(design.design), (0.1, 0.2)
-    near, far = (
+    small_torque_turn, large_torque_turn = (
         turn_to_stop(compiled, torque, names.OUTPUT_JOINT) - turn_to_stop(compiled, -torque, names.OUTPUT_JOINT)
         for torque in (small, large)
     )
-    simulated = near - (far - near) * small / (large - small)
-    low, high = limits.stops(design, 0.0)
-    period = 2.0 * np.pi / design.design.ring.teeth * np.arange(8) / 8
-    drawn = np.mean([np.ptp(limits.stops(design, float(crank), sides=180)) for crank in period])
+    simulated = small_torque_turn - (large_torque_turn - small_torque_turn) * small / (large - small)
+    min_angle, max_angle = limits.stops(design, 0.0)
+    crank_angles = 2.0 * np.pi / design.design.ring.teeth * np.arange(8) / 8
+    mean_turn = np.mean([np.ptp(limits.stops(design, float(crank), sides=180)) for crank in crank_angles])
     name = "backlash of a printed drive"
     clearances = "nominal clearances; printed parts have about twice as much"
     return [
-        relative(name, math.degrees(simulated), math.degrees(high - low), "deg", "rigid parts: linear programme", 0.5),
-        relative(name, math.degrees(drawn), 1.24, "deg", "JelmerV, bench", None, clearances),
+        relative(
+            name,
+            math.degrees(simulated),
+            math.degrees(max_angle - min_angle),
+            "deg",
+            "rigid parts: linear programme",
+            0.5,
+        ),
+        relative(name, math.degrees(mean_turn), 1.24, "deg", "JelmerV, bench", None, clearances),
     ]
 
 
@@ -125,19 +132,19 @@ KUBAKOS = "kubakos/cycloid-drive-generator, recomputed"
 
 
 def two_disc_rows(quick: bool) -> list[ValidationRow]:
-    """Compare the statics of the preset ``twodisc`` with its published calculation, which takes ideal sharing.
+    """Compare the statics of the preset ``twodisc`` with its published calculation, which assumes ideal sharing.
 
     The contacts here are equally stiff, without clearance and friction, on rigid cams, at a hundredth of the load, so
     that the contact points stay those of the ideal parts.
     """
-    still = {"gravity_x": 0.0, "gravity_y": 0.0}
+    no_gravity = {"gravity_x": 0.0, "gravity_y": 0.0}
     pairs = ("pin_gear", "cam", "output")
     design = PRESETS["twodisc"].but(
         structure="rigid",
         clearance=dict.fromkeys(pairs, 1e-12),
         stiffness={"pin_gear": 1e8, "output": 1e8, "cam": 1e12},
         contact={"stiffness_law": "uniform"},
-        environment=still,
+        environment=no_gravity,
         drive={"speed": 0.0},
     )
     reducer = Reducer(design)
@@ -150,11 +157,14 @@ def two_disc_rows(quick: bool) -> list[ValidationRow]:
         ("largest force of a cam", cam.max(), 2460.0),
         ("smallest force of a cam", cam.min(), 1967.0),
     )
-    return [relative(f"{what}, two discs", float(ours), stated, "N", KUBAKOS, 0.5) for what, ours, stated in values]
+    return [
+        relative(f"{quantity}, two discs", float(computed), published, "N", KUBAKOS, 0.5)
+        for quantity, computed, published in values
+    ]
 
 
 def krol_stresses(case: KrolVariant) -> tuple[float, float, float]:
-    """Compute the stresses [Pa] at the lobe's tip, in the valley and on a sleeve."""
+    """Compute Hertz's peak pressure [Pa] at the lobe's tip, in the valley and on an output sleeve of a variant."""
     lobes, pins = case.pins - 1, case.pins
     e, rho, width = 1e-3 * case.eccentricity, 1e-3 * case.pin_radius, 1e-3 * case.width
     gear = CycloidGear(pins, e, e * pins / case.shortening, rho)
@@ -178,25 +188,35 @@ def efficiency_rows(quick: bool) -> list[ValidationRow]:
     case = WANG[0]
     formula = 100.0 * mesh_efficiency(case) * output_efficiency(case)
     ideal, ideal_design = wang_run(case, True, quick)
-    real, real_design = wang_run(case, False, quick)
-    closed = 100.0 / (1.0 + sum(ideal_losses(Reducer(ideal_design), ideal["crank_angle"], case.mesh_friction)))
-    ours, built = 100.0 * mean_powers(ideal).efficiency, 100.0 * mean_powers(real).efficiency
-    logged, rubbed = friction_by_force(real, Reducer(real_design)), float(np.mean(real["pin_gear_friction_power"]))
+    as_built, as_built_design = wang_run(case, False, quick)
+    closed_form = 100.0 / (1.0 + sum(ideal_losses(Reducer(ideal_design), ideal["crank_angle"], case.mesh_friction)))
+    ideal_efficiency, real_efficiency = 100.0 * mean_powers(ideal).efficiency, 100.0 * mean_powers(as_built).efficiency
+    expected_power, simulated_power = (
+        coulomb_friction_power(as_built, Reducer(as_built_design)),
+        float(np.mean(as_built["pin_gear_friction_power"])),
+    )
     return [
         *printed,
         absolute(
             "efficiency, simulated, ideal",
-            ours,
+            ideal_efficiency,
             formula,
             "%",
             "Wang et al. 2016",
             None,
             "the formula neglects the moment of friction on the disc, which increases the tooth forces: see next row",
         ),
-        absolute("efficiency, simulated, ideal", ours, closed, "%", "the same with the moment of friction", 0.2),
+        absolute(
+            "efficiency, simulated, ideal",
+            ideal_efficiency,
+            closed_form,
+            "%",
+            "the same with the moment of friction",
+            0.2,
+        ),
         absolute(
             "efficiency, simulated, as built",
-            built,
+            real_efficiency,
             formula,
             "%",
             "Wang et al. 2016",
@@ -204,7 +224,14 @@ def efficiency_rows(quick: bool) -> list[ValidationRow]:
             "1 um of clearance and the compliance of the cam displace the disc: pins far from the pitch point, which "
             "slide fastest, carry more; the next row has the loss of these forces",
         ),
-        relative("friction power of the mesh, as built", rubbed, logged, "W", "mu w sum F (l - rho)/(N-1)", 0.45),
+        relative(
+            "friction power of the mesh, as built",
+            simulated_power,
+            expected_power,
+            "W",
+            "mu w sum F (l - rho)/(N-1)",
+            0.45,
+        ),
     ]
 
 
@@ -235,24 +262,29 @@ def wang_run(case: Wang, ideal: bool, quick: bool) -> tuple[Run, Design]:
     """
     design = wang_design(case, ideal)
     periods = 8 if quick else case.pins
-    settled = 0.012
-    hold = settled + periods * 60.0 / (case.speed_rpm * case.pins)
-    design = rig.with_changes(Reducer(design), f"drive.hold_s={hold!r}").design
+    settling_time = 0.012
+    hold_time = settling_time + periods * 60.0 / (case.speed_rpm * case.pins)
+    design = rig.with_changes(Reducer(design), f"drive.hold_s={hold_time!r}").design
     compiled = build(design)
     if ideal:
         rig.stiffen_cam(compiled, case.cam_stiffness)
     run = simulate(design, compiled)
-    return run.select(run.time >= settled), design
+    return run.select(run.time >= settling_time), design
 
 
 def wang_design(case: Wang, ideal: bool) -> Design:
-    """Return a design of Wang's proportions with fixed pins; rollers on the output pins act as less friction."""
+    """Return a design of the proportions of Wang, Luo and Su 2016 with fixed pins; `ideal` as in `wang_run`.
+
+    Rollers on the output pins act as less friction.
+    """
     eccentricity = case.shortening * case.pin_circle / 2.0 / case.pins
-    sleeve = case.output_pin / 2.0 + case.sleeve_wall
-    rolled = case.sleeve_friction * case.output_pin / (2.0 * sleeve)
+    sleeve_radius = case.output_pin / 2.0 + case.sleeve_wall
+    roller_friction = case.sleeve_friction * case.output_pin / (2.0 * sleeve_radius)
     # the automatic step ignores the stiffness of the cam, which is set in the compiled model only
-    close = [*rig.clearances(1e-3), 'contact.stiffness_law="uniform"', "settings.timestep_us=2.0"] if ideal else []
-    return reducer_of(
+    ideal_changes = (
+        [*rig.clearances(1e-3), 'contact.stiffness_law="uniform"', "settings.timestep_us=2.0"] if ideal else []
+    )
+    return design_of_kind(
         FIXED,
         f"ring.teeth={case.pins}",
         f"ring.pin_circle_radius_mm={case.pin_circle / 2.0!r}",
@@ -260,12 +292,12 @@ def wang_design(case: Wang, ideal: bool) -> Design:
         f"gear.eccentricity_mm={eccentricity!r}",
         "gear.bore_radius_mm=30.0",
         f"output.pin_circle_radius_mm={case.hole_circle / 2.0!r}",
-        f"output.pin_radius_mm={sleeve!r}",
-        f"output.hole_radius_mm={sleeve + eccentricity!r}",
+        f"output.pin_radius_mm={sleeve_radius!r}",
+        f"output.hole_radius_mm={sleeve_radius + eccentricity!r}",
         "housing.outer_radius_mm=80.0",
         "shaft.counterweight_radius_mm=45.0",
         f"friction.pin_gear={case.mesh_friction}",
-        f"friction.output_rolling={rolled!r}",
+        f"friction.output_rolling={roller_friction!r}",
         # The formula has separate factors for the bearings.
         "friction.cam_rolling=0.0",
         f"drive.speed_rpm={case.speed_rpm}",
@@ -273,17 +305,17 @@ def wang_design(case: Wang, ideal: bool) -> Design:
         # Contacts of this force slide with full friction.
         "contact.working_force_n=400.0",
         "settings.log_rate_hz=20000.0",
-        *close,
+        *ideal_changes,
     )
 
 
-def friction_by_force(run: Run, reducer: Reducer) -> float:
+def coulomb_friction_power(run: Run, reducer: Reducer) -> float:
     """Compute the friction power of the mesh [W] by Coulomb's law from the logged normal forces."""
     design = reducer.design
     gear = tooth_profile(design)
-    B = profile.pin_angles(gear) + run["crank_angle"][:, np.newaxis]
-    inward = -profile.unit(profile.pin_angles(gear) - profile.conjugate_alpha(gear, B))
+    phase = profile.pin_angles(gear) + run["crank_angle"][:, np.newaxis]
+    inward = -profile.unit(profile.pin_angles(gear) - profile.conjugate_alpha(gear, phase))
     normal = np.sum(run.forces(design.tooth_pair) * inward, axis=-1)
-    reach = profile.pitch_distance(gear, B) - gear.pin_radius
+    sliding_radius = profile.pitch_distance(gear, phase) - gear.pin_radius
     speed = design.drive.speed / gear.lobes
-    return float(design.friction.pin_gear * speed * np.mean(np.sum(normal * reach, axis=1)))
+    return float(design.friction.pin_gear * speed * np.mean(np.sum(normal * sliding_radius, axis=1)))

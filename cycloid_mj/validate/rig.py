@@ -30,7 +30,7 @@ _RING = {f"{kind} pins": ("pin", f'ring.pins="{kind}"') for kind in ("fixed", "f
 _RING |= {NONPIN: ("nonpin", "ring.teeth=36")}
 
 
-def reducer_of(kind: str, *changes: str) -> Design:
+def design_of_kind(kind: str, *changes: str) -> Design:
     """Return the paper's design with a kind of ring and ``table.key=value`` changes, without a ramp."""
     preset, ring = _RING[kind]
     return override(PRESETS[preset], [ring, "drive.ramp_s=0.0", *changes])
@@ -59,8 +59,8 @@ def clearances(value_um: float) -> list[str]:
 def stiffen_cam(compiled: ReducerModel, stiffness: float) -> None:
     """Change the cam's stiffness [N/m] in a compiled model, with the damping and added mass that go with it."""
     model = compiled.model
-    gear = float(model.body("gear").mass[0])
-    law = contact_law(stiffness, 0.5, gear, 0.0, 0.0, float(model.opt.timestep))
+    disc_mass = float(model.body("gear").mass[0])
+    law = contact_law(stiffness, 0.5, disc_mass, 0.0, 0.0, float(model.opt.timestep))
     pair = next(pair for pair in compiled.pairs if pair.kind == "cam")
     parameters = solver_parameters(law, inverse_weight(model, pair.on, pair.by))
     number = model.pair(pair.name).id
@@ -79,12 +79,20 @@ def inverse_weight(model: Any, *geoms: str) -> float:
 
 def rated_design(kind: str, *changes: str) -> Design:
     """Return a kind of reducer at rated load."""
-    return reducer_of(kind, f"load.torque_nm={RATED_LOAD}", *changes)
+    return design_of_kind(kind, f"load.torque_nm={RATED_LOAD}", *changes)
 
 
 def rated_run(kind: str, rpm: float, periods: int, *changes: str) -> tuple[Run, Design]:
-    """Simulate at rated load; return the settled samples over full mesh periods, and the design."""
-    design = reducer_of(
+    """Simulate the paper's reducer with a kind of ring at rated load and a crank speed [rpm].
+
+    Returns
+    -------
+    run
+        The settled samples over `periods` mesh periods.
+    design
+        The design.
+    """
+    design = design_of_kind(
         kind,
         f"drive.speed_rpm={rpm!r}",
         f"load.torque_nm={RATED_LOAD}",
@@ -96,6 +104,6 @@ def rated_run(kind: str, rpm: float, periods: int, *changes: str) -> tuple[Run, 
     return run.select(run.time >= SETTLED), design
 
 
-def lengths(vectors: Array) -> Array:
+def vector_lengths(vectors: Array) -> Array:
     """Compute the lengths of vectors (..., 2), shape (...)."""
     return np.hypot(vectors[..., 0], vectors[..., 1])

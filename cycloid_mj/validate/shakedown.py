@@ -17,14 +17,16 @@ def rows(quick: bool) -> list[ValidationRow]:
     largest value is k at shakedown. By Johnson it is 0.25 p0 at (0.87, 0.50) half widths, and the load 1.66 times that
     of first yield (Contact Mechanics, 1985, 9.2, Eqs 9.5 and 9.6); yield by von Mises with Poisson's ratio 0.3.
     """
-    largest = minimize(_minus_shear, np.array([0.8, 0.5]), method="Nelder-Mead", tol=1e-10)
+    shear_minimum = minimize(_minus_shear, np.array([0.8, 0.5]), method="Nelder-Mead", tol=1e-10)
     source = "Johnson, Contact Mechanics (1985), 9.2"
-    limit = 1.0 / -largest.fun
+    shakedown_limit = 1.0 / -shear_minimum.fun
     ratio = (SHAKEDOWN_PRESSURE / YIELD_PRESSURE) ** 2
     return [
-        relative("shakedown of a rolling line, p0/k, from the field", limit, 4.0, "1", source, 1.0),
-        relative("position of the largest orthogonal shear, x/a", abs(largest.x[0]), 0.87, "1", source, 1.0),
-        relative("shakedown, p0/k, in use", SHAKEDOWN_PRESSURE * math.sqrt(3.0), limit, "1", "the field above", 1.0),
+        relative("shakedown of a rolling line, p0/k, from the field", shakedown_limit, 4.0, "1", source, 1.0),
+        relative("position of the largest orthogonal shear, x/a", abs(shear_minimum.x[0]), 0.87, "1", source, 1.0),
+        relative(
+            "shakedown, p0/k, in use", SHAKEDOWN_PRESSURE * math.sqrt(3.0), shakedown_limit, "1", "the field above", 1.0
+        ),
         relative("load at shakedown over that at first yield", ratio, 1.66, "1", source, 1.0),
     ]
 

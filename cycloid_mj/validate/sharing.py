@@ -21,7 +21,7 @@ from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate import equilibrium, rig
 from cycloid_mj.validate.gaps import GearPose, offset_root, trochoid_distance
-from cycloid_mj.validate.rig import NONPIN, RATED_LOAD, reducer_of
+from cycloid_mj.validate.rig import NONPIN, RATED_LOAD, design_of_kind
 
 IDEAL = [
     *rig.without_friction(),
@@ -57,11 +57,11 @@ SHARING = SharingBounds()
 
 
 def ideal_rows(kind: str, quick: bool) -> list[ValidationRow]:
-    """Compare the tooth forces of a kind of ring with F_i = T l_i / sum l^2."""
-    separate = kind == NONPIN
-    source = "T l/sum l^2 over arcs and Sigma" if separate else "T l/sum l^2"
-    note = "each contact line is a separate spring, as in the formula" if separate else ""
-    return [_ideal_row(kind, ideal_forces, separate, f"ideal forces of the teeth, {kind}", source, note, quick)]
+    """Compare the tooth forces of an ideal reducer with a kind of ring with F_i = T l_i / sum l^2."""
+    separate_lines = kind == NONPIN
+    source = "T l/sum l^2 over arcs and Sigma" if separate_lines else "T l/sum l^2"
+    note = "each contact line is a separate spring, as in the formula" if separate_lines else ""
+    return [_ideal_row(kind, ideal_forces, separate_lines, f"ideal forces of the teeth, {kind}", source, note, quick)]
 
 
 def patch_rows(quick: bool) -> list[ValidationRow]:
@@ -74,89 +74,116 @@ def patch_rows(quick: bool) -> list[ValidationRow]:
 def _ideal_row(
     kind: str,
     reference: Callable[[Reducer, float], Array],
-    separate: bool,
+    separate_lines: bool,
     quantity: str,
     source: str,
     note: str,
     quick: bool,
 ) -> ValidationRow:
-    """Compare tooth forces of an ideal reducer with a reference, sample by sample."""
-    design = _slow(Reducer(reducer_of(kind, *IDEAL)), 100.0 if quick else 40.0)
-    run = settled_run(design, SHARING.stiff_cam, separate)
-    ideal = np.stack([reference(design, crank) for crank in run["crank_angle"]])
-    return deviation(quantity, run.forces(design.design.tooth_pair), ideal, "N", source, SHARING.ideal, note)
+    """Compare the simulated tooth forces of an ideal reducer with a reference, sample by sample.
+
+    Parameters
+    ----------
+    kind
+        Kind of ring.
+    reference
+        Function from reducer and crank angle [rad] to the forces [N], shape (N, 2).
+    separate_lines
+        Whether each contact line is a spring of its own.
+    quantity, source, note
+        Texts of the row.
+    quick
+        Whether the crank turns faster, for a shorter run.
+    """
+    design = _at_slow_speed(Reducer(design_of_kind(kind, *IDEAL)), 100.0 if quick else 40.0)
+    run = settled_run(design, SHARING.stiff_cam, separate_lines)
+    expected = np.stack([reference(design, crank) for crank in run["crank_angle"]])
+    return deviation(quantity, run.forces(design.design.tooth_pair), expected, "N", source, SHARING.ideal, note)
 
 
 def ideal_forces(reducer: Reducer, crank: float) -> Array:
     """Compute the ideal forces of ring pins or ring lobes on the disc [N], shape (N, 2)."""
     design = reducer.design
     gear, torque = tooth_profile(design), design.load.torque
-    lobes, normals, _ = _ideal_contacts(reducer, crank)
-    share = (
+    indices, normals, _ = _ideal_contacts(reducer, crank)
+    sharing_law = (
         ideal_loads.ideal_internal_gear_load_sharing if design.ring.kind == "nonpin" else ideal_loads.ideal_load_sharing
     )
-    return _by_lobe(gear, lobes, share(gear, torque, crank).forces, normals)
+    return _sum_by_lobe(gear, indices, sharing_law(gear, torque, crank).forces, normals)
 
 
 def patch_forces(reducer: Reducer, crank: float) -> Array:
-    """Compute the forces [N], shape (N, 2), of an ideal nonpin mesh whose nearby contact lines share springs."""
+    """Compute the forces [N], shape (N, 2), of an ideal internal gear whose nearby contact lines share springs."""
     gear = reducer.tooth_profile
-    lobes, normals, B = _ideal_contacts(reducer, crank)
-    root = np.sqrt(_patch_weights(reducer, crank))
+    indices, normals, B = _ideal_contacts(reducer, crank)
+    weight_roots = np.sqrt(_patch_weights(reducer, crank))
     # w l / sum w l^2 is root(w) times the share of an arm root(w) l.
-    magnitudes = root * ideal_loads.share_load(root * profile.moment_arm(gear, B), reducer.design.load.torque)
-    return _by_lobe(gear, lobes, magnitudes, normals)
+    magnitudes = weight_roots * ideal_loads.share_load(
+        weight_roots * profile.moment_arm(gear, B), reducer.design.load.torque
+    )
+    return _sum_by_lobe(gear, indices, magnitudes, normals)
 
 
 def clearance_rows(kind: str, quick: bool) -> list[ValidationRow]:
-    """Compare the design with its clearances with the independent static solution."""
-    free = [*rig.without_friction(), *rig.without_gravity(), f"load.torque_nm={RATED_LOAD}", "settings.timestep_us=2.0"]
-    rows = _solved_rows(Reducer(reducer_of(kind, *free)), kind, None, quick)
+    """Compare the tooth forces, disc rotation and cam force of the real design with an independent static solution."""
+    changes = [
+        *rig.without_friction(),
+        *rig.without_gravity(),
+        f"load.torque_nm={RATED_LOAD}",
+        "settings.timestep_us=2.0",
+    ]
+    rows = _solved_rows(Reducer(design_of_kind(kind, *changes)), kind, None, quick)
     if kind == NONPIN:
-        close = reducer_of(kind, *free, *rig.clearances(SHARING.small_clearance))
+        small_clearance = design_of_kind(kind, *changes, *rig.clearances(SHARING.small_clearance))
         rows += _solved_rows(
-            Reducer(close), f"{kind}, {SHARING.small_clearance:g} um, stiff cam", SHARING.stiff_cam / 2, quick
+            Reducer(small_clearance), f"{kind}, {SHARING.small_clearance:g} um, stiff cam", SHARING.stiff_cam / 2, quick
         )
     return rows
 
 
-def _solved_rows(reducer: Reducer, name: str, cam: float | None, quick: bool) -> list[ValidationRow]:
-    """Compare forces, rotation and cam load of a settled run with the independent static solution."""
-    slow = _slow(reducer, 200.0 if quick else 100.0)
-    run = settled_run(slow, cam, False)
-    stiffness = {kind: law.stiffness for kind, law in build(slow.design).laws.items()}
-    stiffness["cam"] = cam or stiffness["cam"]
+def _solved_rows(reducer: Reducer, name: str, cam_stiffness: float | None, quick: bool) -> list[ValidationRow]:
+    """Compare tooth forces, disc rotation and cam force of a settled run with the independent static solution."""
+    slow_drive = _at_slow_speed(reducer, 200.0 if quick else 100.0)
+    run = settled_run(slow_drive, cam_stiffness, False)
+    stiffness = {kind: law.stiffness for kind, law in build(slow_drive.design).laws.items()}
+    stiffness["cam"] = cam_stiffness or stiffness["cam"]
     samples = np.linspace(0, len(run) - 1, 2 if quick else 5).astype(int)
-    solved: list[equilibrium.Equilibrium] = []
+    equilibria: list[equilibrium.Equilibrium] = []
     for crank in run["crank_angle"][samples]:
-        solved.append(equilibrium.solve(slow, stiffness, float(crank), solved[-1] if solved else None))
-    ring, ideal_ring = (
-        run.forces(slow.design.tooth_pair)[samples],
-        np.stack([solution.ring_forces for solution in solved]),
+        equilibria.append(
+            equilibrium.solve(slow_drive, stiffness, float(crank), equilibria[-1] if equilibria else None)
+        )
+    tooth_forces, expected_forces = (
+        run.forces(slow_drive.design.tooth_pair)[samples],
+        np.stack([solution.ring_forces for solution in equilibria]),
     )
-    cam_load, ideal_cam = run.forces("cam")[samples, 0], np.stack([solution.cam_force for solution in solved])
-    turn = (run["gear_angle"] + run["crank_angle"] / slow.design.lobes)[samples]
-    ideal_turn = np.array([solution.gear_turn for solution in solved])
+    cam_load, expected_cam = run.forces("cam")[samples, 0], np.stack([solution.cam_force for solution in equilibria])
+    rotation = (run["gear_angle"] + run["crank_angle"] / slow_drive.design.lobes)[samples]
+    expected_rotation = np.array([solution.gear_turn for solution in equilibria])
     source = "static solution by scipy"
     return [
-        deviation(f"forces of the teeth, {name}", ring, ideal_ring, "N", source, SHARING.force),
-        deviation(f"turn of the gear, {name}", 1e6 * turn, 1e6 * ideal_turn, "urad", source, SHARING.turn),
-        deviation(f"load of the cam, {name}", cam_load, ideal_cam, "N", source, SHARING.cam),
+        deviation(f"forces of the teeth, {name}", tooth_forces, expected_forces, "N", source, SHARING.force),
+        deviation(f"turn of the gear, {name}", 1e6 * rotation, 1e6 * expected_rotation, "urad", source, SHARING.turn),
+        deviation(f"load of the cam, {name}", cam_load, expected_cam, "N", source, SHARING.cam),
     ]
 
 
-def settled_run(reducer: Reducer, cam: float | None, separate: bool) -> Run:
-    """Simulate a design; return its samples under full load. `cam` [N/m] replaces the stiffness of the cam."""
+def settled_run(reducer: Reducer, cam_stiffness: float | None, separate_lines: bool) -> Run:
+    """Simulate a design; return its samples under full load.
+
+    `cam_stiffness` [N/m] replaces the stiffness of the cam; with `separate_lines` each contact line is a spring of its
+    own.
+    """
     compiled = build(reducer.design)
-    if cam is not None:
-        rig.stiffen_cam(compiled, cam)
-    if separate:
+    if cam_stiffness is not None:
+        rig.stiffen_cam(compiled, cam_stiffness)
+    if separate_lines:
         rig.separate_patches(compiled)
     run = simulate(reducer.design, compiled)
     return run.select(run.time > SHARING.settled)
 
 
-def _slow(reducer: Reducer, rpm: float) -> Reducer:
+def _at_slow_speed(reducer: Reducer, rpm: float) -> Reducer:
     """Return the design at a crank speed [rpm], running for one mesh period after it has settled."""
     hold = SHARING.settled + 60.0 / (rpm * reducer.design.ring.teeth)
     changes = [f"drive.speed_rpm={rpm!r}", f"drive.hold_s={hold!r}", "load.rise_s=0.004", "settings.log_rate_hz=2500.0"]
@@ -164,42 +191,46 @@ def _slow(reducer: Reducer, rpm: float) -> Reducer:
 
 
 def _ideal_contacts(reducer: Reducer, crank: float) -> tuple[Integers, Array, Array]:
-    """Compute the contacts of the ideal mesh: index of the ring lobe, normal of the ring, and phase B."""
+    """Compute the contacts of the ideal mesh: index of the ring lobe, normal of the ring, and phase B [rad]."""
     gear = reducer.tooth_profile
-    arcs = envelope.arc_contacts(gear, crank)
+    arc_contacts = envelope.arc_contacts(gear, crank)
     if reducer.design.ring.kind == "pin":
-        return arcs.lobe, arcs.normals, arcs.B
-    roots = envelope.sigma_contacts(gear, crank)
-    lobes = np.concatenate([arcs.lobe, _owner(gear, roots)])
-    return lobes, np.concatenate([arcs.normals, roots.normals]), np.concatenate([arcs.B, roots.B])
+        return arc_contacts.lobe, arc_contacts.normals, arc_contacts.B
+    root_contacts = envelope.sigma_contacts(gear, crank)
+    lobes = np.concatenate([arc_contacts.lobe, _lobe_of_roots(gear, root_contacts)])
+    return (
+        lobes,
+        np.concatenate([arc_contacts.normals, root_contacts.normals]),
+        np.concatenate([arc_contacts.B, root_contacts.B]),
+    )
 
 
-def _owner(gear: CycloidGear, roots: envelope.RingContacts) -> Integers:
+def _lobe_of_roots(gear: CycloidGear, roots: envelope.RingContacts) -> Integers:
     """Return the ring lobe of each root contact; the half beyond B = pi belongs to the next, counter-clockwise."""
     return (roots.lobe - np.greater(roots.B, np.pi)) % gear.ring_teeth
 
 
 def _patch_weights(reducer: Reducer, crank: float) -> Array:
-    """Compute the share of a full spring of each contact of the ideal nonpin mesh, arcs first.
+    """Compute the share of a full spring of each contact of the ideal internal gear, arcs first.
 
     The separation of a root line and the arc of its lobe is the gap half-way between them, in working deflections.
     """
     design = reducer.design
     gear = tooth_profile(design)
-    roots, low = envelope.sigma_contacts(gear, crank), gear.best_phase
+    roots, min_phase = envelope.sigma_contacts(gear, crank), gear.best_phase
     pose = GearPose(gear.eccentricity * profile.unit(-crank), -crank / gear.lobes)
     deflection = design.contact.working_force / design.contact.stiffness
-    middle = (roots.B + np.where(np.greater(roots.B, np.pi), 2 * np.pi - low, low)) / 2
-    arcs, owners = np.ones(gear.ring_teeth), np.empty(roots.B.size)
-    for index, (root, owner) in enumerate(zip(roots.lobe, _owner(gear, roots), strict=True)):
-        half_way = offset_root(gear, int(root), middle[index : index + 1])
-        rise = trochoid_distance(gear, pose.to_gear(half_way))[0][0]
-        owners[index] = (1.0 + min(1.0, rise / deflection)) / 2.0
-        arcs[owner] *= owners[index]
-    return np.concatenate([arcs, owners])
+    mid_phases = (roots.B + np.where(np.greater(roots.B, np.pi), 2 * np.pi - min_phase, min_phase)) / 2
+    arc_weights, root_weights = np.ones(gear.ring_teeth), np.empty(roots.B.size)
+    for index, (root, lobe) in enumerate(zip(roots.lobe, _lobe_of_roots(gear, roots), strict=True)):
+        mid_point = offset_root(gear, int(root), mid_phases[index : index + 1])
+        mid_gap = trochoid_distance(gear, pose.to_gear(mid_point))[0][0]
+        root_weights[index] = (1.0 + min(1.0, mid_gap / deflection)) / 2.0
+        arc_weights[lobe] *= root_weights[index]
+    return np.concatenate([arc_weights, root_weights])
 
 
-def _by_lobe(gear: CycloidGear, lobes: Integers, magnitudes: Array, normals: Array) -> Array:
+def _sum_by_lobe(gear: CycloidGear, lobes: Integers, magnitudes: Array, normals: Array) -> Array:
     forces = np.zeros((gear.ring_teeth, 2))
     np.add.at(forces, lobes, magnitudes[:, np.newaxis] * normals)
     return forces

@@ -63,83 +63,89 @@ Study = Mapping[float, StepFigures | RunError]
 
 
 def rows(kind: str, quick: bool) -> list[ValidationRow]:
-    """Return the rows of a kind of ring."""
-    default = 1e6 * timestep(Reducer(rated_design(kind)))
-    shares = (0.5, 1.0) if quick else SHARES[_is_moving(kind)]
-    study = {share * default: _figures(kind, share * default, quick) for share in shares}
-    rows = judge_study(kind, study, default)
+    """Compare the figures of runs with several time steps for a kind of ring.
+
+    With massless pins, too, for free pins.
+    """
+    automatic_step = 1e6 * timestep(Reducer(rated_design(kind)))
+    shares = (0.5, 1.0) if quick else SHARES[_has_moving_pins(kind)]
+    figures_by_step = {share * automatic_step: _try_run(kind, share * automatic_step, quick) for share in shares}
+    rows = judge_study(kind, figures_by_step, automatic_step)
     if kind == FREE:
-        rows += massless_rows(study[default], quick)
-    return rows + light_rows(kind)
+        rows += massless_rows(figures_by_step[automatic_step], quick)
+    return rows + light_load_rows(kind)
 
 
-def light_rows(kind: str) -> list[ValidationRow]:
+def light_load_rows(kind: str) -> list[ValidationRow]:
     """Compare the automatic step under a light load with half of it."""
     load = f"load.torque_nm={LIGHT_LOAD}"
     step = 1e6 * timestep(Reducer(rated_design(kind, load)))
-    figures, finer = (_run(kind, 6, load, f"settings.timestep_us={share * step!r}") for share in (1.0, 0.5))
+    figures, finer = (_run_figures(kind, 6, load, f"settings.timestep_us={share * step!r}") for share in (1.0, 0.5))
     return _compare_figures(
         kind, f"{LIGHT_LOAD:g} N m, {step:.3g} us", figures, finer, f"{0.5 * step:.3g} us", LIGHT_LOAD_BOUNDS
     )
 
 
-def massless_rows(real: StepFigures | RunError, quick: bool) -> list[ValidationRow]:
+def massless_rows(real_pins: StepFigures | RunError, quick: bool) -> list[ValidationRow]:
     """Compare massless pins, at their own time step, with real free pins."""
-    if isinstance(real, RunError):
-        raise real
+    if isinstance(real_pins, RunError):
+        raise real_pins
     changes = 'ring.pins="massless"'
     step = 1e6 * timestep(Reducer(rated_design(FREE, changes)))
-    figures = _run(FREE, _periods(FREE, quick), changes)
-    return _compare_figures(FREE, f"massless, {step:g} us", figures, real, "real pins", MASSLESS_BOUNDS)
+    figures = _run_figures(FREE, _periods(FREE, quick), changes)
+    return _compare_figures(FREE, f"massless, {step:g} us", figures, real_pins, "real pins", MASSLESS_BOUNDS)
 
 
-def judge_study(kind: str, study: Study, default: float) -> list[ValidationRow]:
-    """Compare each step of a study with its shortest: all figures up to the `default` step [us], then the worst."""
-    finest = min(study)
-    reference = study[finest]
+def judge_study(kind: str, figures_by_step: Study, automatic_step: float) -> list[ValidationRow]:
+    """Compare each step of a study with its shortest: all figures up to the automatic step [us], then the worst."""
+    finest = min(figures_by_step)
+    reference = figures_by_step[finest]
     if isinstance(reference, RunError):
         raise reference
     rows = []
-    for step, figures in study.items():
+    for step, figures in figures_by_step.items():
         if step == finest:
             continue
         source = f"{finest:g} us"
         if isinstance(figures, RunError):
-            bound = BOUNDS.efficiency if step <= default else None
+            bound = BOUNDS.efficiency if step <= automatic_step else None
             rows.append(absolute(f"{kind}, {step:g} us", math.nan, math.nan, "", source, bound, str(figures)))
             continue
-        bounds = MOVING_BOUNDS if _is_moving(kind) else BOUNDS if step >= default else HALF_STEP_BOUNDS
-        compared = _compare_figures(kind, f"{step:g} us", figures, reference, source, bounds)
-        if step <= default:
-            rows += compared
+        bounds = MOVING_BOUNDS if _has_moving_pins(kind) else BOUNDS if step >= automatic_step else HALF_STEP_BOUNDS
+        step_rows = _compare_figures(kind, f"{step:g} us", figures, reference, source, bounds)
+        if step <= automatic_step:
+            rows += step_rows
         else:
-            worst = max(compared, key=lambda row: row.difference / (row.bound or math.inf))
+            worst = max(step_rows, key=lambda row: row.difference / (row.bound or math.inf))
             measured = replace(worst.measured, name=f"{worst.measured.name} (the worst of five)")
             rows.append(replace(worst, measured=measured, bound=None))
-    return [*rows, *_order_rows(kind, study)]
+    return [*rows, *_order_rows(kind, figures_by_step)]
 
 
 def observed_order(steps: tuple[float, float, float], values: tuple[float, float, float]) -> float:
-    """Solve for p in a + b h^p from the values at three increasing steps h; NaN if no p from 0.1 to 8 fits."""
+    """Solve for the order p in a + b h^p from the values at three increasing steps h, by Brent's method.
 
-    def excess(order: float) -> float:
+    NaN if no p from 0.1 to 8 fits.
+    """
+
+    def residual(order: float) -> float:
         powers = [step**order for step in steps]
         return (values[2] - values[0]) * (powers[1] - powers[0]) - (values[1] - values[0]) * (powers[2] - powers[0])
 
     low, high = 0.1, 8.0
-    return float(brentq(excess, low, high)) if excess(low) * excess(high) < 0.0 else math.nan
+    return float(brentq(residual, low, high)) if residual(low) * residual(high) < 0.0 else math.nan
 
 
-def _figures(kind: str, timestep_us: float, quick: bool) -> StepFigures | RunError:
+def _try_run(kind: str, timestep_us: float, quick: bool) -> StepFigures | RunError:
     """Simulate with one time step [us]; return the figures, or the error of a run that fails."""
     try:
-        return _run(kind, _periods(kind, quick), f"settings.timestep_us={timestep_us!r}")
+        return _run_figures(kind, _periods(kind, quick), f"settings.timestep_us={timestep_us!r}")
     except RunError as error:
         return error
 
 
-def _run(kind: str, periods: int, *changes: str) -> StepFigures:
-    """Simulate some mesh periods and return the figures."""
+def _run_figures(kind: str, periods: int, *changes: str) -> StepFigures:
+    """Simulate some mesh periods at rated load; return the figures that must not depend on the time step."""
     run, _ = rated_run(kind, 1640.0, periods, *changes)
     findings = analyze(run)
     cam = run.forces("cam")[:, 0]
@@ -157,28 +163,35 @@ def _periods(kind: str, quick: bool) -> int:
     return 12 if quick or kind == SLEEVED else PERIODS
 
 
-def _is_moving(kind: str) -> bool:
+def _has_moving_pins(kind: str) -> bool:
     return kind in (FREE, SLEEVED)
 
 
 def _compare_figures(
-    kind: str, which: str, figures: StepFigures, reference: StepFigures, source: str, bounds: StepFigures
+    kind: str, case: str, figures: StepFigures, reference: StepFigures, source: str, bounds: StepFigures
 ) -> list[ValidationRow]:
     """Return one row per figure of a run, compared with a reference run; a figure with an infinite bound has none."""
     rows = []
-    values = (astuple(each) for each in (figures, reference, bounds))
-    for (quantity, unit), ours, finest, bound in zip(FIGURES, *values, strict=True):
-        judge = absolute if unit == "%" else relative
+    values = (astuple(item) for item in (figures, reference, bounds))
+    for (quantity, unit), value, reference_value, bound in zip(FIGURES, *values, strict=True):
+        compare = absolute if unit == "%" else relative
         rows.append(
-            judge(f"{quantity}, {kind}, {which}", ours, finest, unit, source, bound if math.isfinite(bound) else None)
+            compare(
+                f"{quantity}, {kind}, {case}",
+                value,
+                reference_value,
+                unit,
+                source,
+                bound if math.isfinite(bound) else None,
+            )
         )
     return rows
 
 
-def _order_rows(kind: str, study: Study) -> list[ValidationRow]:
+def _order_rows(kind: str, figures_by_step: Study) -> list[ValidationRow]:
     """Return the observed order of convergence of the mean transmission error over the three shortest steps."""
-    steps = sorted(study)[:3]
-    values = [study[step] for step in steps]
+    steps = sorted(figures_by_step)[:3]
+    values = [figures_by_step[step] for step in steps]
     means = [value.mean_error for value in values if isinstance(value, StepFigures)]
     if len(means) < 3:
         return []

@@ -53,7 +53,7 @@ def _parts() -> Iterator[ValidationPart]:
     yield ValidationPart("cam", cam_load.rows, (6.0, 7.0))
     yield ValidationPart("published", published.hertz_rows, (0.1, 0.1))
     yield ValidationPart("published", published.efficiency_rows, (1.0, 2.0))
-    yield ValidationPart("published", published.printed_rows, (3.0, 3.0))
+    yield ValidationPart("published", published.printed_drive_rows, (3.0, 3.0))
     yield ValidationPart("published", published.two_disc_rows, (0.2, 0.5))
     yield ValidationPart("published", shakedown.rows, (0.1, 0.1))
     for kind, cost in ((FIXED, (0.7, 2.0)), (FREE, (2.0, 4.0)), (NONPIN, (1.0, 3.0))):
@@ -97,7 +97,7 @@ PARTS = tuple(_parts())
 
 
 def select_parts(only: Sequence[str] = (), further: Sequence[ValidationPart] = ()) -> tuple[ValidationPart, ...]:
-    """Return the parts of some steps, or of all, in the order of `STEP_NAMES`.
+    """Return the validation parts of some steps, or of all, in the order of `STEP_NAMES`.
 
     Parameters
     ----------
@@ -121,17 +121,17 @@ def select_parts(only: Sequence[str] = (), further: Sequence[ValidationPart] = (
 def run_parts(
     parts: Sequence[ValidationPart], quick: bool = False, workers: int = WORKERS
 ) -> Iterator[tuple[int, list[ValidationRow]]]:
-    """Run parts, the longest first, and yield the index and the rows of each as it ends.
+    """Run validation parts in parallel processes, the longest first; yield index and rows of each as it ends.
 
     A part that cannot be run yields one row, which fails and has the reason.
     """
     order = sorted(range(len(parts)), key=lambda index: parts[index].cost[not quick], reverse=True)
-    work = [(parts[index], quick) for index in order]
+    tasks = [(parts[index], quick) for index in order]
     # a single part runs in this process
-    for position, (rows, messages) in Engine(workers if len(work) > 1 else 1).stream(_run, work):
+    for finished, (rows, messages) in Engine(workers if len(tasks) > 1 else 1).stream(_run, tasks):
         for text in messages:
             warnings.warn(text, CycloidWarning, stacklevel=2)
-        yield order[position], rows
+        yield order[finished], rows
 
 
 def sort_rows(rows_of_parts: Iterable[tuple[int, list[ValidationRow]]]) -> list[ValidationRow]:
@@ -139,13 +139,13 @@ def sort_rows(rows_of_parts: Iterable[tuple[int, list[ValidationRow]]]) -> list[
     return [row for _, rows in sorted(rows_of_parts, key=lambda numbered: numbered[0]) for row in rows]
 
 
-def _run(work: tuple[ValidationPart, bool]) -> tuple[list[ValidationRow], list[str]]:
+def _run(task: tuple[ValidationPart, bool]) -> tuple[list[ValidationRow], list[str]]:
     """Run a part; return its rows and its warnings, which would be lost in a process."""
-    part, quick = work
-    with warnings.catch_warnings(record=True) as issued:
+    part, quick = task
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
             rows = part.rows(quick)
         except CycloidError as error:
             rows = [failed_part(str(error))]
-    return [replace(row, rung=part.rung) for row in rows], [str(warning.message) for warning in issued]
+    return [replace(row, rung=part.rung) for row in rows], [str(warning.message) for warning in caught]

@@ -52,16 +52,23 @@ def mirror_rows(kind: str, quick: bool) -> list[ValidationRow]:
     reducer = Reducer(design)
     backward, _ = rated_run(kind, -SPEED, periods, *rig.without_gravity())
     bounds, source = _bounds(kind), "mirror image"
-    curve, mirrored_curve = ripple(forward, reducer, 1.0), -ripple(backward, reducer, -1.0)
-    ripples = mirrored_curve - float(np.mean(curve)), curve - float(np.mean(curve))
-    ring = forward.forces(design.tooth_pair)
-    opposite = -np.arange(design.ring.teeth) % design.ring.teeth
-    mirrored_ring = backward.forces(design.tooth_pair)[:, opposite] * [-1.0, 1.0]
-    shares = 100.0 * mean_powers(backward).efficiency, 100.0 * mean_powers(forward).efficiency
+    forward_ripple, backward_ripple = mean_ripple(forward, reducer, 1.0), -mean_ripple(backward, reducer, -1.0)
+    ripple_pair = backward_ripple - float(np.mean(forward_ripple)), forward_ripple - float(np.mean(forward_ripple))
+    forward_forces = forward.forces(design.tooth_pair)
+    mirrored_index = -np.arange(design.ring.teeth) % design.ring.teeth
+    backward_forces = backward.forces(design.tooth_pair)[:, mirrored_index] * [-1.0, 1.0]
+    efficiencies = 100.0 * mean_powers(backward).efficiency, 100.0 * mean_powers(forward).efficiency
     return [
-        deviation(f"reversed: ripple of the gear, {kind}", *ripples, "arcsec", source, bounds.mirrored_ripple),
-        deviation(f"reversed: forces of the teeth, {kind}", mirrored_ring, ring, "N", source, bounds.mirrored_forces),
-        absolute(f"reversed: efficiency, {kind}", *shares, "%", source, bounds.mirrored_efficiency),
+        deviation(f"reversed: ripple of the gear, {kind}", *ripple_pair, "arcsec", source, bounds.mirrored_ripple),
+        deviation(
+            f"reversed: forces of the teeth, {kind}",
+            backward_forces,
+            forward_forces,
+            "N",
+            source,
+            bounds.mirrored_forces,
+        ),
+        absolute(f"reversed: efficiency, {kind}", *efficiencies, "%", source, bounds.mirrored_efficiency),
     ]
 
 
@@ -71,28 +78,44 @@ def gravity_rows(kind: str, quick: bool) -> list[ValidationRow]:
     The turned mechanism is the same one a quarter of a crank turn later, but for the place of its output pins.
     """
     # what gravity adds to the efficiency of pins that do not chatter is no more than steps of 10 us take away
-    step = [] if kind == FREE else ["settings.timestep_us=5.0"]
-    off, design = rated_run(kind, SPEED, PERIODS, *step, *rig.without_gravity())
+    step_changes = [] if kind == FREE else ["settings.timestep_us=5.0"]
+    without, design = rated_run(kind, SPEED, PERIODS, *step_changes, *rig.without_gravity())
     reducer = Reducer(design)
-    down, _ = rated_run(kind, SPEED, PERIODS, *step, f"environment.gravity_y_m_s2={-GRAVITY}")
+    downward, _ = rated_run(kind, SPEED, PERIODS, *step_changes, f"environment.gravity_y_m_s2={-GRAVITY}")
     sideways = [*rig.without_gravity(), f"environment.gravity_x_m_s2={GRAVITY}"]
-    aside, _ = rated_run(kind, SPEED, PERIODS, *step, *sideways)
+    sideward, _ = rated_run(kind, SPEED, PERIODS, *step_changes, *sideways)
     bounds = _bounds(kind)
     weight = mass_properties(gear_solid(reducer)).mass * GRAVITY
-    forces = {name: mean_force(run, reducer) for name, run in (("off", off), ("down", down), ("turned", aside))}
-    added = once_per_turn(down, off, reducer) * -1j, once_per_turn(aside, off, reducer)
-    first, after = (np.array([[harmonic.real, harmonic.imag]]) for harmonic in added)
-    means = [float(np.mean(gear_arcsec(run, reducer))) for run in (down, off)]
-    shares = 100.0 * mean_powers(down).efficiency, 100.0 * mean_powers(off).efficiency
+    forces = {
+        name: mean_force(run, reducer) for name, run in (("off", without), ("down", downward), ("turned", sideward))
+    }
+    harmonics = first_harmonic(downward, without, reducer) * -1j, first_harmonic(sideward, without, reducer)
+    harmonic_down, harmonic_aside = (np.array([[harmonic.real, harmonic.imag]]) for harmonic in harmonics)
+    mean_errors = [float(np.mean(gear_arcsec(run, reducer))) for run in (downward, without)]
+    efficiencies = 100.0 * mean_powers(downward).efficiency, 100.0 * mean_powers(without).efficiency
     return [
         relative(f"gravity: upward force on the gear, {kind}", forces["down"][1], weight, "N", "m g", bounds.upward),
         relative(f"gravity turned: sideward force, {kind}", -forces["turned"][0], weight, "N", "m g", bounds.sideward),
         absolute(
             f"gravity off: force, {kind}", float(np.hypot(*forces["off"])), 0.0, "N", "nothing", bounds.still * weight
         ),
-        deviation(f"gravity turned: its ripple, {kind}", after, first, "arcsec", "a quarter turn later", bounds.ripple),
-        relative(f"gravity: mean turn of the gear, {kind}", means[0], means[1], "arcsec", "gravity off", bounds.turn),
-        absolute(f"gravity: efficiency, {kind}", *shares, "%", "gravity off", bounds.efficiency),
+        deviation(
+            f"gravity turned: its ripple, {kind}",
+            harmonic_aside,
+            harmonic_down,
+            "arcsec",
+            "a quarter turn later",
+            bounds.ripple,
+        ),
+        relative(
+            f"gravity: mean turn of the gear, {kind}",
+            mean_errors[0],
+            mean_errors[1],
+            "arcsec",
+            "gravity off",
+            bounds.turn,
+        ),
+        absolute(f"gravity: efficiency, {kind}", *efficiencies, "%", "gravity off", bounds.efficiency),
     ]
 
 
@@ -105,9 +128,12 @@ def gear_arcsec(run: Run, reducer: Reducer) -> Array:
     return ARCSECONDS * gear_error(run, reducer)
 
 
-def ripple(run: Run, reducer: Reducer, sense: float) -> Array:
-    """Compute the transmission error [arcsec] over the mesh period, shape (BINS,), in the `sense` of the crank."""
-    phase = np.mod(sense * run["crank_angle"] * reducer.design.ring.teeth / (2.0 * np.pi), 1.0)
+def mean_ripple(run: Run, reducer: Reducer, direction: float) -> Array:
+    """Compute the mean transmission error [arcsec] in bins of the mesh period, shape (BINS,).
+
+    `direction` is the sign of the crank speed.
+    """
+    phase = np.mod(direction * run["crank_angle"] * reducer.design.ring.teeth / (2.0 * np.pi), 1.0)
     bins = np.minimum((BINS * phase).astype(int), BINS - 1)
     error = gear_arcsec(run, reducer)
     return np.asarray(np.bincount(bins, error, BINS) / np.bincount(bins, minlength=BINS))
@@ -119,7 +145,7 @@ def mean_force(run: Run, reducer: Reducer) -> Array:
     return np.asarray(np.mean(sum(part.sum(axis=1) for part in parts), axis=0))
 
 
-def once_per_turn(run: Run, without: Run, reducer: Reducer) -> complex:
-    """Compute the first harmonic, over a crank turn, of the effect of gravity on the transmission error [arcsec]."""
-    added = gear_arcsec(run, reducer) - gear_arcsec(without, reducer)
-    return complex(2.0 * np.mean(added * np.exp(-1j * run["crank_angle"])))
+def first_harmonic(run: Run, without: Run, reducer: Reducer) -> complex:
+    """Compute the first harmonic over a crank turn of the effect of gravity on the transmission error [arcsec]."""
+    difference = gear_arcsec(run, reducer) - gear_arcsec(without, reducer)
+    return complex(2.0 * np.mean(difference * np.exp(-1j * run["crank_angle"])))

@@ -54,11 +54,11 @@ _XML = """<mujoco>
 
 
 def rows(quick: bool) -> list[ValidationRow]:
-    """Return the rows of this step."""
+    """Compare static deflection, frequency and restitution of one contact in MuJoCo with closed forms."""
     stiffness, ratio = RATED.contacts.teeth.curvature_law.stiffness, RATED.design.contact.damping_ratio
     step = timestep(RATED)
     law = contact_law(stiffness, ratio, TWO.mass, 0.0, 0.0, step)
-    swinging = replace(law, damping=0.0, added_mass=0.3 * TWO.mass)
+    undamped = replace(law, damping=0.0, added_mass=0.3 * TWO.mass)
     depth, force = static_deflection(law, step)
     return [
         relative(
@@ -67,15 +67,15 @@ def rows(quick: bool) -> list[ValidationRow]:
         relative("static contact force", force, TWO.force, "N", "equilibrium", TWO.static_bound),
         relative(
             "frequency with an added mass of 0.3 m",
-            frequency(swinging, TWO.short_step) / (2 * math.pi),
-            math.sqrt(stiffness / (TWO.mass + swinging.added_mass)) / (2 * math.pi),
+            measure_frequency(undamped, TWO.short_step) / (2 * math.pi),
+            math.sqrt(stiffness / (TWO.mass + undamped.added_mass)) / (2 * math.pi),
             "Hz",
             "sqrt(K/(m + 1/R))",
             0.06,
         ),
         relative(
             "frequency at the default step",
-            frequency(contact_law(stiffness, 0.0, TWO.mass, 0.0, 0.0, step), step) / (2 * math.pi),
+            measure_frequency(contact_law(stiffness, 0.0, TWO.mass, 0.0, 0.0, step), step) / (2 * math.pi),
             math.sqrt(stiffness / TWO.mass) / (2 * math.pi),
             "Hz",
             "sqrt(K/m)",
@@ -83,7 +83,7 @@ def rows(quick: bool) -> list[ValidationRow]:
         ),
         relative(
             f"restitution at {ratio:g} of critical damping",
-            restitution(contact_law(stiffness, ratio, TWO.mass, 0.0, 0.0, 2e-7), 2e-7),
+            measure_restitution(contact_law(stiffness, ratio, TWO.mass, 0.0, 0.0, 2e-7), 2e-7),
             linear_restitution(ratio),
             "",
             "Nagurka and Huang 2004",
@@ -95,16 +95,16 @@ def rows(quick: bool) -> list[ValidationRow]:
 
 def static_deflection(law: ContactParameters, timestep: float) -> tuple[float, float]:
     """Simulate until the disc is at rest under `TWO.force`; return its depth [m] and the contact force [N]."""
-    model = two_bodies(law, timestep, TWO.force / TWO.mass)
+    model = two_body_model(law, timestep, TWO.force / TWO.mass)
     data = mujoco.MjData(model)
     with install():
         mujoco.mj_step(model, data, math.ceil(4e-3 / timestep))
     return float(data.qpos[0]), float(data.efc_force[0])
 
 
-def frequency(law: ContactParameters, timestep: float) -> float:
-    """Compute the angular frequency [rad/s] about the loaded equilibrium, from the zero crossings of the velocity."""
-    model = two_bodies(law, timestep, TWO.force / TWO.mass)
+def measure_frequency(law: ContactParameters, timestep: float) -> float:
+    """Measure the angular frequency [rad/s] about the loaded equilibrium, from the zero crossings of the velocity."""
+    model = two_body_model(law, timestep, TWO.force / TWO.mass)
     data = mujoco.MjData(model)
     data.qpos[0] = 0.5 * TWO.force / law.stiffness
     period = 2.0 * math.pi * math.sqrt((TWO.mass + law.added_mass) / law.stiffness)
@@ -113,14 +113,14 @@ def frequency(law: ContactParameters, timestep: float) -> float:
         for step in range(speeds.size):
             mujoco.mj_step(model, data)
             speeds[step] = data.qvel[0]
-    rising = np.flatnonzero((speeds[:-1] < 0.0) & (speeds[1:] >= 0.0))
-    crossings = rising + speeds[rising] / (speeds[rising] - speeds[rising + 1])
+    zero_crossings = np.flatnonzero((speeds[:-1] < 0.0) & (speeds[1:] >= 0.0))
+    crossings = zero_crossings + speeds[zero_crossings] / (speeds[zero_crossings] - speeds[zero_crossings + 1])
     return float(2.0 * math.pi / (np.mean(np.diff(crossings)) * timestep))
 
 
-def restitution(law: ContactParameters, timestep: float) -> float:
-    """Simulate an impact; return the coefficient of restitution."""
-    model = two_bodies(law, timestep, 0.0)
+def measure_restitution(law: ContactParameters, timestep: float) -> float:
+    """Simulate an impact in MuJoCo; return the coefficient of restitution."""
+    model = two_body_model(law, timestep, 0.0)
     data = mujoco.MjData(model)
     start = -1e-9
     data.qpos[0], data.qvel[0] = start, TWO.speed
@@ -139,8 +139,8 @@ def linear_restitution(ratio: float) -> float:
     return math.exp(-ratio / damped * math.atan2(2.0 * ratio * damped, 2.0 * ratio**2 - 1.0))
 
 
-def two_bodies(law: ContactParameters, timestep: float, gravity: float) -> Any:
-    """Return the model; `gravity` [m/s2] presses the disc into the circle."""
+def two_body_model(law: ContactParameters, timestep: float, gravity: float) -> Any:
+    """Return the MuJoCo model of a disc in a fixed circle; `gravity` [m/s2] presses the disc into the circle."""
     parameters = solver_parameters(law, 1.0 / TWO.mass)
     text = _XML.format(
         timestep=timestep,
@@ -155,14 +155,14 @@ def two_bodies(law: ContactParameters, timestep: float, gravity: float) -> Any:
 
 
 def _secant_rows(stiffness: float) -> list[ValidationRow]:
-    """Compare the constant stiffness with that at other forces, and with Palmgren's empirical formula."""
-    design = RATED
+    """Compare the constant stiffness of the model with that at other forces, and with Palmgren's formula."""
+    drive = RATED
     working, length, radius = (
-        design.contacts["pin_gear"].force,
-        design.design.gear.face_width,
-        design.design.ring.pin_radius,
+        drive.contacts["pin_gear"].force,
+        drive.design.gear.face_width,
+        drive.design.ring.pin_radius,
     )
-    modulus = ideal_loads.contact_modulus(design.design.material.youngs_modulus, design.design.material.poisson)
+    modulus = ideal_loads.contact_modulus(drive.design.material.youngs_modulus, drive.design.material.poisson)
 
     def hertz(force: float) -> float:
         return float(ideal_loads.line_contact_stiffness(force, length, modulus, radius, 1.0 / radius))

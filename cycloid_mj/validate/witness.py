@@ -4,6 +4,8 @@ Halving the time step cannot reveal how a constraint solver affects friction in 
 (``dynamics.planar``) has its own equations of motion and computes friction from the contact force.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from cycloid_mj.analysis.transmission import output_error
@@ -18,13 +20,27 @@ from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.planar.model import planar_model
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.validate.rig import FIXED, RATED_LOAD, SETTLED, clearances, reducer_of, without_gravity
+from cycloid_mj.validate.rig import FIXED, RATED_LOAD, SETTLED, clearances, design_of_kind, without_gravity
 
-STEP = 1e-6
-"""Time step of the planar solver [s]; half of it changes the figures by less than 0.2 %."""
 
-JUDGED_PERIODS = 48
-"""Tooth passing periods at the end of a run over which it is evaluated."""
+@dataclass(frozen=True)
+class WitnessSettings:
+    """Settings of the comparison of both solvers."""
+
+    timestep: float = 1e-6
+    """Time step of the planar solver [s]; half of it changes the figures by less than 0.2 %."""
+    periods: int = 48
+    """Tooth passing periods at the end of a run over which it is evaluated."""
+    bounds: tuple[float, ...] = (0.02, 0.5, 0.01, 0.01, 1.1)
+    """Bounds of mean and peak-to-peak transmission error, cam force [%], efficiency [points] and rms speed [%].
+
+    Twice the largest differences, those of two discs (0.007, 0.22, 0.004 %, 0.004 points, 0.53 %). With fixed pins all
+    are below 0.2 %.
+    """
+
+
+WITNESS = WitnessSettings()
+
 
 CONDITIONS = ["drive.ramp_s=0.0", "drive.rotor_inertia_kg_m2=1.0", "settings.log_rate_hz=50000.0", *without_gravity()]
 """A crank of large inertia, and no gravity."""
@@ -32,8 +48,8 @@ CONDITIONS = ["drive.ramp_s=0.0", "drive.rotor_inertia_kg_m2=1.0", "settings.log
 
 def high_friction() -> Design:
     """Return the paper's reducer with fixed pins and a tooth friction of 0.3, at its load and speed."""
-    hold = SETTLED + JUDGED_PERIODS * 60.0 / (1640.0 * 36.0)
-    return reducer_of(
+    hold = SETTLED + WITNESS.periods * 60.0 / (1640.0 * 36.0)
+    return design_of_kind(
         FIXED, *CONDITIONS, "friction.pin_gear=0.3", f"load.torque_nm={RATED_LOAD}", f"drive.hold_s={hold!r}"
     )
 
@@ -42,27 +58,20 @@ def high_speed() -> Design:
     """Return the preset `twodisc` at 12 000 rpm with clearances of 2 um, under 5 % of its load."""
     preset = PRESETS["twodisc"]
     load = [f"load.torque_nm={0.05 * preset.rated_torque!r}", "drive.speed_rpm=12000.0", *clearances(2.0)]
-    hold = 5.0 * SETTLED + JUDGED_PERIODS * 60.0 / (12000.0 * preset.ring.teeth)  # a light load damps less
+    hold = 5.0 * SETTLED + WITNESS.periods * 60.0 / (12000.0 * preset.ring.teeth)  # a light load damps less
     return override(preset, [*CONDITIONS, *load, f"drive.hold_s={hold!r}"])
 
 
 CASES = {"fixed pins, friction 0.3": high_friction, "two discs, 12 000 rpm": high_speed}
 
-BOUNDS = (0.02, 0.5, 0.01, 0.01, 1.1)
-"""Bounds of mean and peak-to-peak transmission error, cam force [%], efficiency [points] and rms speed [%].
-
-Twice the largest differences, those of two discs (0.007, 0.22, 0.004 %, 0.004 points, 0.53 %). With fixed pins all are
-below 0.2 %.
-"""
-
 
 def rows(quick: bool) -> list[ValidationRow]:
     """Return the rows of this step."""
-    return [row for which, design in CASES.items() for row in rows_of(which, Reducer(design()))]
+    return [row for which, design in CASES.items() for row in comparison_rows(which, Reducer(design()))]
 
 
-def rows_of(which: str, reducer: Reducer) -> list[ValidationRow]:
-    """Compare a MuJoCo run of a design with the planar solver; `which` names the case."""
+def comparison_rows(case: str, reducer: Reducer) -> list[ValidationRow]:
+    """Compare the figures of a MuJoCo run of a design with those of the planar solver; `case` names the design."""
     units = ("arcsec", "arcsec", "N", "%", "mrad/s")
     quantities = (
         "mean transmission error",
@@ -74,35 +83,39 @@ def rows_of(which: str, reducer: Reducer) -> list[ValidationRow]:
     judges = (relative, relative, relative, absolute, relative)
     pairs = zip(figures(reducer, simulate(reducer.design)), planar_figures(reducer), strict=True)
     return [
-        judge_row(f"{name}, {which}", ours, theirs, unit, "planar solver", bound)
-        for (ours, theirs), name, unit, bound, judge_row in zip(pairs, quantities, units, BOUNDS, judges, strict=True)
+        compare(f"{name}, {case}", value, reference, unit, "planar solver", bound)
+        for (value, reference), name, unit, bound, compare in zip(
+            pairs, quantities, units, WITNESS.bounds, judges, strict=True
+        )
     ]
 
 
-def planar_figures(reducer: Reducer, timestep: float = STEP) -> tuple[float, ...]:
-    """Compute the figures of `BOUNDS` by the planar solver."""
+def planar_figures(reducer: Reducer, timestep: float = WITNESS.timestep) -> tuple[float, ...]:
+    """Compute the figures of `WITNESS.bounds` by the planar solver."""
     return figures(reducer, simulate(reducer.design, planar_model(reducer, timestep=timestep)))
 
 
 def figures(reducer: Reducer, run: Run) -> tuple[float, ...]:
-    """Compute the figures of `BOUNDS` of a run."""
+    """Compute the figures of a run in its last mesh periods, in the order of `WITNESS.bounds`."""
     design = reducer.design
-    judged = JUDGED_PERIODS * 2.0 * np.pi / (design.ring.teeth * abs(design.drive.speed))
-    late = run.select(run.time >= max(design.drive.hold - judged, SETTLED))
+    window = WITNESS.periods * 2.0 * np.pi / (design.ring.teeth * abs(design.drive.speed))
+    evaluated = run.select(run.time >= max(design.drive.hold - window, SETTLED))
     gear = names.of_disc(names.GEAR, 0, design.gear.discs)
-    powers = late["crank_torque"] * late["crank_speed"], late["load_torque"] * late["output_speed"]
-    speed = late[f"{gear}_speed"] + late["crank_speed"] / design.lobes
+    powers = evaluated["crank_torque"] * evaluated["crank_speed"], evaluated["load_torque"] * evaluated["output_speed"]
+    speed = evaluated[f"{gear}_speed"] + evaluated["crank_speed"] / design.lobes
     speed = speed - speed.mean()  # where the ring turns, gears do not
-    return _figures(output_error(late, reducer), late.forces("cam")[:, 0], powers, speed)
+    return _compute_figures(output_error(evaluated, reducer), evaluated.forces("cam")[:, 0], powers, speed)
 
 
-def _figures(error: Array, cam: Array, powers: tuple[Array, Array], speed: Array) -> tuple[float, ...]:
+def _compute_figures(
+    error: Array, cam_force: Array, powers: tuple[Array, Array], speed_error: Array
+) -> tuple[float, ...]:
     """Compute the figures from output error [rad], cam force [N], powers of crank and output [W], and speed error."""
     crank, output = (float(power.mean()) for power in powers)
     return (
         ARCSECONDS * float(error.mean()),
         ARCSECONDS * peak_to_peak(error),
-        float(np.hypot(cam[:, 0], cam[:, 1]).mean()),
+        float(np.hypot(cam_force[:, 0], cam_force[:, 1]).mean()),
         100.0 * Powers(crank, output).efficiency,
-        1e3 * rms(speed),
+        1e3 * rms(speed_error),
     )

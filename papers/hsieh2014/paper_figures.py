@@ -30,10 +30,10 @@ def speeds_figure(motions: Sequence[Series]) -> Figure:
     """Draw the gear's speed over a crank turn, all designs in one plot, in deg/s as the paper, and rad/s (Fig. 6)."""
     figure = sheet(3.4)
     axes = figure.subplots()
-    first = motions[0].gear_speed.at(motions[0].one_turn)
+    first = motions[0].gear_speed.select(motions[0].one_turn)
     axes.plot(turn_degrees(motions[0]), np.degrees(first.theory), **THEORY)
     for number, motion in enumerate(motions):
-        speed = motion.gear_speed.at(motion.one_turn)
+        speed = motion.gear_speed.select(motion.one_turn)
         axes.plot(turn_degrees(motion), np.degrees(speed.simulated), **_look(number))
     axes.margins(y=0.08)
     axes.set_ylabel("speed of the gear [deg/s]")
@@ -49,10 +49,10 @@ def paths_figure(motions: Sequence[Series]) -> Figure:
     """Draw the path of q over a crank turn with Eq. 16, all designs in one plot, and its error (Fig. 7)."""
     figure = sheet(3.6)
     path, error = figure.subplots(1, 2, width_ratios=[1, 1.5])
-    theory = motions[0].q_position.at(motions[0].one_turn).theory
+    theory = motions[0].q_position.select(motions[0].one_turn).theory
     path.plot(*(1e3 * theory.T), **THEORY)
     for number, motion in enumerate(motions):
-        position = motion.q_position.at(motion.one_turn)
+        position = motion.q_position.select(motion.one_turn)
         path.plot(*(1e3 * position.simulated.T), **_look(number))
         error.plot(turn_degrees(motion), 1e6 * position.error_size, **_look(number))
     path.set(aspect="equal", adjustable="datalim", xlabel="x from the initial gear centre [mm]", ylabel="y [mm]")
@@ -71,10 +71,10 @@ def velocities_figure(motions: Sequence[Series]) -> Figure:
     """Draw the velocity of q over a crank turn with Eq. 18, all designs in one plot, and its error (Fig. 8)."""
     figure = sheet(4.4)
     top, bottom = figure.subplots(2, 1, sharex=True)
-    theory = motions[0].q_velocity.size.at(motions[0].one_turn).theory
+    theory = motions[0].q_velocity.size.select(motions[0].one_turn).theory
     top.plot(turn_degrees(motions[0]), 1e3 * theory, **THEORY)
     for number, motion in enumerate(motions):
-        speed = motion.q_velocity.size.at(motion.one_turn)
+        speed = motion.q_velocity.size.select(motion.one_turn)
         top.plot(turn_degrees(motion), 1e3 * speed.simulated, **_look(number))
         bottom.plot(turn_degrees(motion), 1e3 * speed.error, **_look(number))
     top.set_ylabel("velocity of q [mm/s]")

@@ -23,7 +23,7 @@ from cycloid_mj.design import PRESETS, Design, dump, loads, override
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.mjcf.model import xml
 from cycloid_mj.log import LogWriter, read
-from cycloid_mj.log.container import LARGEST_CHUNK, decompress
+from cycloid_mj.log.container import CHUNK, decompress
 
 RUN = ["drive.ramp_s=0", "drive.hold_s=0.08", "load.torque_nm=36"]
 DESIGNS = {name: override(PRESETS[name], RUN) for name in ("pin", "nonpin")}
@@ -85,7 +85,7 @@ def test_chunk_that_holds_more_than_it_says_is_not_inflated(compression, says, t
 
 def test_chunk_beyond_the_limit_is_refused_unread(tmp_path):
     path = tmp_path / "bomb.mcap"
-    bombed(path, chunk_record(b"", LARGEST_CHUNK + 1, 0))
+    bombed(path, chunk_record(b"", CHUNK.max_size + 1, 0))
     with pytest.raises(LogError, match=r"its stated size is 1,073,741,825 bytes; the limit is 1,073,741,824"):
         read(path)
 

@@ -20,9 +20,9 @@ from cycloid_mj.dynamics.mjcf.model import xml
 from cycloid_mj.log import LogWriter, load, read
 from cycloid_mj.plots import animation, movie
 from cycloid_mj.reducer import Reducer
-from cycloid_mj.scene import Scene, replay
+from cycloid_mj.scene import RATE, Scene, replay
 from cycloid_mj.scene import render as rendering
-from cycloid_mj.scene.layout import layout
+from cycloid_mj.scene.layout import viewer_layout
 
 DESIGN = override(PRESETS["nonpin"], ["drive.ramp_s=0", "drive.hold_s=0.08", "load.torque_nm=36"])
 COLUMNS = [name for names in made_groups(DESIGN).values() for name in names]
@@ -179,7 +179,7 @@ def test_log_without_a_design_is_repaired_without_a_scene(tmp_path):
 
 def test_layout_is_json_for_foxglove(path):
     code, out, _ = told("log", "layout", path)
-    assert (code, json.loads(out)) == (0, json.loads(json.dumps(layout(Reducer(DESIGN)))))
+    assert (code, json.loads(out)) == (0, json.loads(json.dumps(viewer_layout(Reducer(DESIGN)))))
 
 
 @pytest.mark.slow
@@ -296,7 +296,7 @@ def test_view_replays_a_log_until_its_window_is_closed(path, monkeypatch):
     monkeypatch.setattr(viewer, "_viewer", lambda: module)
     # a clock that goes on by a frame a look: the run is over in five, and begins again
     looks = count()
-    clock = SimpleNamespace(monotonic=lambda: next(looks) * viewer.FRAME_TIME, sleep=lambda _: None)
+    clock = SimpleNamespace(monotonic=lambda: next(looks) / RATE, sleep=lambda _: None)
     monkeypatch.setattr(viewer, "time", clock)
     monkeypatch.setenv("DISPLAY", ":0")
     assert told("view", path, "--slow", "1") == (0, "", "to stop, close the window\n")

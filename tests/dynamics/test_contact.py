@@ -173,7 +173,7 @@ def inject(model, data, compiled, design) -> None:
             scale = 1.0
             dist, nx, ny = gap.circle_in_circle(away[0], away[1], inner_radius, outer_radius)
             if pair.kind == "pin_socket":
-                between, towards = equilibrium.seats(Reducer(design), np.tile(away[:2], (design.ring.teeth, 1)))
+                between, towards = equilibrium.seat_gaps(Reducer(design), np.tile(away[:2], (design.ring.teeth, 1)))
                 dist, (nx, ny) = between[pair.owner], towards[pair.owner]
             outward = np.array([nx, ny, 0.0])
             point = data.geom_xpos[inner] + (inner_radius + 0.5 * dist) * outward

@@ -24,7 +24,7 @@ from cycloid_mj.geometry.kinematics import CrankLaw
 from cycloid_mj.log import read
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.validate import witness
-from cycloid_mj.validate.rig import FIXED, FREE, SETTLED, reducer_of, without_friction
+from cycloid_mj.validate.rig import FIXED, FREE, SETTLED, design_of_kind, without_friction
 
 MESH = 60.0 / 1640.0 / 36.0
 """Time from tooth to tooth of the paper's designs [s]."""
@@ -272,7 +272,7 @@ def test_a_start_from_rest_follows_its_law() -> None:
 
 def test_without_friction_all_power_comes_out() -> None:
     """Over a mesh period springs and masses give back what they take; damping takes next to nothing."""
-    design = reducer_of(FIXED, *without_friction(), "load.torque_nm=36.0", f"drive.hold_s={2.0 * SETTLED + MESH!r}")
+    design = design_of_kind(FIXED, *without_friction(), "load.torque_nm=36.0", f"drive.hold_s={2.0 * SETTLED + MESH!r}")
     late = settled(simulate(design, planar_model(Reducer(design))))
     assert efficiency(late) == pytest.approx(1.0, abs=1e-3)
 
@@ -312,7 +312,7 @@ def test_friction_that_turns_round_takes_few_rounds() -> None:
 
 def test_many_light_pins_that_rattle_settle() -> None:
     """Both contacts of a pin of 28 mg change at once: a step of one sample in thirteen did not settle."""
-    design = reducer_of(FREE, *MANY_LIGHT_PINS)
+    design = design_of_kind(FREE, *MANY_LIGHT_PINS)
     rounds = simulate(design, planar_model(Reducer(design)))["solver_iterations"]
     assert np.mean(rounds > NEWTON.max_iterations) < 0.02
     assert rounds.mean() < 12.0
@@ -320,19 +320,21 @@ def test_many_light_pins_that_rattle_settle() -> None:
 
 def test_a_run_at_high_friction_agrees_and_one_whose_friction_leads_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
     design = override(witness.high_friction(), [f"drive.hold_s={SETTLED + MESH!r}"])
-    assert all(row.verdict == "pass" for row in witness.rows_of("short", Reducer(design)))
+    assert all(row.verdict == "pass" for row in witness.comparison_rows("short", Reducer(design)))
     monkeypatch.setattr("cycloid_mj.dynamics.mjcf.model.impratio", lambda *_: 2e5)
-    assert sum(row.verdict == "fail" for row in witness.rows_of("short", Reducer(design))) >= 2
+    assert sum(row.verdict == "fail" for row in witness.comparison_rows("short", Reducer(design))) >= 2
 
 
 def test_half_the_step_of_the_witness_changes_nothing() -> None:
     design = override(witness.high_friction(), [f"drive.hold_s={SETTLED + MESH!r}"])
     np.testing.assert_allclose(
-        witness.planar_figures(Reducer(design)), witness.planar_figures(Reducer(design), 0.5 * witness.STEP), rtol=2e-3
+        witness.planar_figures(Reducer(design)),
+        witness.planar_figures(Reducer(design), 0.5 * witness.WITNESS.timestep),
+        rtol=2e-3,
     )
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", witness.CASES)
 def test_runs_agree_with_the_witness(case: str) -> None:
-    assert all(row.verdict == "pass" for row in witness.rows_of(case, Reducer(witness.CASES[case]())))
+    assert all(row.verdict == "pass" for row in witness.comparison_rows(case, Reducer(witness.CASES[case]())))

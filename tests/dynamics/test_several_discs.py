@@ -42,9 +42,9 @@ from cycloid_mj.reducer.bending import AXIAL_GAP
 from cycloid_mj.reducer.bodies import phases
 from cycloid_mj.report import report
 from cycloid_mj.scene import contact_forces, poses
-from cycloid_mj.scene.drawing import gaps
+from cycloid_mj.scene.drawing import measure_gaps
 from cycloid_mj.scene.force import arrow_heights
-from cycloid_mj.scene.glb import glb
+from cycloid_mj.scene.glb import encode_glb
 from cycloid_mj.scene.messages import Scene
 from cycloid_mj.scene.shape import shapes
 from cycloid_mj.statics.balance import loads as static_loads
@@ -184,7 +184,7 @@ def test_a_disc_is_drawn_where_it_is(run: Run) -> None:
         mass[:, disc] += acting.force[:, row]
     np.testing.assert_allclose(mass, 0.0, atol=0.05 * acting.size.max())
     for disc in (0, 1):
-        measured = gaps(Reducer(design), columns, disc)
+        measured = measure_gaps(Reducer(design), columns, disc)
         assert np.abs(measured.deviation[:, :2]).max() < 20e-6
         touching = acting.of_disc(disc).of("pin_gear").size > 50.0
         assert touching.any()
@@ -327,7 +327,7 @@ def test_viewers_get_every_disc_in_its_plane(run: Run) -> None:
         (piece,) = shapes(Reducer(design))[gear]
         heights[gear] = [piece.mesh.vertices[:, 2].min(), piece.mesh.vertices[:, 2].max()]
         # a GLB has y up
-        assert np.ptp(trimesh.load(io.BytesIO(glb([piece])), file_type="glb").bounds, axis=0).min() > 13e-3
+        assert np.ptp(trimesh.load(io.BytesIO(encode_glb([piece])), file_type="glb").bounds, axis=0).min() > 13e-3
     np.testing.assert_allclose(heights["gear_1"], [-15e-3, -1.5e-3], atol=1e-8)
     np.testing.assert_allclose(heights["gear_2"], [1.5e-3, 15e-3], atol=1e-8)
     assert [piece.name for piece in shapes(Reducer(design))["shaft"]] == ["shaft", "cam_1", "cam_2", "spacer_1"]

@@ -21,7 +21,7 @@ from cycloid_mj.geometry.profile import CycloidGear, unit
 from cycloid_mj.parts.gear import gear_outline
 from cycloid_mj.reducer import Reducer, limits
 from cycloid_mj.validate import backlash, equilibrium, rig
-from cycloid_mj.validate.gaps import GearPose, flanks_of, pin_gaps, rotate
+from cycloid_mj.validate.gaps import GearPose, design_flanks, pin_gaps, rotate
 
 MODIFICATIONS = {
     "strong rotation": ["modification.rotation_arcsec=150.0"],
@@ -207,7 +207,7 @@ def test_pins_touch_the_polygons(name: str) -> None:
     """
     design = pin(*MODIFICATIONS[name])
     compiled, polygons, rng = build(design), polygons_of(design), np.random.default_rng(1)
-    flanks = flanks_of(Reducer(design))
+    flanks = design_flanks(Reducer(design))
     nominal = CycloidGear(36, 1e-3, 40.75e-3, 2.25e-3)
     centres = nominal.pin_circle_radius * unit(profile.pin_angles(nominal))
     unmodified = polygons_of(pin())
@@ -415,7 +415,7 @@ def test_checks_tell_what_does_not_go_together() -> None:
 def test_equidistant_is_backlash_as_clearance_is(kind: str) -> None:
     """2 delta/(c (N-1)) with delta the sum of both."""
     tooth = "tooth" if kind == rig.NONPIN else "pin_gear"
-    design = rig.reducer_of(
+    design = rig.design_of_kind(
         kind,
         *rig.without_friction(),
         *rig.without_gravity(),
@@ -443,7 +443,7 @@ DISPLACED = {
 def test_load_sharing_is_the_independent_solution(name: str) -> None:
     """At a standstill's pace, frictionless: forces of the teeth within 2 % of the largest."""
     kind, changes = DISPLACED[name]
-    design = rig.reducer_of(
+    design = rig.design_of_kind(
         kind,
         *rig.without_friction(),
         *rig.without_gravity(),
@@ -461,11 +461,14 @@ def test_load_sharing_is_the_independent_solution(name: str) -> None:
     crank = float(run["crank_angle"][-1])
     ours = run.forces(design.tooth_pair)[-1]
     solved = equilibrium.solve(Reducer(design), stiffness, crank).ring_forces
-    largest = rig.lengths(solved).max()
-    assert rig.lengths(ours - solved).max() < 0.02 * largest
+    largest = rig.vector_lengths(solved).max()
+    assert rig.vector_lengths(ours - solved).max() < 0.02 * largest
     # The control: the ideal reducer shares the load otherwise.
-    ideal = rig.reducer_of(kind, "load.torque_nm=36.0")
-    assert rig.lengths(ours - equilibrium.solve(Reducer(ideal), stiffness, crank).ring_forces).max() > 0.04 * largest
+    ideal = rig.design_of_kind(kind, "load.torque_nm=36.0")
+    assert (
+        rig.vector_lengths(ours - equilibrium.solve(Reducer(ideal), stiffness, crank).ring_forces).max()
+        > 0.04 * largest
+    )
 
 
 def test_every_disc_has_errors_of_its_own_and_the_first_those_of_a_single_one() -> None:

@@ -27,7 +27,7 @@ from cycloid_mj.measure.trace import ErrorCurves, TraceCondition, run_trace
 from cycloid_mj.parts import body_solids, mass_properties, turning_inertia
 from cycloid_mj.reducer import Reducer, member
 from cycloid_mj.reducer.limits import best_fit, stops
-from cycloid_mj.scene.drawing import gaps
+from cycloid_mj.scene.drawing import measure_gaps
 from cycloid_mj.scene.force import contact_forces
 from cycloid_mj.scene.pose import poses
 from cycloid_mj.statics import loads, powers, springs_of, transmission_error
@@ -378,7 +378,7 @@ def test_the_housing_and_its_pins_turn_and_the_carrier_does_not(turning) -> None
 def test_the_mechanism_is_drawn_as_its_ring_sees_it(turning) -> None:
     design = design_of(turning)
     seen = member.columns_from_ring(Reducer(design), turning.columns)
-    measured = gaps(Reducer(member.seen_from_ring(design)), seen)
+    measured = measure_gaps(Reducer(member.seen_from_ring(design)), seen)
     late = turning.time > 0.008
     assert np.abs(measured.deviation[late, :2]).max() < 20e-6
     assert np.abs(measured.opening[late]).max() < 60e-6

@@ -26,7 +26,7 @@ from cycloid_mj.report.encode import decimate
 from cycloid_mj.report.mechanism import MAGNIFICATIONS
 from cycloid_mj.report.page import page as page_of
 from cycloid_mj.report.reviewed import review
-from cycloid_mj.scene import contact_forces, drawing, drawn_radii, fitting_magnification, gaps
+from cycloid_mj.scene import contact_forces, drawn_radii, fitting_magnification, magnify_gaps, measure_gaps
 
 BROWSER = shutil.which("chromium") or shutil.which("google-chrome")
 FLAGS = (
@@ -183,7 +183,7 @@ def test_mechanism_carries_the_gaps_and_forces_of_the_scene(pin, nonpin, both):
         rows = np.searchsorted(run.time, time - 1e-7)
         np.testing.assert_allclose(run.time[rows], time, atol=1e-8)
         columns = {name: values[rows] for name, values in run.columns.items()}
-        measured, acting = gaps(Reducer(design), columns), contact_forces(Reducer(design), columns)
+        measured, acting = measure_gaps(Reducer(design), columns), contact_forces(Reducer(design), columns)
         np.testing.assert_allclose(array(frames["opening"]), 1e3 * measured.opening, rtol=1e-5, atol=1e-12)
         np.testing.assert_allclose(array(frames["outputAway"]), 1e3 * measured.output_away, rtol=1e-5, atol=1e-12)
         np.testing.assert_allclose(array(frames["force"]["ring"]), acting.of("pin_gear", "tooth").force, rtol=1e-6)
@@ -193,7 +193,7 @@ def test_mechanism_carries_the_gaps_and_forces_of_the_scene(pin, nonpin, both):
         for drawn in shape["magnifications"]:
             radii = drawn_radii(Reducer(design), drawn["times"])
             assert drawn["pin"] == pytest.approx(1e3 * radii.pin)
-            assert drawing(Reducer(design), measured, drawn["times"]).radii == radii
+            assert magnify_gaps(Reducer(design), measured, drawn["times"]).radii == radii
         assert ("ring" in shape) == (design.ring.kind == "nonpin")
 
 

@@ -28,11 +28,11 @@ from cycloid_mj.plots.movie import write_movie
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene import (
     contact_forces,
-    drawing,
     drawn_radii,
-    gaps,
     ideal_forces,
     largest_magnification,
+    magnify_gaps,
+    measure_gaps,
     poses,
     ring_outline,
 )
@@ -71,7 +71,7 @@ def nonpin_run():
 def made(request):
     design = request.param
     run = made_run(design, 400).select(slice(0, 400, 13))
-    return design, run, poses(Reducer(design), run.columns), gaps(Reducer(design), run.columns)
+    return design, run, poses(Reducer(design), run.columns), measure_gaps(Reducer(design), run.columns)
 
 
 def nominal(i):
@@ -83,26 +83,26 @@ def nominal(i):
 def test_openings_are_the_exact_gaps(design, scale):
     """Against the collider's own distance to the trochoid, also where gear and pin are nearly conformal."""
     run = made_run(design, 400, scale).select(slice(0, 400, 23))
-    place, measured = poses(Reducer(design), run.columns), gaps(Reducer(design), run.columns)
+    place, measured = poses(Reducer(design), run.columns), measure_gaps(Reducer(design), run.columns)
     for row in range(len(run)):
         for i in range(36):
             pin = place[f"pin_{i + 1}"][row, :2] if "pin_1" in place else nominal(i)
             true = tooth_gap(place["gear"][row], pin, 2.25e-3)
             assert measured.opening[row, i] + CLEARANCE == pytest.approx(true, abs=1e-15)
     shifted = dict(run.columns) | {"gear_x": run["gear_x"] + 1e-6}
-    assert np.abs(gaps(Reducer(design), shifted).opening - measured.opening).max() > 0.9e-6
+    assert np.abs(measure_gaps(Reducer(design), shifted).opening - measured.opening).max() > 0.9e-6
 
 
 def test_a_pin_far_from_its_socket_is_measured_to_its_own_lobe():
     run = made_run(PIN, 400, 1.0).select(slice(0, 400, 23))
     away = {f"pin_{number}_x": run[f"pin_{number}_x"] + 4e-4 for number in range(1, 37)}
-    assert np.abs(gaps(Reducer(PIN), dict(run.columns) | away).opening).max() < 4.1e-4
+    assert np.abs(measure_gaps(Reducer(PIN), dict(run.columns) | away).opening).max() < 4.1e-4
 
 
 @pytest.mark.parametrize("times", MAGNIFICATIONS)
 def test_every_gap_is_drawn_to_one_scale(made, times):
     design, run, place, measured = made
-    drawn = drawing(Reducer(design), measured, times)
+    drawn = magnify_gaps(Reducer(design), measured, times)
     gear, centres = tooth_profile(design), output_centres(Reducer(design))
     zeta = profile.pin_angles(gear)
     normals = profile.unit(zeta - profile.conjugate_alpha(gear, zeta + run["crank_angle"][:, np.newaxis]))
@@ -135,8 +135,8 @@ def test_every_gap_is_drawn_to_one_scale(made, times):
 def test_internal_gear_is_drawn_by_its_gaps(times):
     """Where the ideal mesh touches, each point is as far from its flank as the true gap, magnified, to first order."""
     run = made_run(NONPIN, 200).select(slice(0, 200, 40))
-    place, measured = poses(Reducer(NONPIN), run.columns), gaps(Reducer(NONPIN), run.columns)
-    drawn = drawing(Reducer(NONPIN), measured, times)
+    place, measured = poses(Reducer(NONPIN), run.columns), measure_gaps(Reducer(NONPIN), run.columns)
+    drawn = magnify_gaps(Reducer(NONPIN), measured, times)
     ring = sample_ring_by_sagitta(tooth_profile(NONPIN), 3e-7)
     touching = 0
     for row in range(len(run)):
@@ -153,7 +153,7 @@ def test_internal_gear_is_drawn_by_its_gaps(times):
 
 def test_arrows_of_a_magnified_drawing_end_on_its_parts(pin_run):
     run = pin_run.select(slice(0, 300, 25))
-    drawn = drawing(Reducer(PIN), gaps(Reducer(PIN), run.columns), 300.0)
+    drawn = magnify_gaps(Reducer(PIN), measure_gaps(Reducer(PIN), run.columns), 300.0)
     acting = contact_forces(Reducer(PIN), run.columns, drawn)
     ring = acting.of("pin_gear")
     apart = np.linalg.norm(ring.point - drawn.ring, axis=2)
@@ -210,7 +210,7 @@ def test_frames_show_parts_and_forces_where_they_are(pin_run):
 def test_stage_moves_what_it_is_told(pin_run, monkeypatch):
     """The artists' own data: arrow tips, forces, bars and closed form are those of the row."""
     columns = {name: values[100:103] for name, values in pin_run.columns.items()}
-    drawn = drawing(Reducer(PIN), gaps(Reducer(PIN), columns), 100.0)
+    drawn = magnify_gaps(Reducer(PIN), measure_gaps(Reducer(PIN), columns), 100.0)
     acting = contact_forces(Reducer(PIN), columns, drawn)
     ideal = ideal_forces(Reducer(PIN), columns)
     script = stage.Script(Reducer(PIN), drawn, acting, ideal)

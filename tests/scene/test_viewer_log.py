@@ -26,13 +26,13 @@ from cycloid_mj.design import PRESETS, Design, override, presets_for
 from cycloid_mj.geometry import profile
 from cycloid_mj.log import LogWriter, load, read
 from cycloid_mj.log import write as write_run
-from cycloid_mj.log.viewer import due
+from cycloid_mj.log.viewer import select_frames
 from cycloid_mj.parts import attached_parts, mass_properties, parts
 from cycloid_mj.parts.gear import tooth_profile
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene import RATE, Scene, contact_forces, frame_rate, poses, ring_places
-from cycloid_mj.scene.glb import glb
-from cycloid_mj.scene.layout import layout
+from cycloid_mj.scene.glb import encode_glb
+from cycloid_mj.scene.layout import viewer_layout
 from cycloid_mj.scene.messages import FORCES, FRAMES, PARTS, ROOT
 from cycloid_mj.scene.shading import CREASE
 from cycloid_mj.scene.shape import CHORD_ERROR, shapes
@@ -150,7 +150,7 @@ def test_parts_are_the_solids_seen_through_a_gltf_viewer(kind):
     planes = dict(zip(gears(design.gear.discs), design.gear.disc_planes, strict=True))
     to_z_up = np.array([[1.0, 0, 0, 0], [0, 0, -1.0, 0], [0, 1.0, 0, 0], [0, 0, 0, 1.0]])
     for name, pieces in shapes(Reducer(design)).items():
-        scene = trimesh.load_scene(trimesh.util.wrap_as_stream(glb(pieces)), file_type="glb")
+        scene = trimesh.load_scene(trimesh.util.wrap_as_stream(encode_glb(pieces)), file_type="glb")
         mesh = scene.to_mesh().apply_transform(to_z_up)
         mesh.merge_vertices(merge_norm=True)
         own = np.array([0.0, 0.0, planes.get(name, 0.0)])
@@ -170,7 +170,7 @@ def test_parts_are_the_solids_seen_through_a_gltf_viewer(kind):
 def test_normals_stand_on_their_faces():
     """Within the crease of each face, and exactly radial on a pin's wall, where its faces are 10 degrees apart."""
     (pin,) = shapes(Reducer(PRESETS["pin"]))["pin"]
-    data = glb([pin])
+    data = encode_glb([pin])
     length, kind = struct.unpack_from("<I4s", data, 12)
     described = json.loads(data[20 : 20 + length])
     assert (kind, struct.unpack_from("<4sII", data), len(data) % 4) == (b"JSON", (b"glTF", 2, len(data)), 0)
@@ -290,7 +290,7 @@ def test_frames_are_due_however_samples_come(rate, block):
     found, last = [], -np.inf
     for start in range(0, time.size, block):
         part = time[start : start + block]
-        found += (start + due(part, last, rate)).tolist()
+        found += (start + select_frames(part, last, rate)).tolist()
         last = part[-1]
     # the first sample, and the first at or after each multiple of the frame's length
     multiples = np.arange(np.floor(time[0] * rate) + 1, np.floor(time[-1] * rate + 1e-6) + 1) / rate
@@ -467,7 +467,7 @@ def test_scene_costs_little():
 
 def test_layout_names_what_the_log_has(logged):
     design, _, path = logged
-    found = layout(Reducer(design))
+    found = viewer_layout(Reducer(design))
     make_frame = {f"frame:{transform.child_frame_id}" for transform in decoded(path, FRAMES)[0][1].transforms}
     view = found["configById"]["3D!mechanism"]
     assert view["transforms"].keys() == make_frame | {f"frame:{ROOT}"}

@@ -117,23 +117,23 @@ STIFFNESS = {"pin_gear": 3e8, "pin_socket": 6e8, "tooth": 3e8, "cam": 8e8, "outp
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_residual_is_the_gradient_of_the_energy(kind):
-    design = rig.reducer_of(kind, *LOADED)
-    locked = equilibrium._lock_crank(Reducer(design), STIFFNESS, 0.3)
+    design = rig.design_of_kind(kind, *LOADED)
+    locked = equilibrium._make_locked_reducer(Reducer(design), STIFFNESS, 0.3)
     rng = np.random.default_rng(4)
     z = 3e-6 * rng.standard_normal(locked.load.size)
     direction = rng.standard_normal(locked.load.size)
     step = 1e-10
     slope = np.diff([equilibrium._energy(locked, z + sign * step * direction) for sign in (-1, 1)])[0] / (2 * step)
-    balance = equilibrium._imbalance(locked, z, uniform=True)
+    balance = equilibrium._residual_force(locked, z, uniform=True)
     assert slope == pytest.approx(-balance @ direction, rel=1e-5)
 
 
 def test_without_clearance_the_static_solution_shares_the_load_ideally():
-    design = rig.reducer_of(FIXED, *sharing.IDEAL)
+    design = rig.design_of_kind(FIXED, *sharing.IDEAL)
     soft = dict.fromkeys(STIFFNESS, 1e7) | {"cam": 1e12}
     solved = equilibrium.solve(Reducer(design), soft, 0.3)
     ideal = sharing.ideal_forces(Reducer(design), 0.3)
-    assert solved.ring_forces == pytest.approx(ideal, abs=2e-3 * rig.lengths(ideal).max())
+    assert solved.ring_forces == pytest.approx(ideal, abs=2e-3 * rig.vector_lengths(ideal).max())
     tangential = kinematics.gear_centre_velocity(tooth_profile(design), 0.3, 1.0) / design.gear.eccentricity
     share = design.load.torque / (design.gear.eccentricity * design.lobes)
     assert solved.cam_force @ tangential == pytest.approx(share, rel=2e-3)
@@ -142,7 +142,7 @@ def test_without_clearance_the_static_solution_shares_the_load_ideally():
 def test_an_unsolvable_equilibrium_is_reported(monkeypatch):
     monkeypatch.setattr(equilibrium, "_RESIDUAL_RTOL", 0.0)
     with pytest.raises(RunError, match="no static equilibrium"):
-        equilibrium.solve(Reducer(rig.reducer_of(FIXED, *LOADED)), STIFFNESS, 0.3)
+        equilibrium.solve(Reducer(rig.design_of_kind(FIXED, *LOADED)), STIFFNESS, 0.3)
 
 
 # --- rungs that take a moment -----------------------------------------------------------------------------------------
@@ -271,9 +271,9 @@ def test_a_run_that_fails_is_judged_by_its_step():
 
 
 def test_friction_that_leads_by_too_much_is_told_under_a_light_load(monkeypatch):
-    assert failed(steps.light_rows(FIXED)) == []
+    assert failed(steps.light_load_rows(FIXED)) == []
     monkeypatch.setattr("cycloid_mj.dynamics.mjcf.model.impratio", lambda *_: 60.0 * law.FRICTION.impratio)
-    assert len(failed(steps.light_rows(FIXED))) == 2
+    assert len(failed(steps.light_load_rows(FIXED))) == 2
 
 
 # --- the suite and its command ---------------------------------------------------------------------------------------
@@ -405,7 +405,7 @@ def test_cam_load(remembered, monkeypatch):
 
 
 def test_the_printed_drive_reaches_its_stops_and_fails_when_spoiled(monkeypatch):
-    drawn, bench = published.printed_rows(True)
+    drawn, bench = published.printed_drive_rows(True)
     assert (drawn.verdict, bench.verdict) == ("pass", "stated")
     # the authors' play is about twice what their drawing gives
     assert bench.measured.reference / bench.measured.value == pytest.approx(1.24 / 0.669, rel=0.01)
@@ -414,7 +414,7 @@ def test_the_printed_drive_reaches_its_stops_and_fails_when_spoiled(monkeypatch)
     monkeypatch.setattr(
         published.limits, "stops", lambda _, *rest, **sides: programme(Reducer(spoiled), *rest, **sides)
     )
-    assert failed(published.printed_rows(True)) == ["backlash of a printed drive"]
+    assert failed(published.printed_drive_rows(True)) == ["backlash of a printed drive"]
 
 
 @pytest.mark.slow
@@ -480,8 +480,8 @@ def test_gravity(remembered, monkeypatch):
     with monkeypatch.context() as spoiled:
         spoiled.setattr(symmetry, "mass_properties", lambda solid: replace(mass_properties(solid), mass=0.25))
         assert len(failed(symmetry.gravity_rows(FIXED, True))) == 2
-    honest = symmetry.once_per_turn
-    monkeypatch.setattr(symmetry, "once_per_turn", lambda *given: honest(*given).conjugate())
+    honest = symmetry.first_harmonic
+    monkeypatch.setattr(symmetry, "first_harmonic", lambda *given: honest(*given).conjugate())
     assert any("ripple" in quantity for quantity in failed(symmetry.gravity_rows(FIXED, True)))
 
 
