@@ -26,7 +26,16 @@ from cycloid_mj.dynamics.contact.library import function_address, library
 from cycloid_mj.dynamics.contact.memory import read_address, write_float
 from cycloid_mj.dynamics.drive_cycle import initial_state, ramp_and_hold
 from cycloid_mj.dynamics.mjcf import ReducerModel, build
-from cycloid_mj.dynamics.run import Solver, attachments, blocks, columns, contact_of, model_for, provenance, schedule
+from cycloid_mj.dynamics.run import (
+    Solver,
+    attachments,
+    blocks,
+    contact_kind,
+    log_columns,
+    model_for,
+    provenance,
+    schedule,
+)
 from cycloid_mj.log import LogWriter
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.scene import Scene, frame_rate
@@ -108,7 +117,7 @@ def bare_cost(design: Design, compiled: ReducerModel, warm: int = WARM) -> tuple
     commands = ramp_and_hold(compiled, reducer).commands(plan.timestep * np.arange(plan.steps, dtype=np.float64))
     data = initial_state(compiled, reducer)
     places = compiled.model._address, data._address, data.ctrl.ctypes.data
-    with install() if contact_of(compiled) == "profile" else nullcontext():
+    with install() if contact_kind(compiled) == "profile" else nullcontext():
         _steps(*places, commands[:warm])
         narrow, start = data.timer[_NARROW].duration, time.thread_time_ns()
         _steps(*places, commands[warm:])
@@ -163,7 +172,7 @@ def second_cost(solver: Solver, design: Design) -> float:
 def logged_cost(design: Design, compiled: ReducerModel) -> float:
     """Measure the CPU time of a step of ``simulate`` [us] with a log as ``cycloid-mj simulate`` writes it."""
     reducer = Reducer(design)
-    groups = {topic: list(units.items()) for topic, units in columns(compiled, reducer).items()}
+    groups = {topic: list(units.items()) for topic, units in log_columns(compiled, reducer).items()}
     origin, scene = (provenance(reducer), attachments(compiled, reducer)), Scene(design, frame_rate(reducer))
     with (
         tempfile.TemporaryDirectory() as folder,

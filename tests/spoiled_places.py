@@ -34,7 +34,7 @@ def spoiled_lifts() -> dict[str, Callable[[], str]]:
 
     def trial(place: str) -> str:
         wrong = steps._replace(**{place: instead[place]})
-        return selftest.try_lift(reference_correction.compile_control_callback(wrong).address)
+        return selftest.try_correction(reference_correction.compile_control_callback(wrong).address)
 
     return {place: lambda place=place: trial(place) for place in instead}
 

@@ -14,10 +14,10 @@ from cycloid_mj.base.names import REDUCER
 from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.base.record import Run
 from cycloid_mj.design.units import MICROMETRE, RPM
-from cycloid_mj.dynamics.jam import SELF_LOCKING
+from cycloid_mj.dynamics.jam import JAM
 from cycloid_mj.dynamics.planar.settings import NEWTON
 from cycloid_mj.dynamics.planar.timestep import PLANAR_RULE
-from cycloid_mj.dynamics.regime import pace
+from cycloid_mj.dynamics.regime import pace_warnings
 from cycloid_mj.dynamics.settling import penetration_limit
 from cycloid_mj.dynamics.timestep import MUJOCO_RULE
 from cycloid_mj.reducer import Reducer
@@ -75,7 +75,9 @@ def run_warnings(motion: Series) -> tuple[str, ...]:
     evaluated = run.of_topic(REDUCER).select(motion.whole_periods)
     powers = balance_warnings(evaluated, reducer) if motion.phase == "hold" and len(evaluated) > 1 else ()
     min_steps = (PLANAR_RULE if run.provenance.get("solver") == "planar" else MUJOCO_RULE).min_steps_per_tooth
-    return tuple(dict.fromkeys((*run.warnings, *pace(reducer, min_steps), *convergence_warnings(run), *powers)))
+    return tuple(
+        dict.fromkeys((*run.warnings, *pace_warnings(reducer, min_steps), *convergence_warnings(run), *powers))
+    )
 
 
 def convergence_warnings(run: Run) -> Iterator[str]:
@@ -121,7 +123,7 @@ def balance_warnings(run: Run, reducer: Reducer, remedy: str = "") -> tuple[str,
             texts.append(
                 _open_balance_warning(powers.missing, balance_power, abs(design.drive.speed), is_idle, remedy or COARSE)
             )
-    if design.load.torque and 0.0 < powers.efficiency < SELF_LOCKING:
+    if design.load.torque and 0.0 < powers.efficiency < JAM.min_efficiency:
         texts.append(
             f"efficiency {powers.efficiency:.2%}: friction losses are {1.0 / powers.efficiency - 1.0:.3g} times the "
             "output power, and the drive is almost self-locking; check friction.*, clearance.* and load.torque_nm"

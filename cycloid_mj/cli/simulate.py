@@ -310,11 +310,11 @@ def run_into_log(
     from cycloid_mj.dynamics.run import (
         attachments,
         blocks,
-        columns,
+        log_columns,
         model_for,
         provenance,
+        run_warnings,
         schedule,
-        warnings,
         warnings_entry,
     )
     from cycloid_mj.log import LogWriter
@@ -323,9 +323,9 @@ def run_into_log(
     compiled = model_for(solver, reducer, contact)
     plan = schedule(reducer, compiled.timestep)
     _require_held_samples(design, plan)
-    groups = {topic: list(units.items()) for topic, units in columns(compiled, reducer).items()}
+    groups = {topic: list(units.items()) for topic, units in log_columns(compiled, reducer).items()}
     entries = provenance(reducer, contact, plan.timestep, solver) | {"steps": str(plan.steps)}
-    entries |= warnings_entry(warnings(compiled, reducer))
+    entries |= warnings_entry(run_warnings(compiled, reducer))
     progress.tell(f"time step {entries['timestep']}, for {entries['timestep_for']}")
     start = time.perf_counter()
     scene: Scene | None = Scene(design, frame_rate(reducer))

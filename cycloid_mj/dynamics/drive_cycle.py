@@ -56,14 +56,14 @@ class DriveCycle:
         return np.stack([self.drive(time), self.load(time)], axis=1)
 
 
-def ramp_and_hold(compiled: Held, reducer: Reducer) -> DriveCycle:
+def ramp_and_hold(model: Held, reducer: Reducer) -> DriveCycle:
     """Return the drive cycle of a design: the crank speed ramps up and holds, the load rises to its constant torque."""
     design = reducer.design
-    law = CrankLaw(design.drive.speed, design.drive.ramp)
+    crank_law = CrankLaw(design.drive.speed, design.drive.ramp)
     return DriveCycle(
         angle=0.0,
-        speed=float(law.speed_at(0.0)) if design.drive.ramp == 0.0 else 0.0,
-        drive=lambda time: servo_target(compiled, law, time),
+        speed=float(crank_law.speed_at(0.0)) if design.drive.ramp == 0.0 else 0.0,
+        drive=lambda time: servo_target(model, crank_law, time),
         load=lambda time: load_torque(reducer, time),
     )
 
@@ -75,7 +75,7 @@ def locked_crank(compiled: Held, angle: float, torque: Signal) -> DriveCycle:
 
 
 def braked_output(compiled: Held, reducer: Reducer, torque: Signal, angle: float = 0.0) -> DriveCycle:
-    """Return a cycle with the output at the speed for the design's crank speed, and a torque on the crank [N m].
+    """Return a drive cycle with constant output speed, for the design's crank speed, and a torque on the crank [N m].
 
     The servo of the model must be on the output: ``build(design, held="output")``. The crank starts at `angle` [rad],
     at full speed.
@@ -92,7 +92,7 @@ def rising(torque: float, rise: float) -> Signal:
 
 
 def initial_state(compiled: ReducerModel, reducer: Reducer, course: DriveCycle | None = None) -> Any:
-    """Return the closed-form state at the start of a drive cycle, by default that of the design."""
+    """Return MuJoCo's data with the closed-form positions and speeds at the start of a drive cycle."""
     course = course or ramp_and_hold(compiled, reducer)
     data = mujoco.MjData(compiled.model)
     position, velocity = joint_state(reducer, course.angle, course.speed)
@@ -106,10 +106,10 @@ def initial_state(compiled: ReducerModel, reducer: Reducer, course: DriveCycle |
 def load_torque(reducer: Reducer, time: npt.ArrayLike) -> Array:
     """Return the torque of the load on the output [N m], against its rotation; it rises as a half cosine from zero."""
     design = reducer.design
-    return braking(reducer) * rising(design.load.torque, design.load.rise)(np.asarray(time, dtype=np.float64))
+    return braking_sign(reducer) * rising(design.load.torque, design.load.rise)(np.asarray(time, dtype=np.float64))
 
 
-def braking(reducer: Reducer) -> float:
+def braking_sign(reducer: Reducer) -> float:
     """Compute the sign of a torque on the output that brakes the design's crank: 1 of a counter-clockwise one."""
     return math.copysign(1.0, reducer.design.drive.speed) * reducer.member.sense
 

@@ -66,13 +66,13 @@ class FilmRows:
 
 
 def film_rows(reducer: Reducer, pairs: Sequence[Pair]) -> FilmRows | None:
-    """Return the rows of mating pairs in the table of a drive; None with the law ``coulomb``."""
+    """Return the row in the film table and the ring pin of each mating pair; None with the law ``coulomb``."""
     design = reducer.design
     if not design.has_film:
         return None
     rows = {"cam": CAM, "output": OUTPUT, design.tooth_pair: TEETH, design.seat_pair: SEAT}
-    on_ring = (design.tooth_pair, design.seat_pair)
-    owners = [pair.owner if pair.kind in on_ring else 0 for pair in pairs]
+    ring_kinds = (design.tooth_pair, design.seat_pair)
+    owners = [pair.owner if pair.kind in ring_kinds else 0 for pair in pairs]
     return FilmRows(
         film_table(reducer),
         np.array([rows[pair.kind] for pair in pairs], dtype=np.int32),
@@ -91,10 +91,11 @@ NO_TABLE: Array = np.zeros((0, _PHASES, _FORCES))
 
 
 def film_table(reducer: Reducer) -> Array:
-    """Compute the friction coefficients of a drive, shape (4, phases, forces); `NO_TABLE` with the law ``coulomb``.
+    """Compute the friction coefficients of a drive by the law ``film``, shape (4, phases, forces).
 
-    Rows are `TEETH`, `SEAT`, `CAM` and `OUTPUT`. A pin with a body of its own chooses itself between rolling and
-    stopping, so that flank and seat have a row each; a massless one has the smaller coefficient in the first.
+    Rows are `TEETH`, `SEAT`, `CAM` and `OUTPUT`; `NO_TABLE` with the law ``coulomb``. A pin with a body of its own
+    chooses itself between rolling and stopping, so that flank and seat have a row each; a massless one has the smaller
+    coefficient in the first.
     """
     if not reducer.design.has_film:
         return NO_TABLE
@@ -104,8 +105,8 @@ def film_table(reducer: Reducer) -> Array:
     film = build_film_surfaces(reducer, phases, curvature)
     force = np.exp(_FIRST + _FORCE_STEP * np.arange(_FORCES))
     at_teeth = force[:, np.newaxis]
-    through = not reducer.design.ring.has_pin_bodies
-    teeth = (film.smaller_friction(at_teeth)[0] if through else film.flank_friction(at_teeth)).coefficient
+    is_massless = not reducer.design.ring.has_pin_bodies
+    teeth = (film.smaller_friction(at_teeth)[0] if is_massless else film.flank_friction(at_teeth)).coefficient
     seat = film.seat_friction(at_teeth)
     values = np.zeros((4, _PHASES, _FORCES))
     values[TEETH] = np.broadcast_to(teeth, (_FORCES, _PHASES)).T
@@ -126,14 +127,14 @@ def phase_cosine(px: float, py: float, x: float, y: float) -> float:
 
 @compiling.njit(inner=True)
 def look_up(table: int, kind: int, cosine: float, force: float) -> float:
-    """Interpolate the coefficient of a contact in the table at an address.
+    """Interpolate the friction coefficient of a contact in the film table at an address, bilinearly.
 
-    `kind` is its row, `cosine` that of the phase of its pin, and `force` its normal force [N].
+    `kind` is its row, `cosine` that of the phase of its pin against the eccentricity, `force` its normal force [N].
     """
-    along = math.acos(min(max(cosine, -1.0), 1.0)) / _PHASE_STEP
-    up = (math.log(max(force, _LEAST)) - _FIRST) / _FORCE_STEP
-    i, j = min(int(along), _PHASES - 2), min(int(up), _FORCES - 2)
-    x, y = along - i, min(up - j, 1.0)
+    phase_index = math.acos(min(max(cosine, -1.0), 1.0)) / _PHASE_STEP
+    force_index = (math.log(max(force, _LEAST)) - _FIRST) / _FORCE_STEP
+    i, j = min(int(phase_index), _PHASES - 2), min(int(force_index), _FORCES - 2)
+    x, y = phase_index - i, min(force_index - j, 1.0)
     first = table + 8 * ((kind * _PHASES + i) * _FORCES + j)
     second = first + 8 * _FORCES
     low = (1.0 - y) * read_float(first) + y * read_float(first + 8)

@@ -1,28 +1,38 @@
 """Detection of a jam: friction takes more torque at the crank than any motor of the drive provides."""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from cycloid_mj.base.array import Array
 from cycloid_mj.reducer import Reducer
 
-MAX_FRICTION_OVER_LOAD = 10.0
-"""Largest friction torque at the crank, over the torque that the load requires there without losses.
 
-Friction forces grow with the torque that overcomes them. In self-locking teeth only the compliance of the parts limits
-this torque. A drive of 9 % efficiency reaches this value.
-"""
+@dataclass(frozen=True)
+class JamSettings:
+    """Friction torque at the crank above which a drive jams."""
 
-MAX_FRICTION_OVER_RATED = 5.0
-"""Largest friction torque at the crank, over its rated torque, at any load.
+    max_friction_over_load: float = 10.0
+    """Largest friction torque at the crank, over the torque that the load requires there without losses.
 
-Motors stall below it: an induction motor at two to three times its rated torque, a servo motor at three to four times.
-A start at 12 000 rpm, in which parts cross wide clearances, takes three times the rated torque.
-"""
+    Friction forces grow with the torque that overcomes them. In self-locking teeth only the compliance of the parts
+    limits this torque. A drive of 9 % efficiency reaches this value.
+    """
+    max_friction_over_rated: float = 5.0
+    """Largest friction torque at the crank, over its rated torque, at any load.
 
-SELF_LOCKING = 1.0 / (1.0 + MAX_FRICTION_OVER_LOAD)
-"""Efficiency at which friction takes `MAX_FRICTION_OVER_LOAD` times the power of the load."""
+    Motors stall below it: an induction motor at two to three times its rated torque, a servo motor at three to four
+    times. A start at 12 000 rpm, in which parts cross wide clearances, takes three times the rated torque.
+    """
+
+    @property
+    def min_efficiency(self) -> float:
+        """Efficiency at which friction takes `max_friction_over_load` times the power of the load."""
+        return 1.0 / (1.0 + self.max_friction_over_load)
+
+
+JAM = JamSettings()
 
 
 def jamming_power(reducer: Reducer) -> float:
@@ -30,7 +40,8 @@ def jamming_power(reducer: Reducer) -> float:
     design = reducer.design
     drive = design.drive
     torque = max(
-        MAX_FRICTION_OVER_RATED * abs(drive.torque), MAX_FRICTION_OVER_LOAD * abs(design.load.torque) / design.reduction
+        JAM.max_friction_over_rated * abs(drive.torque),
+        JAM.max_friction_over_load * abs(design.load.torque) / design.reduction,
     )
     return torque * abs(drive.speed) if torque and drive.speed else math.inf
 

@@ -91,8 +91,8 @@ def contact_law(
     damping_ratio
         Share of the critical damping 2 sqrt(K m).
     effective_mass
-        m [kg]: the bodies' mass along the normal, divided by the number of contacts that share it, so that the body
-        on all of them together is damped by this ratio.
+        m [kg]: the bodies' mass along the normal, divided by the number of contacts that share it, so that the body on
+        all of them together is damped by this ratio.
     friction
         Coulomb friction coefficient [1].
     creep
@@ -100,15 +100,17 @@ def contact_law(
     timestep
         Time step dt [s].
 
-    The added mass makes MuJoCo's explicit step of the contact that of Fox and Goodwin, with centred damping:
-    1/R = beta K dt^2 + C dt/2. With beta = 1/12 the frequency is right to fourth order in dt; from K dt^2/m = 3 on more
-    is taken, beta = 1/4 - m/(2 K dt^2), which is stable at any step (Hughes, The Finite Element Method, 9.1).
+    Notes
+    -----
+    The added mass makes MuJoCo's explicit step of the contact that of Fox and Goodwin, with centred damping: 1/R = beta
+    K dt^2 + C dt/2. With beta = 1/12 the frequency is right to fourth order in dt; from K dt^2/m = 3 on the added mass
+    is larger, beta = 1/4 - m/(2 K dt^2), which is stable at any step (Hughes, The Finite Element Method, 9.1).
     """
     damping = 2.0 * damping_ratio * math.sqrt(stiffness * effective_mass)
-    squared = stiffness * timestep**2
-    beta = max(1.0 / 12.0, 0.25 - 0.5 * effective_mass / squared)
-    added = beta * squared + 0.5 * damping * timestep
-    return ContactParameters(stiffness, damping, added, friction, creep, effective_mass)
+    step_stiffness = stiffness * timestep**2
+    beta = max(1.0 / 12.0, 0.25 - 0.5 * effective_mass / step_stiffness)
+    added_mass = beta * step_stiffness + 0.5 * damping * timestep
+    return ContactParameters(stiffness, damping, added_mass, friction, creep, effective_mass)
 
 
 def settling_law(
@@ -117,7 +119,7 @@ def settling_law(
     """Compute the law of a contact that settles within a step that is too long to follow its oscillation.
 
     Parameters are those of `contact_law`. The step of Fox and Goodwin would oscillate there, which lifts light parts
-    off their seats. This one is implicit Euler (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.3):
+    off their seats. This law is implicit Euler (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.3):
     with gap and speed at the end of the step f = -K (r + dt v + dt^2 a) - C (v + dt a), so that 1/R = K dt^2 + C dt,
     and the damping is C + K dt. The stiffness is that of the contact.
     """
@@ -127,22 +129,23 @@ def settling_law(
 
 
 def impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]], timestep: float) -> float:
-    """Compute the ``impratio`` of a model with corrected references, from the laws of its discs.
+    """Compute MuJoCo's ``impratio`` of a model with corrected references, from the laws of its discs.
 
     Below the Coulomb limit friction is creep v + impratio/R dv/dt, with the added mass 1/R of the normal force. At
     impratio/R = creep dt/2 it is centred in the step, like the damping; above, friction leads the sliding. The result
     is the smallest value that reaches this for every kind of pair, and the coupling `FRICTION.max_coupling`.
     """
-    sliding = [law for of_disc in laws for law in of_disc.values() if law.friction]
-    if not (sliding and reducer.design.drive.speed):
+    sliding_laws = [law for of_disc in laws for law in of_disc.values() if law.friction]
+    if not (sliding_laws and reducer.design.drive.speed):
         return FRICTION.impratio
-    least = [
-        max(law.friction**2 / FRICTION.max_coupling, 0.5 * law.creep * timestep / law.added_mass) for law in sliding
+    required = [
+        max(law.friction**2 / FRICTION.max_coupling, 0.5 * law.creep * timestep / law.added_mass)
+        for law in sliding_laws
     ]
-    return significant(max(least))
+    return significant(max(required))
 
 
-def leads(reducer: Reducer, laws: Mapping[str, ContactParameters], impratio: float) -> dict[str, float]:
+def friction_leads(reducer: Reducer, laws: Mapping[str, ContactParameters], impratio: float) -> dict[str, float]:
     """Compute the tangent of the angle by which friction leads the sliding, on teeth, cam and the seats of moving pins.
 
     Bodies that orbit at the eccentricity c with w slide at c w and accelerate by c w^2; on the cam, of radius r, they
@@ -159,11 +162,15 @@ def leads(reducer: Reducer, laws: Mapping[str, ContactParameters], impratio: flo
 
 
 def stock_impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParameters]]) -> float:
-    """Compute the ``impratio`` of a model for stock MuJoCo, which lifts sliding contacts."""
+    """Compute the ``impratio`` of a model for stock MuJoCo, whose convex cone lifts sliding contacts.
+
+    It is the largest one, up to `FRICTION.impratio`, at which friction leads the sliding by no more than the allowed
+    tangent.
+    """
     allowed = [
         (FRICTION.max_pin_lead if kind == reducer.design.seat_pair else FRICTION.max_lead) / lead
         for of_disc in laws
-        for kind, lead in leads(reducer, of_disc, 1.0).items()
+        for kind, lead in friction_leads(reducer, of_disc, 1.0).items()
         if lead
     ]
     return significant(min([FRICTION.impratio, *allowed]))
@@ -172,7 +179,7 @@ def stock_impratio(reducer: Reducer, laws: Iterable[Mapping[str, ContactParamete
 def solver_parameters(
     law: ContactParameters, inverse_weight: float, impratio: float = FRICTION.impratio
 ) -> SolverParameters:
-    """Translate a contact law for MuJoCo.
+    """Translate a contact law to the attributes of a MuJoCo contact pair.
 
     Parameters
     ----------
@@ -183,28 +190,30 @@ def solver_parameters(
     impratio
         That of the model.
 
-    MuJoCo allows impedances from 0.0001 to 0.9999. An added mass below 0.0001 of that of the bodies is raised to it;
-    `regime` warns if this matters.
-
     Raises
     ------
     ContactError
         The added mass is larger than MuJoCo's impedance can represent.
+
+    Notes
+    -----
+    MuJoCo allows impedances from 0.0001 to 0.9999. An added mass below 0.0001 of that of the bodies is raised to it;
+    `regime` warns if this matters.
     """
-    high = MAX_IMPEDANCE
+    max_impedance = MAX_IMPEDANCE
     impedance = max(inverse_weight / (1.0 / law.added_mass + inverse_weight), MIN_IMPEDANCE)
-    if not impedance <= high:
+    if not impedance <= max_impedance:
         raise ContactError(
             f"a contact with a stiffness of {law.stiffness:.3g} N/m needs an added mass of {law.added_mass:.3g} kg at "
             f"this time step, {law.added_mass * inverse_weight:.3g} times the mass of its bodies, but MuJoCo allows at "
-            f"most {high / (1.0 - high):.3g} times. Reduce settings.timestep_us, or the stiffness of the contact"
+            f"most {max_impedance / (1.0 - max_impedance):.3g} times. Reduce settings.timestep_us, or the stiffness of the contact"
         )
     regularisation = (1.0 - impedance) / impedance * inverse_weight
     scale = regularisation * impedance
-    slide = (law.friction, law.friction, 0.0, 0.0, 0.0)
+    coefficients = (law.friction, law.friction, 0.0, 0.0, 0.0)
     return SolverParameters(
         condim=law.condim,
-        friction=slide,
+        friction=coefficients,
         solref=(significant(-law.stiffness * scale), significant(-law.damping * scale)),
         solreffriction=(-1.0, significant(-law.creep * scale / impratio)) if law.friction > 0.0 else (0.0, 0.0),
         solimp=(significant(impedance), significant(impedance), 1.0, 0.5, 1.0),

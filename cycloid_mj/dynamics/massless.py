@@ -47,13 +47,14 @@ def require_pin_bodies(reducer: Reducer, what: str) -> None:
         )
 
 
-def idle(reducer: Reducer) -> tuple[str, ...]:
+def idle_warning(reducer: Reducer) -> tuple[str, ...]:
     """Return a warning if the load of a run is too small to press massless pins into their seats."""
     design = reducer.design
-    least = reducer.contacts.own_load
-    if not design.ring.has_massless_pins or abs(design.load.torque) > least:
+    min_load = reducer.contacts.own_load
+    if not design.ring.has_massless_pins or abs(design.load.torque) > min_load:
         return ()
     return (
         f"load.torque_nm = {design.load.torque:g} is too small for massless pins, which are valid under load only: "
-        f"weight and inertia of the disc outweigh it; raise it above {least:.3g}, or set ring.pins to free or sleeved",
+        f"weight and inertia of the disc outweigh it; raise it above {min_load:.3g}, or set ring.pins to free or "
+        "sleeved",
     )

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from cycloid_mj.design import Friction
-from cycloid_mj.dynamics.law import MIN_IMPEDANCE, ContactParameters, leads
+from cycloid_mj.dynamics.law import MIN_IMPEDANCE, ContactParameters, friction_leads
 from cycloid_mj.dynamics.timestep import (
     SETTINGS,
     circling_limit,
@@ -68,27 +68,32 @@ class Compiled(Protocol):
         """The contact law of each kind of pair."""
 
 
-def warnings(reducer: Reducer, compiled: Compiled) -> tuple[str, ...]:
-    """Return the warnings about a built design."""
-    seconds = compiled.model.opt.timestep  # by mesh contact it may be shorter than the design's
-    stiff = [text for kind, law in compiled.laws.items() for text in _resolution(reducer, kind, law, seconds)]
+def model_warnings(reducer: Reducer, compiled: Compiled) -> tuple[str, ...]:
+    """Return all warnings about a design with its compiled MuJoCo model: time step, friction, clearances, bent pins."""
+    timestep_s = compiled.model.opt.timestep  # by mesh contact it may be shorter than the design's
+    stiffness_texts = [
+        text for kind, law in compiled.laws.items() for text in _stiffness_warning(reducer, kind, law, timestep_s)
+    ]
     return (
-        *_rolling(reducer, seconds),
-        *stiff,
-        *_leading(reducer, compiled),
-        *_circling(reducer, compiled),
+        *_rolling_warnings(reducer, timestep_s),
+        *stiffness_texts,
+        *_lead_warning(reducer, compiled),
+        *_orbit_warning(reducer, compiled),
         *_raised_mass_warnings(compiled),
-        *bent_pins(reducer),
-        *at_rest(reducer, compiled.laws),
+        *bent_pin_warning(reducer),
+        *static_warnings(reducer, compiled.laws),
     )
 
 
-def at_rest(reducer: Reducer, kinds: Iterable[str]) -> tuple[str, ...]:
+def static_warnings(reducer: Reducer, kinds: Iterable[str]) -> tuple[str, ...]:
     """Return the warnings that apply even if motion is so slow that neither time step nor mass matters."""
-    return (*(text for kind in kinds for text in _noise(reducer, kind)), *_friction_without_effect(reducer))
+    return (
+        *(text for kind in kinds for text in _clearance_warning(reducer, kind)),
+        *_unused_friction_warnings(reducer),
+    )
 
 
-def passing_rate(reducer: Reducer) -> float:
+def tooth_passing_rate(reducer: Reducer) -> float:
     """Compute how many teeth pass a contact per second at the design's crank speed [1/s]."""
     design = reducer.design
     return design.ring.teeth * abs(float(reducer.member.against_ring(design.drive.speed))) / (2.0 * math.pi)
@@ -96,67 +101,75 @@ def passing_rate(reducer: Reducer) -> float:
 
 def lowest_log_rate(reducer: Reducer) -> float:
     """Compute the log rate [Hz] with `LIMITS.min_samples_per_tooth` at the design's crank speed."""
-    return LIMITS.min_samples_per_tooth * passing_rate(reducer)
+    return LIMITS.min_samples_per_tooth * tooth_passing_rate(reducer)
 
 
-def pace(reducer: Reducer, min_steps: float = SETTINGS.min_steps_per_tooth) -> tuple[str, ...]:
-    """Return warnings about too few time steps or samples from tooth to tooth at the design's crank speed.
+def pace_warnings(reducer: Reducer, min_steps: float = SETTINGS.min_steps_per_tooth) -> tuple[str, ...]:
+    """Return warnings about too few time steps or samples from tooth to tooth, and about creep, at the design's speed.
 
     `min_steps` is the number of steps from tooth to tooth that the solver of the run needs.
     """
-    if not (passing := passing_rate(reducer)):
+    if not (tooth_rate := tooth_passing_rate(reducer)):
         return ()
-    return (*_few_steps(reducer, passing, min_steps), *_few_samples(reducer, passing), *creeping(reducer))
+    return (
+        *_step_warning(reducer, tooth_rate, min_steps),
+        *_sample_warning(reducer, tooth_rate),
+        *creep_warning(reducer),
+    )
 
 
-def _few_steps(reducer: Reducer, passing: float, min_steps: float) -> Iterator[str]:
-    """Warn of too few steps per tooth; `passing` is the tooth passing frequency [Hz]."""
-    seconds, longest = timestep(reducer), passing_limit(reducer, min_steps)
-    if seconds > longest * (1.0 + 1e-9):
+def _step_warning(reducer: Reducer, tooth_rate: float, min_steps: float) -> Iterator[str]:
+    """Yield a warning if there are too few time steps per tooth; `tooth_rate` is the tooth passing frequency [Hz]."""
+    timestep_s, max_step = timestep(reducer), passing_limit(reducer, min_steps)
+    if timestep_s > max_step * (1.0 + 1e-9):
         yield (
-            f"settings.timestep_us = {1e6 * seconds:g}: a tooth passes in only {1.0 / (passing * seconds):.3g} time "
-            f"steps ({math.degrees(abs(reducer.design.drive.speed)) * seconds:.3g} deg of crank rotation per step), so "
-            f"forces and ripple are wrong and peaks are cut; shorten it to {_below(1e6 * longest)} or lower "
+            f"settings.timestep_us = {1e6 * timestep_s:g}: a tooth passes in only "
+            f"{1.0 / (tooth_rate * timestep_s):.3g} time steps "
+            f"({math.degrees(abs(reducer.design.drive.speed)) * timestep_s:.3g} deg of crank rotation per step), so "
+            f"forces and ripple are wrong and peaks are cut; shorten it to {_below(1e6 * max_step)} or lower "
             "drive.speed_rpm"
         )
 
 
-def _few_samples(reducer: Reducer, passing: float) -> Iterator[str]:
-    """Warn of too few log samples per tooth; a log has at most one sample per step."""
+def _sample_warning(reducer: Reducer, tooth_rate: float) -> Iterator[str]:
+    """Yield a warning if there are too few log samples per tooth; a log has at most one sample per step."""
     design = reducer.design
-    rate, least = min(design.settings.log_rate, 1.0 / timestep(reducer)), LIMITS.min_samples_per_tooth * passing
-    if rate < least * (1.0 - 1e-9):
+    rate, min_rate = min(design.settings.log_rate, 1.0 / timestep(reducer)), LIMITS.min_samples_per_tooth * tooth_rate
+    if rate < min_rate * (1.0 - 1e-9):
         yield (
-            f"settings.log_rate_hz = {design.settings.log_rate:g}: only {rate / passing:.2g} samples per passing tooth "
-            f"({passing:.4g} teeth per second), so transmission error, peaks and rms values may be too low; raise it "
-            f"to {_above(least)} or more, or lower drive.speed_rpm"
+            f"settings.log_rate_hz = {design.settings.log_rate:g}: only {rate / tooth_rate:.2g} samples per passing "
+            f"tooth ({tooth_rate:.4g} teeth per second), so transmission error, peaks and rms values may be too low; "
+            f"raise it to {_above(min_rate)} or more, or lower drive.speed_rpm"
         )
 
 
-def creeping(reducer: Reducer) -> Iterator[str]:
-    """Warn of parts that slide too slowly for fully developed friction."""
-    lacking, of_output = missing_friction(reducer)
-    if of_output > LIMITS.max_missing_loss:
+def creep_warning(reducer: Reducer) -> Iterator[str]:
+    """Yield a warning if parts slide too slowly for fully developed friction."""
+    missing_share, missing_loss = missing_friction(reducer)
+    if missing_loss > LIMITS.max_missing_loss:
         yield (
             f"contact.creep_speed_mm_s = {1e3 * reducer.contacts.creep_speed:g}: parts slide too slowly for full "
-            f"friction at this crank speed and load; the losses of teeth and output are about {lacking:.0%} too low "
-            f"and the efficiency is {100.0 * of_output:.2g} percentage points too high; {_CREEP_REMEDY}"
+            f"friction at this crank speed and load; the losses of teeth and output are about {missing_share:.0%} too "
+            f"low and the efficiency is {100.0 * missing_loss:.2g} percentage points too high; {_CREEP_REMEDY}"
         )
 
 
-def creeping_in(runs: Mapping[str, Reducer]) -> Iterator[str]:
-    """Yield the warning of `creeping` once for several runs, by their names."""
+def joint_creep_warning(runs: Mapping[str, Reducer]) -> Iterator[str]:
+    """Yield one common warning for all runs in which parts slide too slowly for full friction.
+
+    `runs` has their names.
+    """
     groups: dict[str, list[str]] = {}
     for name, reducer in runs.items():
-        lacking, of_output = missing_friction(reducer)
-        if of_output > LIMITS.max_missing_loss:
-            groups.setdefault(f"{lacking:.0%} and {100.0 * of_output:.2g} percentage points", []).append(name)
+        missing_share, missing_loss = missing_friction(reducer)
+        if missing_loss > LIMITS.max_missing_loss:
+            groups.setdefault(f"{missing_share:.0%} and {100.0 * missing_loss:.2g} percentage points", []).append(name)
     if groups:
-        slow = sum(len(names) for names in groups.values())
+        count = sum(len(names) for names in groups.values())
         shares = "; ".join(f"{share} ({', '.join(names)})" for share, names in groups.items())
         yield (
-            f"contact.creep_speed_mm_s: parts slide too slowly for full friction in {slow} of {len(runs)} runs; losses "
-            f"of teeth and output are too low and the efficiency is too high, by about {shares}; {_CREEP_REMEDY}"
+            f"contact.creep_speed_mm_s: parts slide too slowly for full friction in {count} of {len(runs)} runs; "
+            f"losses of teeth and output are too low and the efficiency is too high, by about {shares}; {_CREEP_REMEDY}"
         )
 
 
@@ -165,37 +178,37 @@ def stiffness_ratio(law: ContactParameters, seconds: float) -> float:
     return law.stiffness * seconds**2 / law.effective_mass
 
 
-def _rolling(reducer: Reducer, seconds: float) -> Iterator[str]:
-    """Warn of a time step that does not resolve parts that roll in their clearance."""
-    for what, longest in rolling_limits(reducer).items():
-        if seconds > longest * (1.0 + 1e-9):
+def _rolling_warnings(reducer: Reducer, timestep_s: float) -> Iterator[str]:
+    """Yield a warning for each part whose rolling in its clearance the time step [s] does not resolve."""
+    for part, max_step in rolling_limits(reducer).items():
+        if timestep_s > max_step * (1.0 + 1e-9):
             yield (
-                f"settings.timestep_us = {1e6 * seconds:g} is too long for the rolling of {what}: speeds and losses "
-                f"are wrong; shorten it to {_below(1e6 * longest)}, or set it to 0 for the automatic choice"
+                f"settings.timestep_us = {1e6 * timestep_s:g} is too long for the rolling of {part}: speeds and losses "
+                f"are wrong; shorten it to {_below(1e6 * max_step)}, or set it to 0 for the automatic choice"
             )
 
 
-def _resolution(reducer: Reducer, kind: str, law: ContactParameters, seconds: float) -> Iterator[str]:
-    """Warn of a contact whose stiffness is too high for the time step."""
-    most, ratio = max_stiffness_ratio(reducer, kind), stiffness_ratio(law, seconds)
-    if ratio > most * (1.0 + 1e-9):
-        longest = seconds * math.sqrt(most / ratio)
+def _stiffness_warning(reducer: Reducer, kind: str, law: ContactParameters, timestep_s: float) -> Iterator[str]:
+    """Yield a warning if the stiffness of a kind of contact is too high for the time step [s]."""
+    max_ratio, ratio = max_stiffness_ratio(reducer, kind), stiffness_ratio(law, timestep_s)
+    if ratio > max_ratio * (1.0 + 1e-9):
+        max_step = timestep_s * math.sqrt(max_ratio / ratio)
         yield (
-            f"{kind}: a stiffness of {law.stiffness:.3g} N/m is too high for a time step of {1e6 * seconds:g} us: "
-            f"results are valid up to K dt^2/m = {most:g}, and it is {ratio:.3g}; shorten settings.timestep_us to "
-            f"{_below(1e6 * longest)} or lower stiffness.{kind}_n_m"
+            f"{kind}: a stiffness of {law.stiffness:.3g} N/m is too high for a time step of {1e6 * timestep_s:g} us: "
+            f"results are valid up to K dt^2/m = {max_ratio:g}, and it is {ratio:.3g}; shorten settings.timestep_us to "
+            f"{_below(1e6 * max_step)} or lower stiffness.{kind}_n_m"
         )
 
 
-def _leading(reducer: Reducer, compiled: Compiled) -> Iterator[str]:
-    """Warn of friction that reverses before the sliding does."""
-    lead = leads(reducer, compiled.laws, float(compiled.model.opt.impratio))
-    kind = max(lead, key=lambda item: lead[item], default="")
-    if kind and lead[kind] > LIMITS.max_friction_lead:
+def _lead_warning(reducer: Reducer, compiled: Compiled) -> Iterator[str]:
+    """Yield a warning if friction reverses so much before the sliding does that losses are too low."""
+    lead_by_kind = friction_leads(reducer, compiled.laws, float(compiled.model.opt.impratio))
+    kind = max(lead_by_kind, key=lambda item: lead_by_kind[item], default="")
+    if kind and lead_by_kind[kind] > LIMITS.max_friction_lead:
         yield (
-            f"{kind}: friction leads the sliding by {math.degrees(math.atan(lead[kind])):.3g} deg of crank rotation at "
-            f"this speed and working force, so losses are too low; shorten settings.timestep_us to "
-            f"{_below(1e6 * compiled.model.opt.timestep * LIMITS.max_friction_lead / lead[kind])}"
+            f"{kind}: friction leads the sliding by {math.degrees(math.atan(lead_by_kind[kind])):.3g} deg of crank "
+            f"rotation at this speed and working force, so losses are too low; shorten settings.timestep_us to "
+            f"{_below(1e6 * compiled.model.opt.timestep * LIMITS.max_friction_lead / lead_by_kind[kind])}"
         )
 
 
@@ -212,35 +225,35 @@ def friction_lag(reducer: Reducer, law: ContactParameters, seconds: float) -> fl
     return law.friction * law.added_mass * design.gear.eccentricity * speed**3 * seconds / force
 
 
-def _circling(reducer: Reducer, compiled: Compiled) -> Iterator[str]:
-    """Warn of discs whose orbit is too fast for the time step."""
-    kind, seconds = reducer.design.tooth_pair, float(compiled.model.opt.timestep)
+def _orbit_warning(reducer: Reducer, compiled: Compiled) -> Iterator[str]:
+    """Yield a warning if the discs' circular orbit is too fast for the time step."""
+    kind, timestep_s = reducer.design.tooth_pair, float(compiled.model.opt.timestep)
     if kind not in compiled.laws or not compiled.model.nuser_geom or not reducer.design.drive.speed:
         return
-    lag, longest = friction_lag(reducer, compiled.laws[kind], seconds), circling_limit(reducer)
+    lag, max_step = friction_lag(reducer, compiled.laws[kind], timestep_s), circling_limit(reducer)
     if lag > LIMITS.max_friction_lag:
-        longest = min(longest, seconds * math.sqrt(LIMITS.max_friction_lag / lag))
-    if seconds > longest * (1.0 + 1e-9):
+        max_step = min(max_step, timestep_s * math.sqrt(LIMITS.max_friction_lag / lag))
+    if timestep_s > max_step * (1.0 + 1e-9):
         yield (
-            f"settings.timestep_us = {1e6 * seconds:g} is too long for discs that orbit at this crank speed: mean "
-            f"transmission error and efficiency may be wrong by more than 0.3 %; shorten it to {_below(1e6 * longest)} "
-            "or lower drive.speed_rpm"
+            f"settings.timestep_us = {1e6 * timestep_s:g} is too long for discs that orbit at this crank speed: mean "
+            "transmission error and efficiency may be wrong by more than 0.3 %; shorten it to "
+            f"{_below(1e6 * max_step)} or lower drive.speed_rpm"
         )
 
 
-def _noise(reducer: Reducer, kind: str) -> Iterator[str]:
-    """Warn of a clearance below the rounding error of the gaps."""
-    least = LIMITS.min_clearance_share * reducer.design.ring.pin_circle_radius
+def _clearance_warning(reducer: Reducer, kind: str) -> Iterator[str]:
+    """Yield a warning if a clearance is below the rounding error of the gap computation."""
+    min_clearance = LIMITS.min_clearance_share * reducer.design.ring.pin_circle_radius
     clearance = getattr(reducer.design.clearance, kind)
-    if clearance < least:
+    if clearance < min_clearance:
         yield (
             f"clearance.{kind}_um = {1e6 * clearance:g} is below the numerical noise of the gap computation; "
-            f"raise it to {_above(1e6 * least)} or more"
+            f"raise it to {_above(1e6 * min_clearance)} or more"
         )
 
 
 def _raised_mass_warnings(compiled: Compiled) -> Iterator[str]:
-    """Warn of an added mass that MuJoCo's minimum impedance increases."""
+    """Yield a warning for each contact whose added mass MuJoCo's minimum impedance increases noticeably."""
     model = compiled.model
     pair_by_kind = {pair.kind: pair for pair in reversed(compiled.pairs)} if model.nuser_geom else {}
     for kind, pair in pair_by_kind.items():
@@ -255,40 +268,40 @@ def _raised_mass_warnings(compiled: Compiled) -> Iterator[str]:
             )
 
 
-def bent_pins(reducer: Reducer) -> Iterator[str]:
-    """Warn of output pins that bend so far under one disc that they press on the back of another disc's holes.
+def bent_pin_warning(reducer: Reducer) -> Iterator[str]:
+    """Yield a warning if output pins bend so far under one disc that they press on the back of another disc's holes.
 
-    Runs neglect this contact (docs/decisions/11-bent-output-pins.md). With the flexibility C and the compliance
-    g = C(d, d) + 1/k at a disc, a force F in disc d moves the pin into the back of disc d' by s = F (C(d', d) - g) less
-    twice the clearance. The contact force f there also acts on disc d, which increases the bending:
-    f g' = s + f (C(d', d) - g). The share f/F is an upper limit, because disc d seldom carries the full load.
+    Runs neglect this contact (docs/decisions/11-bent-output-pins.md). With the flexibility C and the compliance g =
+    C(d, d) + 1/k at a disc, a force F in disc d moves the pin into the back of disc d' by s = F (C(d', d) - g) less
+    twice the clearance. The contact force f there also acts on disc d, which increases the bending: f g' = s + f (C(d',
+    d) - g). The share f/F is an upper limit, because disc d seldom carries the full load.
     """
     flexibility, output = reducer.contacts.pin_flexibility, reducer.contacts["output"]
-    force, gives = reducer.design.gear.discs * output.force, flexibility.diagonal() + 1.0 / output.stiffness
-    beyond = flexibility - gives
-    surplus = force * beyond - 2.0 * reducer.design.clearance.output
+    force, compliances = reducer.design.gear.discs * output.force, flexibility.diagonal() + 1.0 / output.stiffness
+    relative_flexibility = flexibility - compliances
+    surplus = force * relative_flexibility - 2.0 * reducer.design.clearance.output
     if surplus.max() > 0.0:
         other, disc = np.unravel_index(int(surplus.argmax()), surplus.shape)
-        reach, softness = float(surplus[other, disc]), float(gives[other] - beyond[other, disc])
-        moved = min(reach / (softness * force), 1.0) if softness > 0.0 else 1.0
+        overlap, compliance = float(surplus[other, disc]), float(compliances[other] - relative_flexibility[other, disc])
+        share = min(overlap / (compliance * force), 1.0) if compliance > 0.0 else 1.0
         yield (
             f"output pins bend: when disc {disc + 1} carries {force:.3g} N, they press on the back of the holes of "
-            f"disc {other + 1}, by {1e6 * reach:.3g} um. Runs neglect this contact, which moves up to {moved:.1%} of "
+            f"disc {other + 1}, by {1e6 * overlap:.3g} um. Runs neglect this contact, which moves up to {share:.1%} of "
             "the load from disc to disc, so their load shares and wind-up differ from those of statics (`measure "
             'loads`); stiffen the pins: output.support = "both_ends", output.rollers = false or a larger '
             "output.core_radius_mm"
         )
 
 
-def _friction_without_effect(reducer: Reducer) -> Iterator[str]:
-    """Warn of a coefficient of sliding friction for a pair that has rollers."""
+def _unused_friction_warnings(reducer: Reducer) -> Iterator[str]:
+    """Yield a warning for each coefficient of sliding friction that has no effect because its pair has rollers."""
     design = reducer.design
     rolling = {"cam": ('gear.bearing = "plain"', design.gear.bearing == "rolling")}
     rolling |= {"output": ("output.rollers = false", design.output.has_needles)}
-    for kind, (change, rolls) in rolling.items():
+    for kind, (remedy, has_rollers) in rolling.items():
         value = getattr(design.friction, kind)
-        if rolls and value not in (0.0, getattr(Friction(), kind)):
-            yield (f"friction.{kind} = {value:g} has no effect with rollers: set friction.{kind}_rolling, or {change}")
+        if has_rollers and value not in (0.0, getattr(Friction(), kind)):
+            yield (f"friction.{kind} = {value:g} has no effect with rollers: set friction.{kind}_rolling, or {remedy}")
 
 
 def _below(number: float) -> str:

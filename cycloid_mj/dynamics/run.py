@@ -47,13 +47,13 @@ from cycloid_mj.dynamics.contact.shared import Shared
 from cycloid_mj.dynamics.drive_cycle import DriveCycle, initial_state, ramp_and_hold
 from cycloid_mj.dynamics.film_table import film_rows
 from cycloid_mj.dynamics.jam import jamming_power, moving_means
-from cycloid_mj.dynamics.massless import idle
-from cycloid_mj.dynamics.mjcf import Held, ReducerModel, addresses, build, sensors, unused, xml
+from cycloid_mj.dynamics.massless import idle_warning
+from cycloid_mj.dynamics.mjcf import Held, ReducerModel, build, sensor_addresses, sensors, unused, xml
 from cycloid_mj.dynamics.planar.model import PlanarModel, planar_model
 from cycloid_mj.dynamics.planar.settings import CONTACT_SEARCH
 from cycloid_mj.dynamics.planar.stepper import Stepper
 from cycloid_mj.dynamics.planar.timestep import PLANAR_RULE
-from cycloid_mj.dynamics.regime import pace
+from cycloid_mj.dynamics.regime import pace_warnings
 from cycloid_mj.dynamics.settling import penetration_limit
 from cycloid_mj.dynamics.timestep import MUJOCO_RULE, TimeStep, describe_accuracy, timestep
 from cycloid_mj.geometry.kinematics import carried_point
@@ -139,7 +139,7 @@ class Schedule:
 
 
 def schedule(reducer: Reducer, seconds: float = 0.0) -> Schedule:
-    """Plan the time steps of a design's run: ramp and hold, sampled as close to the log rate as the step allows.
+    """Return the number of time steps and samples of a design's run: ramp and hold, near the log rate of the design.
 
     `seconds` is the time step [s] of the model; 0 stands for that of the design.
     """
@@ -150,8 +150,8 @@ def schedule(reducer: Reducer, seconds: float = 0.0) -> Schedule:
     return Schedule(seconds, steps, min(stride, steps))
 
 
-def columns(compiled: Model, reducer: Reducer) -> Groups:
-    """Return the log's columns with their units, by topic."""
+def log_columns(compiled: Model, reducer: Reducer) -> Groups:
+    """Return the log's columns with their units: topic -> column -> unit."""
     kinds = sorted(compiled.laws)
     groups = {topic: dict(names) for topic, names in sensors(reducer).items()}
     groups[REDUCER] |= {
@@ -165,8 +165,8 @@ def columns(compiled: Model, reducer: Reducer) -> Groups:
     groups[REDUCER] |= {column(kind, power): "W" for kind in kinds for power in (FRICTION_POWER, NORMAL_POWER)}
     groups[REDUCER] |= {column(name, FRICTION_POWER): "W" for name in compiled.drags}
     groups[REDUCER] |= POINT_Q
-    acting = {FORCE_X: "N", FORCE_Y: "N", MOMENT: "N m", PEAK_FORCE: "N"}
-    groups[FORCES] = {column(pair.name, part): unit for pair in compiled.pairs for part, unit in acting.items()}
+    force_units = {FORCE_X: "N", FORCE_Y: "N", MOMENT: "N m", PEAK_FORCE: "N"}
+    groups[FORCES] = {column(pair.name, part): unit for pair in compiled.pairs for part, unit in force_units.items()}
     return groups
 
 
@@ -207,12 +207,12 @@ def reducer_model(reducer: Reducer, contact: Contact = "profile") -> ReducerMode
     return build_mesh(reducer)
 
 
-def contact_of(compiled: Model) -> Contact:
+def contact_kind(compiled: Model) -> Contact:
     """Return the kind of contact of a model; models with exact profiles have user data of geoms."""
     return "profile" if isinstance(compiled, PlanarModel) or compiled.model.nuser_geom else "mesh"
 
 
-def solver_of(compiled: Model) -> Solver:
+def solver_name(compiled: Model) -> Solver:
     """Return the solver that a model is for."""
     return "planar" if isinstance(compiled, PlanarModel) else "mujoco"
 
@@ -255,7 +255,7 @@ def simulate(
     design = resolve(design)
     reducer = Reducer(design)
     compiled = compiled or build(reducer.design)
-    groups = columns(compiled, reducer)
+    groups = log_columns(compiled, reducer)
     samples, run = schedule(reducer, compiled.timestep).samples, list[SampleBlock]()
     late: tuple[str, ...] = ()
 
@@ -266,21 +266,24 @@ def simulate(
     for block in collect_blocks():
         run.append(block)
         progress(sum(len(taken_block.time) for taken_block in run), samples)
-    time = own(np.concatenate([block.time for block in run]))
-    units = {name: unit for group in groups.values() for name, unit in group.items()}
-    values: dict[str, Array] = {}
-    for topic, names in groups.items():
-        tables = [block.values[topic] for block in run]
-        values |= {name: own(np.concatenate([table[:, i] for table in tables])) for i, name in enumerate(names)}
     return Run(
-        time=time,
-        columns=values,
-        units=units,
-        provenance=provenance(reducer, contact_of(compiled), compiled.timestep, solver_of(compiled))
-        | warnings_entry((*warnings(compiled, reducer, course), *late)),
+        time=own(np.concatenate([block.time for block in run])),
+        columns=_join_columns(groups, run),
+        units={name: unit for group in groups.values() for name, unit in group.items()},
+        provenance=provenance(reducer, contact_kind(compiled), compiled.timestep, solver_name(compiled))
+        | warnings_entry((*run_warnings(compiled, reducer, course), *late)),
         attachments=attachments(compiled, reducer),
         topics={topic: tuple(names) for topic, names in groups.items()},
     )
+
+
+def _join_columns(groups: Groups, run: Sequence[SampleBlock]) -> dict[str, Array]:
+    """Join the blocks of a run to one read-only array (n,) for each column, by its name."""
+    columns: dict[str, Array] = {}
+    for topic, names in groups.items():
+        tables = [block.values[topic] for block in run]
+        columns |= {name: own(np.concatenate([table[:, i] for table in tables])) for i, name in enumerate(names)}
+    return columns
 
 
 def provenance(
@@ -291,17 +294,17 @@ def provenance(
     `seconds` is as in `schedule`.
     """
     stiffened = reducer.for_slices if contact == "mesh" else reducer
-    rule = STEP_RULES[solver]
-    chosen = rule.choose(stiffened)
-    seconds = seconds or chosen.seconds
+    step_rule = STEP_RULES[solver]
+    step = step_rule.choose(stiffened)
+    seconds = seconds or step.seconds
     return {
         "design": reducer.design.name,
         "solver": solver,
         "contact": contact,
         "timestep_s": repr(seconds),
-        "timestep": str(chosen if chosen.seconds == seconds else TimeStep(seconds, "of the model")),
+        "timestep": str(step if step.seconds == seconds else TimeStep(seconds, "of the model")),
         "timestep_for": describe_accuracy(
-            stiffened if chosen.seconds == seconds else stiffened.but(settings={"timestep": seconds}), rule.accuracy
+            stiffened if step.seconds == seconds else stiffened.but(settings={"timestep": seconds}), step_rule.accuracy
         ),
         **({"measured": "; ".join(measurement_notes(reducer.design))} if not reducer.design.measured.is_empty else {}),
         "working_forces": stiffened.contacts.working_forces_text(reducer.mechanism.kinds),
@@ -311,13 +314,15 @@ def provenance(
     }
 
 
-def warnings(compiled: Model, reducer: Reducer, course: DriveCycle | None = None) -> tuple[str, ...]:
+def run_warnings(compiled: Model, reducer: Reducer, course: DriveCycle | None = None) -> tuple[str, ...]:
     """Return the warnings of a run that are known before it; those about speed only if the crank starts moving."""
     moving = course is None or course.speed != 0.0
-    sways = (MESH_SWAYS,) if contact_of(compiled) == "mesh" and moving else ()
-    min_steps = STEP_RULES[solver_of(compiled)].min_steps_per_tooth
-    paced = pace(reducer.for_slices if contact_of(compiled) == "mesh" else reducer, min_steps) if moving else ()
-    return (*sways, *compiled.warnings, *paced, *(idle(reducer) if course is None else ()))
+    sways = (MESH_SWAYS,) if contact_kind(compiled) == "mesh" and moving else ()
+    min_steps = STEP_RULES[solver_name(compiled)].min_steps_per_tooth
+    paced = (
+        pace_warnings(reducer.for_slices if contact_kind(compiled) == "mesh" else reducer, min_steps) if moving else ()
+    )
+    return (*sways, *compiled.warnings, *paced, *(idle_warning(reducer) if course is None else ()))
 
 
 def warnings_entry(texts: Sequence[str]) -> dict[str, str]:
@@ -355,27 +360,27 @@ def blocks(
         As `simulate`.
     """
     plan = schedule(reducer, compiled.timestep)
-    warn(reducer.design.name, warnings(compiled, reducer, course))
-    driven, course = course is None, course or ramp_and_hold(compiled, reducer)
-    profile = contact_of(compiled) == "profile"
-    at_once = max(1, RUN.steps_per_call // plan.stride) if profile else 1
+    warn(reducer.design.name, run_warnings(compiled, reducer, course))
+    has_own_cycle, course = course is None, course or ramp_and_hold(compiled, reducer)
+    is_exact = contact_kind(compiled) == "profile"
+    samples_per_call = max(1, RUN.steps_per_call // plan.stride) if is_exact else 1
     with ExitStack() as stack:
         if isinstance(compiled, PlanarModel):
             stepping = _Stepping(compiled.stepper(course, plan.stride))
         else:
-            stepping = _by_mujoco(compiled, reducer, initial_state(compiled, reducer, course), plan)
-            if profile:
+            stepping = _mujoco_stepping(compiled, reducer, initial_state(compiled, reducer, course), plan)
+            if is_exact:
                 stack.enter_context(collider.install(reducer.design.ring.kind == "nonpin"))
             stack.enter_context(each_step.install())
             stack.enter_context(unused.disable_unused(compiled.model))
             stack.enter_context(_no_log_file.kept())
-        recorder = _Recorder(compiled, reducer, stepping, plan, driven)
-        size = max(RUN.block_samples, at_once)
+        recorder = _Recorder(compiled, reducer, stepping, plan, has_own_cycle)
+        size = max(RUN.block_samples, samples_per_call)
         for first in range(0, plan.samples, size):
             samples = range(first, min(first + size, plan.samples))
-            taken, problem = _advance(plan, course, samples, recorder, at_once)
-            if len(taken.time):
-                yield taken
+            block, problem = _advance_block(plan, course, samples, recorder, samples_per_call)
+            if len(block.time):
+                yield block
             if problem:
                 raise RunError(problem)
     late = stepping.late_warnings(recorder.noted, plan)
@@ -383,22 +388,22 @@ def blocks(
     return late
 
 
-def _advance(
-    plan: Schedule, course: DriveCycle, samples: range, recorder: "_Recorder", at_once: int
+def _advance_block(
+    plan: Schedule, course: DriveCycle, samples: range, recorder: "_Recorder", samples_per_call: int
 ) -> tuple[SampleBlock, str]:
-    """Take the steps up to some samples, and describe the problem that ended the run, or return "" for it."""
-    begin = (samples.start - 1) * plan.stride + 1 if samples.start else 0
-    time = plan.timestep * np.arange(begin, (samples.stop - 1) * plan.stride + 1, dtype=np.float64)
+    """Take the time steps up to some samples; return the samples, and the problem that ended the run, "" for none."""
+    first_step = (samples.start - 1) * plan.stride + 1 if samples.start else 0
+    time = plan.timestep * np.arange(first_step, (samples.stop - 1) * plan.stride + 1, dtype=np.float64)
     recorder.steps.command(course.commands(time))
-    taken, problem = list[Array](), ""
-    for first in samples[::at_once]:
+    row_blocks, problem = list[Array](), ""
+    for first in samples[::samples_per_call]:
         check_interrupt()
-        rows, problem = recorder.advance(min(at_once, samples.stop - first))
-        taken.append(rows)
+        rows, problem = recorder.advance(min(samples_per_call, samples.stop - first))
+        row_blocks.append(rows)
         if problem:
             problem = f"at t = {plan.timestep * (first + len(rows) - 1) * plan.stride:.6f} s {problem}"
             break
-    rows = np.concatenate(taken)
+    rows = np.concatenate(row_blocks)
     time = time[-1 - (len(samples) - 1) * plan.stride :: plan.stride]
     return SampleBlock(time[: len(rows)], recorder.tables(rows)), problem
 
@@ -432,12 +437,12 @@ class _Stepping:
         )
 
 
-def _by_mujoco(compiled: ReducerModel, reducer: Reducer, data: Any, plan: Schedule) -> _Stepping:
-    """Return the stepper of a MuJoCo run."""
+def _mujoco_stepping(compiled: ReducerModel, reducer: Reducer, data: Any, plan: Schedule) -> _Stepping:
+    """Return the stepper of a MuJoCo run with its limits: sensors, drags, contact laws and film table of the model."""
     index, drags = pair_index(compiled.model, compiled.pairs), drag_rows(compiled.model, DRAGS)
     laws = [reducer.contacts[pair.kind].impact for pair in compiled.pairs]
     impacts = [law for law in laws if law]
-    sources, orbits = addresses(data, reducer), disc_freedoms(compiled.model, reducer)
+    sources, orbits = sensor_addresses(data, reducer), disc_freedoms(compiled.model, reducer)
     film = film_rows(reducer, compiled.pairs)
     steps = EachStep(compiled.model, data, index, plan.stride, sources, [*drags.values()], impacts, orbits, film)
 
@@ -457,7 +462,7 @@ class _Recorder:
     """Takes samples, checks them, and converts them into tables."""
 
     def __init__(self, compiled: Model, reducer: Reducer, stepping: _Stepping, plan: Schedule, driven: bool) -> None:
-        """Store the indices of the columns that are checked, and the limits."""
+        """Store the indices of the columns that are checked, and the limits of the checks."""
         design = reducer.design
         groups = sensors(reducer)
         names = list(chain.from_iterable(groups.values()))
@@ -469,9 +474,9 @@ class _Recorder:
         self._deepest, self._most_iterations = penetration_limit(reducer), stepping.most_iterations
         self._reducer, self._design = reducer, design
         self._jamming = jamming_power(reducer) if driven else math.inf
-        mesh = 2.0 * math.pi / (design.ring.teeth * abs(design.drive.speed)) if design.drive.speed else math.inf
-        of_mesh = min(mesh / (plan.stride * plan.timestep), plan.samples)
-        self._lost = np.zeros(max(math.ceil(of_mesh), 1) - 1)
+        mesh_period = 2.0 * math.pi / (design.ring.teeth * abs(design.drive.speed)) if design.drive.speed else math.inf
+        mesh_samples = min(mesh_period / (plan.stride * plan.timestep), plan.samples)
+        self._lost = np.zeros(max(math.ceil(mesh_samples), 1) - 1)
         self._gears = [names.index(disc.joints[-1]) for disc in reducer.mechanism.discs]
         first_disc = gears(design.gear.discs)[0]
         self._pose = [names.index(name) for name in planar_joints(first_disc)]
@@ -481,7 +486,7 @@ class _Recorder:
         self._free_pins = np.array([[names.index(joint) for joint in pin.joints[:2]] for pin in bodies], dtype=int)
 
     def advance(self, samples: int) -> tuple[Array, str]:
-        """Return the rows of the next samples up to the first that fails a check, and the problem, "" for none."""
+        """Take the next samples; return their rows up to the first that fails a check, and the problem, "" for none."""
         rows = self.steps.advance(samples)
         self.noted += int(rows[:, self.steps.solver][:, sample_layout.WARNINGS].sum())
         checks = list(self._checks(rows))
@@ -493,41 +498,50 @@ class _Recorder:
 
     def tables(self, rows: Array) -> dict[str, Array]:
         """Compute the values of samples by topic, one row for each."""
-        seen, solver, drags = (rows[:, part] for part in (self.steps.copied, self.steps.solver, self.steps.drags))
+        copied, solver, drags = (rows[:, part] for part in (self.steps.copied, self.steps.solver, self.steps.drags))
         pairs = rows[:, self.steps.pairs].reshape(len(rows), -1, sample_layout.OF_PAIR)
         powers = np.stack(
             [pairs[:, of_kind, sample_layout.FRICTION_POWER :].sum(axis=1) for of_kind in self._kinds], axis=1
         )
-        energies = seen[:, self._read :]
-        q = carried_point((0.0, self._design.output.pin_circle_radius), seen[:, self._pose], seen[:, self._motion])
-        compiled = [seen[:, : self._first_pin], solver[:, :4], energies, powers.reshape(len(rows), -1), drags, *q]
-        tables = {REDUCER: np.concatenate(compiled, axis=1)}
+        energies = copied[:, self._read :]
+        point_motion = carried_point(
+            (0.0, self._design.output.pin_circle_radius), copied[:, self._pose], copied[:, self._motion]
+        )
+        parts = [
+            copied[:, : self._first_pin],
+            solver[:, :4],
+            energies,
+            powers.reshape(len(rows), -1),
+            drags,
+            *point_motion,
+        ]
+        tables = {REDUCER: np.concatenate(parts, axis=1)}
         if self._has_pins:
-            tables[PINS] = seen[:, self._first_pin : self._read]
+            tables[PINS] = copied[:, self._first_pin : self._read]
         return tables | {FORCES: pairs[:, :, : sample_layout.FRICTION_POWER].reshape(len(rows), -1)}
 
     def _checks(self, rows: Array) -> Iterator[tuple[Marks, Callable[[int], str]]]:
         """Yield every check: which samples fail it, and a function that describes the problem of one."""
-        seen = rows[:, self.steps.copied]
-        _, depth, _, iterations, moving, warnings = rows[:, self.steps.solver].T
-        sound = np.isfinite(seen).all(axis=1) & np.isfinite(moving)
-        unsound = "the simulation diverged (NaN); shorten settings.timestep_us or lower the contact stiffness"
-        yield ~sound, lambda sample: unsound
+        copied = rows[:, self.steps.copied]
+        _, depth, _, iterations, acceleration_sum, warnings = rows[:, self.steps.solver].T
+        is_finite = np.isfinite(copied).all(axis=1) & np.isfinite(acceleration_sum)
+        divergence = "the simulation diverged (NaN); shorten settings.timestep_us or lower the contact stiffness"
+        yield ~is_finite, lambda sample: divergence
         if warning := self._warning:
             yield warnings > 0.0, lambda sample: warning()
         pairs = rows[:, self.steps.pairs].reshape(len(rows), -1, sample_layout.OF_PAIR)
-        lost, pressed = (
+        friction_power, normal_power = (
             pairs[:, :, sample_layout.FRICTION_POWER].sum(axis=1),
             pairs[:, :, sample_layout.NORMAL_POWER].sum(axis=1),
         )
-        taken = moving_means(lost, self._lost)
-        self._lost = np.concatenate([self._lost, lost])[len(lost) :]
-        yield taken > self._jamming, partial(self._jam, "friction dissipates", taken)
+        mean_friction = moving_means(friction_power, self._lost)
+        self._lost = np.concatenate([self._lost, friction_power])[len(friction_power) :]
+        yield mean_friction > self._jamming, partial(self._jam, "friction dissipates", mean_friction)
         # parts that wedge store the crank's power in their deflection; too long a time step generates power instead
-        wedged = lost + np.maximum(pressed, 0.0)
+        wedge_power = friction_power + np.maximum(normal_power, 0.0)
         yield (
-            (wedged > self._jamming) & (depth > self._deepest),
-            partial(self._jam, "friction and wedging dissipate", wedged),
+            (wedge_power > self._jamming) & (depth > self._deepest),
+            partial(self._jam, "friction and wedging dissipate", wedge_power),
         )
         yield (
             depth > self._deepest,
@@ -544,26 +558,27 @@ class _Recorder:
             ),
         )
         if len(self._free_pins):
-            away = np.linalg.norm(seen[:, self._free_pins], axis=2)
+            pin_distance = np.linalg.norm(copied[:, self._free_pins], axis=2)
             yield (
-                (away > self._design.ring.pin_radius).any(axis=1),
+                (pin_distance > self._design.ring.pin_radius).any(axis=1),
                 lambda sample: (
-                    f"pin {np.argmax(away[sample]) + 1} left its socket: it is {1e3 * away[sample].max():.3g} mm from "
+                    f"pin {np.argmax(pin_distance[sample]) + 1} left its socket: it is "
+                    f"{1e3 * pin_distance[sample].max():.3g} mm from "
                     'its seat; see the design check pin_held, or set ring.socket = "closed"'
                 ),
             )
         lobes = self._design.lobes
-        ring, _ = self._reducer.member.ring_and_carrier(seen[:, self._output])
+        ring, _ = self._reducer.member.ring_and_carrier(copied[:, self._output])
         for number, gear in enumerate(self._gears, start=1):
-            error = seen[:, gear] - ring + (seen[:, self._crank] - ring) / lobes
-            which = f"disc {number}" if len(self._gears) > 1 else "the disc"
-            yield (np.abs(error) > 0.25 * 2.0 * math.pi / lobes, partial(_describe_skip, which, error))
+            error = copied[:, gear] - ring + (copied[:, self._crank] - ring) / lobes
+            disc_name = f"disc {number}" if len(self._gears) > 1 else "the disc"
+            yield (np.abs(error) > 0.25 * 2.0 * math.pi / lobes, partial(_describe_skip, disc_name, error))
 
-    def _jam(self, what: str, lost: Array, sample: int) -> str:
-        """Describe a jam; `what` dissipates the power `lost` [W] of each sample."""
+    def _jam(self, cause: str, power: Array, sample: int) -> str:
+        """Return the description of a jam at a sample; `cause` dissipates the `power` [W] of each sample."""
         drive = self._design.drive
         return (
-            f"the drive jams: {what} {lost[sample]:.3g} W, which takes {lost[sample] / abs(drive.speed):.3g} N m at "
+            f"the drive jams: {cause} {power[sample]:.3g} W, which takes {power[sample] / abs(drive.speed):.3g} N m at "
             f"the crank (rated torque {drive.torque:.3g} N m). Either the teeth are self-locking with this friction, "
             "or parts interfere: reduce friction.*, or check clearances and errors"
         )

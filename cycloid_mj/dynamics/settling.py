@@ -42,20 +42,20 @@ SETTLING = SettlingSettings()
 
 
 def closed_stiffness(reducer: Reducer) -> float:
-    """Compute the torsional stiffness [N m/rad] with half of the teeth and half of the output pins closed: an estimate.
+    """Estimate the torsional stiffness of a drive [N m/rad] with half of the teeth and half of the output pins closed.
 
-    In series: k sum l^2 of the teeth (with the sockets or sleeves behind them), k (c (N-1))^2 of the cam, and
-    k n R^2/4 of n output pins on the radius R, of each disc as much; then what carrier, shaft and housing twist by.
+    In series: k sum l^2 of the teeth (with the sockets or sleeves behind them), k (c (N-1))^2 of the cam, and k n R^2/4
+    of n output pins on the radius R, times the number of discs; then the twist of carrier, shaft and housing.
     """
     design = reducer.design
-    k = {kind: design.gear.discs * reducer.contacts[kind].stiffness for kind in design.pair_kinds}
-    k |= {"output": design.gear.discs * reducer.contacts["output"].series[0]}
+    stiffness = {kind: design.gear.discs * reducer.contacts[kind].stiffness for kind in design.pair_kinds}
+    stiffness |= {"output": design.gear.discs * reducer.contacts["output"].series[0]}
     gear, output = reducer.tooth_profile, design.output
     arms = profile.moment_arm(gear, profile.pin_angles(gear))
-    per_arm = sum(1.0 / k[kind] for kind in k if kind not in ("cam", "output"))
-    mesh = np.sum(arms[arms > 0.0] ** 2) / per_arm
-    cam = k["cam"] * (gear.eccentricity * gear.lobes) ** 2
-    pins = k["output"] * output.pins * output.pin_circle_radius**2 / 4.0
+    mesh_compliance = sum(1.0 / stiffness[kind] for kind in stiffness if kind not in ("cam", "output"))
+    mesh = np.sum(arms[arms > 0.0] ** 2) / mesh_compliance
+    cam = stiffness["cam"] * (gear.eccentricity * gear.lobes) ** 2
+    pins = stiffness["output"] * output.pins * output.pin_circle_radius**2 / 4.0
     return float(1.0 / (reducer.share**2 * (1.0 / mesh + 1.0 / cam + 1.0 / pins) + wind_up(reducer)))
 
 
@@ -70,17 +70,17 @@ def swing_period(reducer: Reducer) -> float:
 def crossing_time(reducer: Reducer) -> float:
     """Compute the time [s] in which the load carries the output across its backlash; 0 without load or backlash.
 
-    A rotating crank carries it there within one turn, at any load.
+    A rotating crank carries it there within one turn, at any load, which limits the time.
     """
     drive, load = reducer.design.drive, abs(reducer.design.load.torque)
     if not load:
         return 0.0
     try:
-        play = reducer.play
+        backlash = reducer.play
     except RunError:  # manufacturing errors leave no backlash
         return 0.0
-    turn = 2.0 * math.pi / abs(drive.speed) if drive.speed else math.inf
-    return min(rotation_time(reducer, play, load), turn / SETTLING.crossings)
+    turn_time = 2.0 * math.pi / abs(drive.speed) if drive.speed else math.inf
+    return min(rotation_time(reducer, backlash, load), turn_time / SETTLING.crossings)
 
 
 def rotation_time(reducer: Reducer, angle: float, torque: float) -> float:
@@ -104,9 +104,9 @@ def penetration_limit(reducer: Reducer) -> float:
     if design.contact.max_penetration:
         return design.contact.max_penetration
     contacts = [reducer.contacts[kind] for kind in design.pair_kinds]
-    pressed = max(contact.force / contact.series[0] for contact in contacts)
-    turned = 0.5 * design.ring.preload * design.ring.pin_circle_radius
+    deflection = max(contact.force / contact.series[0] for contact in contacts)
+    preload_depth = 0.5 * design.ring.preload * design.ring.pin_circle_radius
     return min(
-        max(SETTLING.min_depth_limit, SETTLING.depth_over_deflection * pressed) + turned,
+        max(SETTLING.min_depth_limit, SETTLING.depth_over_deflection * deflection) + preload_depth,
         SETTLING.depth_over_eccentricity * design.gear.eccentricity,
     )

@@ -117,7 +117,7 @@ class StepRule:
 
 
 def describe_accuracy(reducer: Reducer, accuracy: StepAccuracy = ACCURACY) -> str:
-    """Return which results are accurate at the time step of a design, and how accurate."""
+    """Return a sentence on which results are accurate at the time step of a design, and how accurate."""
     design = reducer.design
     if design.settings.timestep:
         return "given by the design; compare the results with those at half the step"
@@ -128,28 +128,29 @@ def describe_accuracy(reducer: Reducer, accuracy: StepAccuracy = ACCURACY) -> st
     return accuracy.massless if design.ring.has_massless_pins else accuracy.others
 
 
-def step_limits(reducer: Reducer, followed: bool = False) -> dict[str, float]:
-    """Map each reason that limits the step of a design to the longest step [s] that it allows.
+def step_limits(reducer: Reducer, must_follow: bool = False) -> dict[str, float]:
+    """Return the longest step [s] that each criterion allows: stiffness of contacts, rolling, tooth passing, orbit.
 
-    Contacts of moving pins may settle within the step where `may_settle` permits it, unless they must be `followed`.
+    Contacts of moving pins may settle within the step where `may_settle` permits it, unless the step `must_follow`
+    their oscillation.
     """
     limits = {
         f"stiffness of {kind}": math.sqrt(
-            max_stiffness_ratio(reducer, kind, followed) * mass / max(reducer.contacts[kind].series)
+            max_stiffness_ratio(reducer, kind, must_follow) * mass / max(reducer.contacts[kind].series)
         )
         for kind, mass in effective_masses(reducer).items()
     }
-    limits |= {f"rolling of {what}": limit for what, limit in rolling_limits(reducer).items()}
+    limits |= {f"rolling of {part}": limit for part, limit in rolling_limits(reducer).items()}
     if reducer.design.drive.speed:
         limits["tooth passing"] = passing_limit(reducer)
         limits["orbit of the discs"] = circling_limit(reducer)
     return limits
 
 
-def max_stiffness_ratio(reducer: Reducer, kind: str, followed: bool = False) -> float:
-    """Return the largest K dt^2/m [1] of a kind of pair; `followed` as in `step_limits`."""
+def max_stiffness_ratio(reducer: Reducer, kind: str, must_follow: bool = False) -> float:
+    """Return the largest K dt^2/m [1] of a kind of pair; `must_follow` as in `step_limits`."""
     design = reducer.design
-    if may_settle(reducer, kind) and not followed:
+    if may_settle(reducer, kind) and not must_follow:
         return SETTINGS.max_settling_ratio
     if not design.ring.has_pin_bodies or kind != design.seat_pair:
         return SETTINGS.max_stiffness_ratio
@@ -164,13 +165,13 @@ def may_settle(reducer: Reducer, kind: str) -> bool:
     loaded; and the law IMPACT, which has its own step.
     """
     design, contact = reducer.design, reducer.design.contact
-    pressed = design.load.torque or design.ring.preload or contact.working_load or contact.working_force
-    of_pins = design.ring.has_pin_bodies and kind in ("pin_gear", design.seat_pair)
-    return of_pins and not pressed and contact.law == "line" and not design.settings.timestep
+    is_loaded = design.load.torque or design.ring.preload or contact.working_load or contact.working_force
+    is_pin_contact = design.ring.has_pin_bodies and kind in ("pin_gear", design.seat_pair)
+    return is_pin_contact and not is_loaded and contact.law == "line" and not design.settings.timestep
 
 
 def rolling_limits(reducer: Reducer) -> dict[str, float]:
-    """Map each part that rolls in its clearance under its working force to the longest step [s] that follows it."""
+    """Return the longest step [s] that follows the rolling of each part in its clearance under its working force."""
     design = reducer.design
     gear, _, pin = _masses(reducer)
     limits = {"the disc on its cam": _rolling_limit(reducer, "cam", gear, design.clearance.cam)}
@@ -208,14 +209,14 @@ def effective_masses(reducer: Reducer) -> dict[str, float]:
     design = reducer.design
     gear, output, pin = _masses(reducer.shape)
     arms = {"carrier": design.output.pin_circle_radius, "ring": design.gear.eccentricity * design.ring.teeth}
-    turning = {
+    mobility_by_member = {
         member: design.gear.discs * (member == design.output.member) * arms[member] ** 2 / output for member in arms
     }
-    mobility = {"cam": 1.0 / gear, "output": (1.0 / gear + turning["carrier"]) * design.output.pins / 2.0}
+    mobility = {"cam": 1.0 / gear, "output": (1.0 / gear + mobility_by_member["carrier"]) * design.output.pins / 2.0}
     if design.ring.has_pin_bodies:
         mobility |= {"pin_gear": 2.0 * (1.0 / gear + 1.0 / pin), design.seat_pair: 2.0 / pin}
     else:
-        mobility[design.tooth_pair] = (1.0 / gear + turning["ring"]) * design.ring.teeth / 2.0
+        mobility[design.tooth_pair] = (1.0 / gear + mobility_by_member["ring"]) * design.ring.teeth / 2.0
     return {kind: 1.0 / mobile for kind, mobile in mobility.items()}
 
 

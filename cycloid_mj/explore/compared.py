@@ -27,7 +27,7 @@ from cycloid_mj.comparison import (
 )
 from cycloid_mj.comparison import compare as compare_trials
 from cycloid_mj.design import Design, Named, override, resolve
-from cycloid_mj.dynamics.planar.timestep import for_accelerations
+from cycloid_mj.dynamics.planar.timestep import acceleration_timestep
 from cycloid_mj.dynamics.run import Solver, model_for, simulate
 from cycloid_mj.reducer import Reducer
 
@@ -173,7 +173,7 @@ def all_cases(
     ]
     cases = [case for each in by_load for case in (each if fixed_hold else _with_settled_turns(each))]
     if solver == "planar" and not first.settings.timestep:
-        step = min(for_accelerations(Reducer(case)) for case in cases)
+        step = min(acceleration_timestep(Reducer(case)) for case in cases)
         cases = [Reducer(case).but(settings={"timestep": step}).design for case in cases]
     comparable(cases)
     return cases

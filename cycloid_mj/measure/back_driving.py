@@ -10,7 +10,7 @@ from cycloid_mj.base.engine import each_in_threads
 from cycloid_mj.base.powers import SELF_LOCKING
 from cycloid_mj.base.record import Run
 from cycloid_mj.comparison import StartSpread, independent_starts
-from cycloid_mj.dynamics.drive_cycle import DriveCycle, braking
+from cycloid_mj.dynamics.drive_cycle import DriveCycle, braking_sign
 from cycloid_mj.dynamics.run import Solver, model_for, simulate
 from cycloid_mj.parts import turning_inertia
 from cycloid_mj.reducer import Reducer
@@ -165,7 +165,7 @@ def _run_growing_torque(reducer: Reducer, max_torque: float, solver: Solver) -> 
 
     The torque is NaN if the crank turns by less than a share of the rotation of a crank without friction.
     """
-    forward = -braking(reducer)
+    forward = -braking_sign(reducer)
     compiled = model_for(solver, reducer.at_rated_load, held="")
     frictionless_rate = max_torque / (6.0 * reducer.design.reduction * compiled.crank_inertia)
     # a torque that rises in this time crosses the output's play in a share of it

@@ -23,7 +23,7 @@ from cycloid_mj.dynamics.law import FRICTION
 from cycloid_mj.dynamics.mjcf import ReducerModel, build
 from cycloid_mj.dynamics.planar import timestep as planar_steps
 from cycloid_mj.dynamics.planar.model import PlanarModel, planar_model
-from cycloid_mj.dynamics.regime import at_rest
+from cycloid_mj.dynamics.regime import static_warnings
 from cycloid_mj.dynamics.run import Solver, simulate
 from cycloid_mj.dynamics.settling import swing_period
 from cycloid_mj.geometry import ideal_loads
@@ -232,7 +232,7 @@ def timesteps_text(runs: Iterable[Run]) -> str:
 def _build_mujoco_model(reducer: Reducer, timestep: float) -> ReducerModel:
     """Build the MuJoCo model once for all crank angles, with a time step [s]; a run does not change it."""
     compiled = build(reducer.design)
-    compiled = replace(compiled, warnings=at_rest(reducer, compiled.laws))
+    compiled = replace(compiled, warnings=static_warnings(reducer, compiled.laws))
     compiled.spec.option.timestep = compiled.model.opt.timestep = timestep
     return compiled
 

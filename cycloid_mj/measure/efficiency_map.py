@@ -11,7 +11,7 @@ from cycloid_mj.base.record import Run
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Design
 from cycloid_mj.dynamics.massless import massless
-from cycloid_mj.dynamics.regime import creeping, creeping_in
+from cycloid_mj.dynamics.regime import creep_warning, joint_creep_warning
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure import sensitivity
 from cycloid_mj.measure.back_driving import BreakAway, break_away
@@ -142,7 +142,7 @@ def run_map(
     points = all_in_threads(tasks, progress)
     reported = tasks.keys() - creep_variants(varied_inputs)
     names = {key: _run_name(key, points[key], varied_inputs) for key in tasks if key in reported}
-    warn(design.name, creeping_in({name: points[key].reducer for key, name in names.items()}))
+    warn(design.name, joint_creep_warning({name: points[key].reducer for key, name in names.items()}))
     efficiency_by_variant = {key: points[key].powers.efficiency for key in variants}
     return EfficiencyMap(
         grid=tuple(points.get(condition, points["rated"]) for condition in conditions),
@@ -179,7 +179,7 @@ def _named_tasks(
 def run_forward(reducer: Reducer, torque: float, speed: float, periods: int, solver: Solver) -> OperatingPoint:
     """Simulate a steady run with an output torque [N m] against the motion, at a constant crank speed [rad/s]."""
     loaded = reducer.but(drive={"speed": speed}, load={"torque": torque})
-    with suppress_warnings(tuple(creeping(loaded))):
+    with suppress_warnings(tuple(creep_warning(loaded))):
         run = run_steady(loaded, STEADY.settling_time, averaging_periods(loaded, periods, torque), solver)
     return _operating_point(torque, speed, run, loaded)
 
@@ -191,7 +191,7 @@ def run_backward(reducer: Reducer, torque: float, periods: int, solver: Solver) 
     The driving torque follows from a shorter run; for a self-locking drive it is that without losses.
     """
     if not torque:
-        with suppress_warnings(tuple(creeping(reducer))):
+        with suppress_warnings(tuple(creep_warning(reducer))):
             run = run_brake_test(reducer, torque, averaging_periods(reducer, periods, torque), solver)
         return _operating_point(torque, reducer.design.drive.speed, run, reducer)
     speed, driving_torque = reducer.design.drive.speed, torque * reducer.design.reduction

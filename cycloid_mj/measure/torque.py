@@ -18,7 +18,7 @@ from cycloid_mj.base.result import Curve, Quantity, by_key
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.dynamics.massless import assumptions, massless
-from cycloid_mj.dynamics.regime import creeping, creeping_in
+from cycloid_mj.dynamics.regime import creep_warning, joint_creep_warning
 from cycloid_mj.dynamics.run import Solver
 from cycloid_mj.measure import loss_breakdown, sensitivity, spread
 from cycloid_mj.measure.brake_test import DECAY, run_brake_test
@@ -84,11 +84,11 @@ def torque(
     rates = {key: test.powers.efficiency for key, test in tests.items()}
     by_row, by_input = {row: rates[row] for row in rows}, spread.input_effects(assumed, rates)
     held = steady.but(load={"torque": ours.output})
-    with suppress_warnings(tuple(creeping(held))):
+    with suppress_warnings(tuple(creep_warning(held))):
         at_held_crank = constant_speed_efficiency(steady, ours.output, main, solver)
     beside = explain_published(published, steady, by_row, None if quick else rate_error(ours, finer), solver)
     by_name = _name_runs(steady, tested, rows, assumed, beside) | {"crank held": held}
-    warn(reducer.design.name, creeping_in(by_name))
+    warn(reducer.design.name, joint_creep_warning(by_name))
     progress(len(tasks) + last, len(tasks) + last)
     return Measurement(
         measure="torque",
@@ -160,7 +160,7 @@ def _at_rated_torque(reducer: Reducer) -> Reducer:
 
 def _quiet_rated_test(reducer: Reducer, periods: int, solver: Solver) -> BrakedRun:
     """Run the rated test without the warning about incomplete friction, which `torque` issues for all tests at once."""
-    with suppress_warnings(tuple(creeping(_at_rated_torque(reducer)))):
+    with suppress_warnings(tuple(creep_warning(_at_rated_torque(reducer)))):
         return rated_test(reducer, periods, solver)
 
 

@@ -8,7 +8,7 @@ from cycloid_mj.analysis.transmission import gear_error, output_error
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.record import Run
 from cycloid_mj.base.units import ARCSECONDS
-from cycloid_mj.dynamics.drive_cycle import DriveCycle, braking, load_torque, servo_target
+from cycloid_mj.dynamics.drive_cycle import DriveCycle, braking_sign, load_torque, servo_target
 from cycloid_mj.dynamics.planar.model import PlanarModel
 from cycloid_mj.dynamics.run import Model, simulate
 from cycloid_mj.dynamics.settling import slowness
@@ -94,7 +94,7 @@ def preload_cycle(reducer: Reducer, compiled: Model, start: float = 0.0) -> Driv
     sine squared, shortens this to a few ms.
     """
     design = reducer.design
-    law, brake_sign = CrankLaw(design.drive.speed, 0.0), braking(reducer)
+    law, brake_sign = CrankLaw(design.drive.speed, 0.0), braking_sign(reducer)
     pulse_torque = max(design.rated_torque - design.load.torque, 0.0)
 
     def load(time: Array) -> Array:

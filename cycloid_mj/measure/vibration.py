@@ -14,7 +14,7 @@ from cycloid_mj.base.result import Curve, Quantity, by_key
 from cycloid_mj.base.units import RPM
 from cycloid_mj.design import Named, resolve
 from cycloid_mj.dynamics.massless import require_pin_bodies
-from cycloid_mj.dynamics.planar.timestep import for_accelerations
+from cycloid_mj.dynamics.planar.timestep import acceleration_timestep
 from cycloid_mj.dynamics.run import Solver, model_for
 from cycloid_mj.measure.conditions import STEADY, describe_loads, halve_time_step, load_cases, require_motion
 from cycloid_mj.measure.measurement import Measurement
@@ -81,7 +81,7 @@ def vibration(
     speed, torques = reducer.design.drive.speed, load_cases(reducer, load)
     reducer = reducer.working_at(torques["loaded"])
     if solver == "planar":
-        reducer = reducer.but(settings={"timestep": for_accelerations(reducer)})
+        reducer = reducer.but(settings={"timestep": acceleration_timestep(reducer)})
     swept = [] if quick else list(speeds) or [share * speed for share in SHARES]
     levels = _run_sweep(reducer, torques, sorted({speed, *swept}, key=abs), turns, not quick, solver, progress)
     checks = {} if quick else {level.load: level for level in levels[-len(torques) :]}

@@ -250,7 +250,7 @@ def two_samples(monkeypatch):
     ends = []
 
     def blocks(compiled, reducer):
-        groups = cycloid_mj.dynamics.run.columns(compiled, reducer)
+        groups = cycloid_mj.dynamics.run.log_columns(compiled, reducer)
         for first in (0, 2):
             time = 1e-4 * np.arange(first, first + 2)
             yield cycloid_mj.dynamics.run.SampleBlock(

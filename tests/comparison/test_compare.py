@@ -19,7 +19,7 @@ from cycloid_mj.cli.verdict import catalogue_figures, catalogue_table, overloads
 from cycloid_mj.comparison import STARTS, SWEEP, comparable, differences, settle_run, settling_time
 from cycloid_mj.comparison.conditions import conditions
 from cycloid_mj.design import PRESETS, dump, loads, override
-from cycloid_mj.dynamics.planar.timestep import for_accelerations
+from cycloid_mj.dynamics.planar.timestep import acceleration_timestep
 from cycloid_mj.explore.compared import all_cases
 from cycloid_mj.figures import figure as catalogue_figure
 from cycloid_mj.geometry.contact_lines import contact_lines, mesh_period
@@ -95,7 +95,7 @@ def instant(monkeypatch):
     def blocks(compiled, reducer):
         ran.append(reducer.design)
         random = np.random.default_rng(len(ran))
-        groups = cycloid_mj.dynamics.run.columns(compiled, reducer)
+        groups = cycloid_mj.dynamics.run.log_columns(compiled, reducer)
         time = (
             np.arange(round(reducer.design.drive.hold * reducer.design.settings.log_rate))
             / reducer.design.settings.log_rate
@@ -249,7 +249,11 @@ def test_planar_runs_have_the_step_that_accelerations_take_unless_it_is_given(he
         planned.clear()
         assert told("compare", "pin", "nonpin", "--quiet", "--quick", *more)[0] == 1
         steps.append({design.settings.timestep for design in planned})
-    assert steps == [{for_accelerations(Reducer(override(PRESETS["pin"], ["load.torque_nm=36.68"])))}, {2e-6}, {0.0}]
+    assert steps == [
+        {acceleration_timestep(Reducer(override(PRESETS["pin"], ["load.torque_nm=36.68"])))},
+        {2e-6},
+        {0.0},
+    ]
 
 
 @pytest.mark.slow
@@ -339,7 +343,7 @@ def test_a_run_that_fails_stops_the_others_and_is_told(here, monkeypatch):
     failed = threading.Event()
 
     def blocks(compiled, reducer):
-        groups = cycloid_mj.dynamics.run.columns(compiled, reducer)
+        groups = cycloid_mj.dynamics.run.log_columns(compiled, reducer)
         for first in range(0, 2000, 2):
             time = 1e-4 * np.arange(first, first + 2)
             yield cycloid_mj.dynamics.run.SampleBlock(

@@ -10,7 +10,7 @@ from cycloid_mj.base.powers import mean_powers
 from cycloid_mj.design import Design, load, override
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.planar.model import planar_model
-from cycloid_mj.dynamics.regime import pace
+from cycloid_mj.dynamics.regime import pace_warnings
 from cycloid_mj.dynamics.run import Model, simulate
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.contact import CONTACT
@@ -85,8 +85,8 @@ def test_it_follows_the_crank_unless_it_is_given() -> None:
 def test_a_run_tells_how_much_friction_is_not_whole(name: str, share: float, speed: float, more: float) -> None:
     """Runs read `more` points, as measured, than those with the creep speed that is chosen."""
     design = slow(name, share, speed, "settings.log_rate_hz=20000")
-    assert pace(Reducer(design)) == ()
-    (text,) = pace(Reducer(override(design, [TOO_SOFT])))
+    assert pace_warnings(Reducer(design)) == ()
+    (text,) = pace_warnings(Reducer(override(design, [TOO_SOFT])))
     told = float(re.search(r"the efficiency is ([\d.]+) percentage points too high", text)[1])
     assert 0.7 * more < told < 1.4 * more
-    assert pace(Reducer(override(design, ["contact.creep_speed_mm_s=0.02"]))) == ()
+    assert pace_warnings(Reducer(override(design, ["contact.creep_speed_mm_s=0.02"]))) == ()

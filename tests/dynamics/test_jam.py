@@ -9,7 +9,7 @@ from cycloid_mj.analysis import analyze
 from cycloid_mj.base.errors import RunError
 from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, override
-from cycloid_mj.dynamics.jam import MAX_FRICTION_OVER_LOAD, MAX_FRICTION_OVER_RATED, jamming_power, moving_means
+from cycloid_mj.dynamics.jam import JAM, jamming_power, moving_means
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.log import read
 from cycloid_mj.reducer import Reducer
@@ -74,13 +74,13 @@ def test_a_jam_is_told_from_the_rated_torque_or_a_larger_load() -> None:
     speed, rated = pin.drive.speed, pin.drive.torque
     for idle in ("0", "1"):
         assert jamming_power(Reducer(override(pin, [f"load.torque_nm={idle}"]))) == pytest.approx(
-            MAX_FRICTION_OVER_RATED * rated * speed
+            JAM.max_friction_over_rated * rated * speed
         )
     assert jamming_power(Reducer(override(pin, ["load.torque_nm=36.68"]))) == pytest.approx(
-        MAX_FRICTION_OVER_LOAD * rated * speed
+        JAM.max_friction_over_load * rated * speed
     )
     larger = override(pin, ["load.torque_nm=100"])
-    assert jamming_power(Reducer(larger)) == pytest.approx(MAX_FRICTION_OVER_LOAD * 100.0 / 35.0 * speed)
+    assert jamming_power(Reducer(larger)) == pytest.approx(JAM.max_friction_over_load * 100.0 / 35.0 * speed)
     assert jamming_power(Reducer(override(pin, ["drive.speed_rpm=0"]))) == math.inf
 
 

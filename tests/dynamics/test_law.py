@@ -14,7 +14,7 @@ from cycloid_mj.dynamics.law import (
     FRICTION,
     ContactParameters,
     contact_law,
-    leads,
+    friction_leads,
     settling_law,
     solver_parameters,
     stock_impratio,
@@ -155,7 +155,7 @@ def test_only_moving_pins_without_load_settle() -> None:
     ):
         reducer = Reducer(other)
         assert not any(steps.may_settle(reducer, kind) for kind in other.pair_kinds)
-        assert steps.step_limits(reducer) == steps.step_limits(reducer, followed=True)
+        assert steps.step_limits(reducer) == steps.step_limits(reducer, must_follow=True)
 
 
 def test_an_impossible_impedance_is_refused() -> None:
@@ -171,7 +171,7 @@ def test_friction_is_centred_in_the_step_or_more_and_leads_its_sliding_by_little
     rubbing = [law for law in laws.values() if law.friction]
     assert all(ratio * law.added_mass >= 0.4999 * law.creep * step for law in rubbing)
     assert all(law.friction**2 / ratio <= 1.0001 * FRICTION.max_coupling for law in rubbing)
-    assert 0.0 < max(leads(Reducer(design), laws, ratio).values()) < 0.02
+    assert 0.0 < max(friction_leads(Reducer(design), laws, ratio).values()) < 0.02
 
 
 @pytest.mark.parametrize(("name", "first", "most"), [("nonpin", "tooth", 0.15), ("pin", "pin_socket", 0.05)])
@@ -179,7 +179,7 @@ def test_stock_friction_leads_its_sliding_no_more_than_allowed(name: str, first:
     soft = PRESETS[name].but(contact={"creep_speed": 0.02})
     light, rated = (soft.but(load={"torque": torque}) for torque in (1.0, 36.68))
     laws = contact_laws(Reducer(light))
-    found = leads(Reducer(light), laws, stock_impratio(Reducer(light), [laws]))
+    found = friction_leads(Reducer(light), laws, stock_impratio(Reducer(light), [laws]))
     assert found[first] == pytest.approx(most, rel=1e-9)
     assert max(found.values()) < 0.151
     assert stock_impratio(Reducer(rated), [contact_laws(Reducer(rated))]) == FRICTION.impratio

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cycloid_mj.dynamics.contact.gap import NO_WAVES, Flank, Trochoid, trochoid_curvature, trochoid_distance
-from cycloid_mj.dynamics.contact.local_gap import Start, distance_near, multiple_angle, pin_distance
+from cycloid_mj.dynamics.contact.local_gap import Start, local_distance, multiple_angle, pin_distance
 
 GEARS = {
     "paper": Trochoid(0.04075, 0.001, 36.0),
@@ -26,7 +26,7 @@ def place(gear: Trochoid, t: float) -> np.ndarray:
 def near(gear: Trochoid, point: np.ndarray, t: float, most: float = FAR_OUT):
     turned = gear.teeth * t
     start = Start(math.sin(t), math.cos(t), math.sin(turned), math.cos(turned))
-    return distance_near(*point, gear, start, most)
+    return local_distance(*point, gear, start, most)
 
 
 @pytest.mark.parametrize("times", [0, 1, 2, 7, 36, 119])

@@ -10,7 +10,7 @@ from cycloid_mj.dynamics.contact.collider import install
 from cycloid_mj.dynamics.contact.library import exact_xml
 from cycloid_mj.dynamics.drive_cycle import initial_state
 from cycloid_mj.dynamics.mjcf import build, sensors, xml
-from cycloid_mj.dynamics.run import columns
+from cycloid_mj.dynamics.run import log_columns
 from cycloid_mj.parts import mass_properties, parts
 from cycloid_mj.reducer import Reducer
 
@@ -51,7 +51,7 @@ def test_sensors_are_named_as_the_columns(compiled, design) -> None:
     *named, kept = [compiled.model.sensor(i).name for i in range(compiled.model.nsensor)]
     assert kept == each_step.SENSOR
     assert named == [name for group in sensors(Reducer(design)).values() for name in group]
-    logged = [name for group in columns(compiled, Reducer(design)).values() for name in group]
+    logged = [name for group in log_columns(compiled, Reducer(design)).values() for name in group]
     assert set(named) < set(logged)
     assert len(set(logged)) == len(logged)
 

@@ -18,7 +18,7 @@ from cycloid_mj.dynamics.drive_cycle import braked_output, locked_crank, rising
 from cycloid_mj.dynamics.mjcf import build
 from cycloid_mj.dynamics.planar.model import planar_model
 from cycloid_mj.dynamics.planar.settings import NEWTON
-from cycloid_mj.dynamics.planar.timestep import for_accelerations
+from cycloid_mj.dynamics.planar.timestep import acceleration_timestep
 from cycloid_mj.dynamics.run import Model, model_for, simulate
 from cycloid_mj.geometry.kinematics import CrankLaw
 from cycloid_mj.log import read
@@ -174,7 +174,7 @@ def test_moving_pins_settle_without_load_where_followed_ones_would_ring(
 
     witness = hardest(planar_model(reducer))
     model = build(design)
-    assert model.timestep > 1.5 * min(steps.step_limits(reducer, followed=True).values())
+    assert model.timestep > 1.5 * min(steps.step_limits(reducer, must_follow=True).values())
     assert hardest(model) == pytest.approx(witness, rel=0.15)
     monkeypatch.setattr("cycloid_mj.dynamics.mjcf.laws.may_settle", lambda *of: False)
     assert hardest(build(design)) > 2.0 * witness
@@ -190,7 +190,7 @@ def test_accelerations_of_moving_pins_are_mujocos_where_the_step_follows_them_an
         return rms(np.diff(error) * design.settings.log_rate)
 
     reducer, theirs = Reducer(design), level(build(design))
-    assert level(planar_model(reducer, timestep=for_accelerations(reducer))) == pytest.approx(theirs, rel=0.1)
+    assert level(planar_model(reducer, timestep=acceleration_timestep(reducer))) == pytest.approx(theirs, rel=0.1)
     assert level(planar_model(reducer)) < 0.8 * theirs
 
 

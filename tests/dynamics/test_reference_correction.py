@@ -123,7 +123,7 @@ def test_a_body_that_circles_in_a_bore_presses_by_its_centripetal_force() -> Non
     circle = bore - radius
     circle += mass * angular**2 * circle / (stiffness - mass * angular**2)
     data.qpos[1], data.qvel[0] = circle, -angular * circle
-    steps = each_step.EachStep(model, data, pair_index(model, [Mating("core", "bore")]), orbits=[0])
+    steps = each_step.EachStep(model, data, pair_index(model, [Mating("core", "bore")]), orbit_dofs=[0])
     with collider.install(), each_step.install():
         row = steps.advance(200)[-1]
     assert row[steps.solver][1] == pytest.approx(mass * angular**2 * circle / stiffness, rel=1e-3)

@@ -14,7 +14,7 @@ from cycloid_mj.analysis import analyze
 from cycloid_mj.cli.app import main
 from cycloid_mj.design import PRESETS, Design, override
 from cycloid_mj.dynamics.mjcf import ReducerModel, build
-from cycloid_mj.dynamics.regime import LIMITS, at_rest, pace, warnings
+from cycloid_mj.dynamics.regime import LIMITS, model_warnings, pace_warnings, static_warnings
 from cycloid_mj.dynamics.run import simulate
 from cycloid_mj.dynamics.timestep import SETTINGS, choose_step, describe_accuracy, step_limits, timestep
 from cycloid_mj.log import read
@@ -27,7 +27,7 @@ FIXED, SLEEVED = "ring.pins=fixed", "ring.pins=sleeved"
 def told(preset: str, *changes: str) -> tuple[str, ...]:
     # contacts are as stiff as their load makes them: under the rated one, they bear the least
     design = override(PRESETS[preset], ["load.torque_nm=36", *changes])
-    return warnings(Reducer(design), build(design))
+    return model_warnings(Reducer(design), build(design))
 
 
 @pytest.mark.parametrize(
@@ -112,7 +112,7 @@ def test_a_stiff_cam_that_is_warned_of_does_chatter() -> None:
         run = simulate(design)
         deviation = run["gear_speed"][run.time > 3.5e-3] + design.drive.speed / design.lobes
         error.append(float(np.sqrt(np.mean(deviation**2))))
-        assert bool(warnings(Reducer(design), build(design))) == (stiffness == "1e12")
+        assert bool(model_warnings(Reducer(design), build(design))) == (stiffness == "1e12")
     assert error[1] > 20.0 * error[0]
 
 
@@ -130,10 +130,10 @@ def test_a_raised_impedance_is_told() -> None:
     compiled: ReducerModel = build(design)
     law = compiled.laws["cam"]
     light = replace(law, added_mass=1e-7, effective_mass=1e-4)
-    found = warnings(Reducer(design), Other(compiled.model, compiled.pairs, {**compiled.laws, "cam": light}))
+    found = model_warnings(Reducer(design), Other(compiled.model, compiled.pairs, {**compiled.laws, "cam": light}))
     assert len([text for text in found if "minimum impedance" in text]) == 1
     heavy = replace(law, added_mass=1e-7)
-    assert warnings(Reducer(design), Other(compiled.model, compiled.pairs, {**compiled.laws, "cam": heavy})) == ()
+    assert model_warnings(Reducer(design), Other(compiled.model, compiled.pairs, {**compiled.laws, "cam": heavy})) == ()
 
 
 def test_the_step_of_the_model_is_judged() -> None:
@@ -141,11 +141,11 @@ def test_the_step_of_the_model_is_judged() -> None:
     design = override(PRESETS["pin"], ["load.torque_nm=1.0"])
     compiled = build(design)
     compiled.model.opt.timestep *= 2.0
-    assert any("pin_socket" in text for text in warnings(Reducer(design), compiled))
+    assert any("pin_socket" in text for text in model_warnings(Reducer(design), compiled))
     longer = design.but(settings={"timestep": 2.0 * timestep(Reducer(design))})
-    assert any("pin_socket" in text for text in warnings(Reducer(longer), compiled))
+    assert any("pin_socket" in text for text in model_warnings(Reducer(longer), compiled))
     compiled.model.opt.timestep /= 2.0
-    assert not warnings(Reducer(longer), compiled)
+    assert not model_warnings(Reducer(longer), compiled)
 
 
 @pytest.mark.slow
@@ -165,10 +165,10 @@ def test_a_remedy_lies_well_within_the_limit() -> None:
     """Sockets of 21 light pins ask for 1.98 us instead of 2 us: the remedy is a round step below it."""
     stiffness = 0.612e-3 * SETTINGS.max_settling_ratio / 1.98e-6**2
     design = override(PRESETS["pin"], [f"stiffness.pin_socket_n_m={stiffness!r}", "settings.timestep_us=2"])
-    found = warnings(Reducer(design), build(design))
+    found = model_warnings(Reducer(design), build(design))
     assert [text for text in found if "shorten settings.timestep_us to 1 or" in text] == list(found) != []
     shorter = override(design, ["settings.timestep_us=1"])
-    assert warnings(Reducer(shorter), build(shorter)) == ()
+    assert model_warnings(Reducer(shorter), build(shorter)) == ()
 
 
 @pytest.mark.parametrize("name", ["pin", "light", "printed"])
@@ -179,11 +179,11 @@ def test_a_chosen_step_is_never_warned_of_and_twice_as_long_a_pins_step_is(name:
     step = timestep(Reducer(design))
     assert step <= min(SETTINGS.max_step, *step_limits(Reducer(design)).values()) * (1.0 + 1e-9)
     assert step > 0.8 * min(SETTINGS.max_step, *step_limits(Reducer(design)).values())
-    assert warnings(Reducer(design), build(design)) == ()
-    assert pace(Reducer(design)) == ()
+    assert model_warnings(Reducer(design), build(design)) == ()
+    assert pace_warnings(Reducer(design)) == ()
     if design.ring.has_pin_bodies:
         longer = override(design, [f"settings.timestep_us={2e6 * step!r}"])
-        assert warnings(Reducer(longer), build(longer))
+        assert model_warnings(Reducer(longer), build(longer))
 
 
 def test_the_step_follows_mass_stiffness_play_force_and_speed() -> None:
@@ -219,17 +219,17 @@ def test_the_step_follows_mass_stiffness_play_force_and_speed() -> None:
 
 @pytest.mark.parametrize("design", [PRESETS["pin"], PRESETS["nonpin"], *map(unlike, UNLIKE)], ids=lambda one: one.name)
 def test_steps_and_samples_are_counted_from_tooth_to_tooth(design: Design) -> None:
-    assert pace(Reducer(design)) == ()
+    assert pace_warnings(Reducer(design)) == ()
     passing = design.ring.teeth * abs(design.drive.speed) / (2.0 * np.pi)
     for inside, count in ((False, 0.99), (True, 1.01)):
         rate = override(design, [f"settings.log_rate_hz={count * LIMITS.min_samples_per_tooth * passing!r}"])
         fast = override(design, ["settings.log_rate_hz=1e6", "settings.timestep_us=1", "contact.creep_speed_mm_s=1e-3"])
         speed = design.drive.speed * 1e6 / passing / (count * SETTINGS.min_steps_per_tooth)
         fast = fast.model_copy(update={"drive": design.drive.model_copy(update={"speed": speed})})
-        assert (pace(Reducer(rate)) == ()) == inside
-        assert (pace(Reducer(fast)) == ()) == inside
+        assert (pace_warnings(Reducer(rate)) == ()) == inside
+        assert (pace_warnings(Reducer(fast)) == ()) == inside
     still = design.model_copy(update={"drive": design.drive.model_copy(update={"speed": 0.0})})
-    assert pace(Reducer(still)) == ()
+    assert pace_warnings(Reducer(still)) == ()
 
 
 @pytest.mark.parametrize(
@@ -244,17 +244,17 @@ def test_steps_and_samples_are_counted_from_tooth_to_tooth(design: Design) -> No
 )
 def test_to_follow_a_warning_of_pace_silences_it(changes: tuple[str, ...]) -> None:
     design = override(PRESETS["pin"], [FIXED, *changes])
-    found = pace(Reducer(design))
+    found = pace_warnings(Reducer(design))
     remedies = [re.search(r"^(settings\.\w+) .*(?:shorten|raise) it to ([\d.e+]+)", text) for text in found]
     assert remedies
-    assert pace(Reducer(override(design, [f"{one[1]}={one[2]}" for one in remedies if one]))) == ()
+    assert pace_warnings(Reducer(override(design, [f"{one[1]}={one[2]}" for one in remedies if one]))) == ()
 
 
 def test_a_slow_bench_is_judged_by_what_counts_at_rest() -> None:
     design = override(PRESETS["pin"], ["settings.timestep_us=10", "friction.cam=0.01", "clearance.cam_um=1e-8"])
-    found = at_rest(Reducer(design), build(design).laws)
+    found = static_warnings(Reducer(design), build(design).laws)
     assert {re.split(r"[: ]", text)[0] for text in found} == {"friction.cam", "clearance.cam_um"}
-    assert set(found) < set(warnings(Reducer(design), build(design)))
+    assert set(found) < set(model_warnings(Reducer(design), build(design)))
 
 
 def test_no_friction_at_all_is_no_sliding_friction_given() -> None:

@@ -24,7 +24,7 @@ def test_the_release_that_is_installed_passes():
     with each_step._installation.kept():
         assert selftest.try_steps(each_step.add_sensor, each_step.EachStep) == ""
     lift = reference_correction.compile_control_callback(layout.discover_steps())
-    assert selftest.try_lift(lift.address) == ""
+    assert selftest.try_correction(lift.address) == ""
 
 
 @pytest.mark.slow
@@ -58,7 +58,7 @@ def test_places_that_are_read_wrong_are_seen(part, places):
 
 
 def test_a_lift_that_is_not_taken_off_is_seen():
-    assert selftest.try_lift(0).startswith("forces of ")
+    assert selftest.try_correction(0).startswith("forces of ")
 
 
 def test_what_has_passed_is_kept_by_release_and_what_has_not_is_one_line(monkeypatch, tmp_path):

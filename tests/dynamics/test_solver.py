@@ -123,7 +123,7 @@ def test_what_is_left_out_changes_nothing(name: str) -> None:
     last = (plan.samples - 1) * plan.stride
     # what corrects the references of circling discs needs to know which freedoms these have
     index = pair_index(compiled.model, compiled.pairs)
-    kept = EachStep(compiled.model, data, index, orbits=disc_freedoms(compiled.model, Reducer(design)))
+    kept = EachStep(compiled.model, data, index, orbit_dofs=disc_freedoms(compiled.model, Reducer(design)))
     with install():
         for command in course.commands(plan.timestep * np.arange(last + 1)):
             data.ctrl[:] = command

@@ -123,7 +123,7 @@ def at_the_end(monkeypatch):
     calls = []
 
     def blocks(compiled, reducer):
-        groups = cycloid_mj.dynamics.run.columns(compiled, reducer)
+        groups = cycloid_mj.dynamics.run.log_columns(compiled, reducer)
         for first in (0, 2):
             time = 1e-4 * np.arange(first, first + 2)
             speed = np.full(2, reducer.design.drive.speed)

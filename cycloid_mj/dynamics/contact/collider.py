@@ -18,8 +18,8 @@ from cycloid_mj.base.compiling import cacheable, cfunc
 from cycloid_mj.base.errors import ContactError
 from cycloid_mj.dynamics.contact import selftest
 from cycloid_mj.dynamics.contact.layout import Layout, discover, discover_steps
-from cycloid_mj.dynamics.contact.library import CYLINDER, TYPES, answer, callback, collision_table
-from cycloid_mj.dynamics.contact.mating import inner_in_outer, lobe_on_teeth, pin_on_teeth
+from cycloid_mj.dynamics.contact.library import CYLINDER, TYPES, callback, collision_table, set_callback
+from cycloid_mj.dynamics.contact.mating import write_lobe_contacts, write_pin_contact, write_round_contacts
 from cycloid_mj.dynamics.contact.memory import read_address, read_int
 from cycloid_mj.dynamics.contact.reference_correction import compile_control_callback
 from cycloid_mj.dynamics.contact.shared import Shared
@@ -40,19 +40,22 @@ def _compile_pins(layout: Layout) -> Any:
     """Compile or load the collider of pins, sockets, cam and holes; other pairs go to the original collider."""
 
     @cfunc(_SIGNATURE, cache=cacheable())
-    def collide(model: int, data: int, out: int, geom1: int, geom2: int, margin: float) -> int:
-        """Write the contacts of two cylinders, and return their number."""
+    def collide(model: int, data: int, contacts: int, geom1: int, geom2: int, margin: float) -> int:
+        """Write the contacts of two cylinders at the address `contacts`, and return their number.
+
+        An ``mjfCollision``.
+        """
         priority = read_address(model + layout.geom_priority)
         role1, role2 = read_int(priority + 4 * geom1), read_int(priority + 4 * geom2)
         if role1 == _TEETH and role2 == _PIN:
-            return pin_on_teeth(layout, model, data, out, geom1, geom2, 1.0, margin)
+            return write_pin_contact(layout, model, data, contacts, geom1, geom2, 1.0, margin)
         if role1 == _PIN and role2 == _TEETH:
-            return pin_on_teeth(layout, model, data, out, geom2, geom1, -1.0, margin)
+            return write_pin_contact(layout, model, data, contacts, geom2, geom1, -1.0, margin)
         if role2 == _OUTER and role1 in (_INNER, _PIN):
-            return inner_in_outer(layout, model, data, out, geom1, geom2, 1.0, margin)
+            return write_round_contacts(layout, model, data, contacts, geom1, geom2, 1.0, margin)
         if role1 == _OUTER and role2 in (_INNER, _PIN):
-            return inner_in_outer(layout, model, data, out, geom2, geom1, -1.0, margin)
-        return _original(model, data, out, geom1, geom2, margin)
+            return write_round_contacts(layout, model, data, contacts, geom2, geom1, -1.0, margin)
+        return _original(model, data, contacts, geom1, geom2, margin)
 
     return collide
 
@@ -64,22 +67,25 @@ def _compile_lobes(layout: Layout) -> Any:
     """
 
     @cfunc(_SIGNATURE, cache=cacheable())
-    def collide(model: int, data: int, out: int, geom1: int, geom2: int, margin: float) -> int:
-        """Write the contacts of two cylinders, and return their number."""
+    def collide(model: int, data: int, contacts: int, geom1: int, geom2: int, margin: float) -> int:
+        """Write the contacts of two cylinders at the address `contacts`, and return their number.
+
+        An ``mjfCollision``.
+        """
         priority = read_address(model + layout.geom_priority)
         role1, role2 = read_int(priority + 4 * geom1), read_int(priority + 4 * geom2)
         if role1 == _TEETH and role2 == _LOBE:
-            return lobe_on_teeth(layout, model, data, out, geom1, geom2, 1.0, margin)
+            return write_lobe_contacts(layout, model, data, contacts, geom1, geom2, 1.0, margin)
         if role1 == _LOBE and role2 == _TEETH:
-            return lobe_on_teeth(layout, model, data, out, geom2, geom1, -1.0, margin)
-        return _pins(model, data, out, geom1, geom2, margin)
+            return write_lobe_contacts(layout, model, data, contacts, geom2, geom1, -1.0, margin)
+        return _pins(model, data, contacts, geom1, geom2, margin)
 
     return collide
 
 
 @cache
 def _pin_collider() -> Any:
-    """Return the original collider and that of pins, which calls it by name."""
+    """Return the address of MuJoCo's cylinder collider and the compiled, self-tested collider of pins."""
     original = collision_table()[_ENTRY]
     if not original:
         raise ContactError(
@@ -93,9 +99,9 @@ def _pin_collider() -> Any:
 
 
 @cache
-def _lift() -> Any:
+def _compile_correction() -> Any:
     lift = compile_control_callback(discover_steps())
-    selftest.require_passed("lift", lambda: selftest.try_lift(lift.address))
+    selftest.require_passed("lift", lambda: selftest.try_correction(lift.address))
     return lift
 
 
@@ -108,7 +114,7 @@ def _lobe_collider() -> Any:
 
 def _install() -> None:
     _, collider = _pin_collider()
-    answer("mjcb_control", _lift().address)
+    set_callback("mjcb_control", _compile_correction().address)
     collision_table()[_ENTRY] = collider.address
 
 

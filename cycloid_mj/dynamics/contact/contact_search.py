@@ -26,7 +26,14 @@ from cycloid_mj.dynamics.contact.gap import (
 )
 from cycloid_mj.dynamics.contact.local_gap import Start, multiple_angle, pin_distance
 from cycloid_mj.dynamics.contact.memory import read_float, write_float
-from cycloid_mj.dynamics.contact.ring import Minimum, is_monotone, offset_root, root_minimum, root_slope, root_start
+from cycloid_mj.dynamics.contact.ring import (
+    Minimum,
+    is_monotone,
+    offset_root,
+    root_minimum,
+    root_slope,
+    root_start_phase,
+)
 from cycloid_mj.dynamics.contact.teeth import Teeth
 
 PRE_CONTACT = np.dtype([("dist", float), ("pos", float, 3), ("normal", float, 3), ("tangent", float, 3)])
@@ -146,19 +153,19 @@ class HalfRoot(NamedTuple):
 
 
 @njit(inline="always")
-def write_touch(out: int, gap: float, x: float, y: float, factor: float, nx: float, ny: float) -> None:
-    """Write a touch at an address."""
-    write_float(out, gap)
-    write_float(out + 8, x)
-    write_float(out + 16, y)
-    write_float(out + 24, factor)
-    write_float(out + 32, nx)
-    write_float(out + 40, ny)
+def write_touch(address: int, gap: float, x: float, y: float, factor: float, nx: float, ny: float) -> None:
+    """Write the six numbers of a `Touch` at an address."""
+    write_float(address, gap)
+    write_float(address + 8, x)
+    write_float(address + 16, y)
+    write_float(address + 24, factor)
+    write_float(address + 32, nx)
+    write_float(address + 40, ny)
 
 
 @njit(inline="always")
 def read_touch(address: int) -> Touch:
-    """Read a touch at an address."""
+    """Read the six numbers of a `Touch` at an address."""
     return Touch(
         read_float(address),
         read_float(address + 8),
@@ -189,82 +196,90 @@ def pin_touch(profile: Teeth, pin: RingPin, gear: Pose, px: float, py: float, ma
     contact.
     """
     offset = profile.flank.offset
-    reach, yielding = pin.radius - pin.play, pin.yielding
+    effective_radius, softness = pin.radius - pin.play, pin.yielding
     x, y = inwards(gear, px - gear.x, py - gear.y)
-    hs, hc = pin.sine, pin.cosine
-    rotates = hs == 0.0 and hc == 0.0
+    home_sine, home_cosine = pin.sine, pin.cosine
+    rotates = home_sine == 0.0 and home_cosine == 0.0
     if rotates:
-        away = 1.0 / math.sqrt(px * px + py * py)
-        hs, hc = px * away, py * away
-    st, ct = hs * gear.cosine + hc * gear.sine, hc * gear.cosine - hs * gear.sine
-    times = int(profile.ring.teeth)
-    sn, cn = multiple_angle(st, ct, times) if rotates else multiple_angle(gear.sine, gear.cosine, times)
+        inverse_radius = 1.0 / math.sqrt(px * px + py * py)
+        home_sine, home_cosine = px * inverse_radius, py * inverse_radius
+    st, ct = home_sine * gear.cosine + home_cosine * gear.sine, home_cosine * gear.cosine - home_sine * gear.sine
+    ring_teeth = int(profile.ring.teeth)
+    sn, cn = multiple_angle(st, ct, ring_teeth) if rotates else multiple_angle(gear.sine, gear.cosine, ring_teeth)
     start = Start(st, ct, sn, cn)
-    distance, nx, ny, bend = pin_distance(x, y, profile.flank, start, margin + reach - offset)
-    gap = distance + offset - reach
-    none = PinTouch(False, Touch(gap, 0.0, 0.0, 1.0, 0.0, 0.0), 0.0)
+    distance, nx, ny, curvature = pin_distance(x, y, profile.flank, start, margin + effective_radius - offset)
+    gap = distance + offset - effective_radius
+    no_touch = PinTouch(False, Touch(gap, 0.0, 0.0, 1.0, 0.0, 0.0), 0.0)
     if not gap < margin:
-        return none
-    wx, wy = outwards(gear, nx, ny)
-    if 1.0 + wx * hs + wy * hc < pin.min_cosine:
-        return none  # pressed out of its seat's opening
-    factor = _stiffness_factor(profile, bend / (1.0 - offset * bend) + 1.0 / pin.radius)
-    factor *= (1.0 + yielding) / (1.0 + yielding * factor)
-    depth = reach + 0.5 * gap
-    return PinTouch(True, Touch(gap, px - depth * wx, py - depth * wy, factor, wx, wy), bend)
+        return no_touch
+    normal_x, normal_y = outwards(gear, nx, ny)
+    if 1.0 + normal_x * home_sine + normal_y * home_cosine < pin.min_cosine:
+        return no_touch  # pressed out of its seat's opening
+    factor = _stiffness_factor(profile, curvature / (1.0 - offset * curvature) + 1.0 / pin.radius)
+    factor *= (1.0 + softness) / (1.0 + softness * factor)
+    depth = effective_radius + 0.5 * gap
+    return PinTouch(
+        True, Touch(gap, px - depth * normal_x, py - depth * normal_y, factor, normal_x, normal_y), curvature
+    )
 
 
 @njit(inline="always")
-def _piece_edge(bottom: float, top: float, share: float, own: bool, crowded: bool) -> float:
-    """Compute the phase at a share of a half root, which is that of the lobe itself (`own`) or of the next lobe.
+def _piece_edge(bottom: float, top: float, fraction: float, is_own: bool, is_graded: bool) -> float:
+    """Compute the phase [rad] at which a piece of a half root ends, at a fraction of the pieces from `bottom`.
 
-    If `crowded`, the edges of the pieces are dense at the middle of the root and denser at its junction.
+    `is_own` for the half root of the lobe itself. If `is_graded`, pieces are short at the middle of the root and
+    shorter at its junction.
     """
-    if not crowded:
-        return bottom + (top - bottom) * share
-    wave = math.sin(0.5 * math.pi * (share if own else 1.0 - share))
-    away = (top - bottom) * wave * wave * wave
-    return bottom + away if own else top - away
+    if not is_graded:
+        return bottom + (top - bottom) * fraction
+    sine = math.sin(0.5 * math.pi * (fraction if is_own else 1.0 - fraction))
+    distance = (top - bottom) * sine * sine * sine
+    return bottom + distance if is_own else top - distance
 
 
 @njit(inline="always")
-def _is_open(dx: float, dy: float, x1: float, y1: float, x2: float, y2: float, clear: float) -> bool:
-    """Return whether a displacement leaves a gap where the normal lies between two directions, by less than pi.
+def _stays_open(dx: float, dy: float, x1: float, y1: float, x2: float, y2: float, clearance: float) -> bool:
+    """Return whether a displacement (dx, dy) [m] leaves a gap at all normals between two directions.
 
-    They are (x1, y1) and, clockwise from it, (x2, y2); `clear` is the smallest gap [m] of the undisplaced gear there.
+    They are (x1, y1) and, clockwise from it, (x2, y2); `clearance` is the smallest gap [m] of the undisplaced gear
+    there.
     """
-    size = math.sqrt(dx * dx + dy * dy)
-    clear -= SETTINGS.second_order_share * size
-    if size < clear:
+    shift = math.sqrt(dx * dx + dy * dy)
+    clearance -= SETTINGS.second_order_share * shift
+    if shift < clearance:
         return True
-    within = x1 * dy - y1 * dx <= 0.0 and x2 * dy - y2 * dx >= 0.0
-    return not within and max(dx * x1 + dy * y1, dx * x2 + dy * y2) < clear
+    is_between = x1 * dy - y1 * dx <= 0.0 and x2 * dy - y2 * dx >= 0.0
+    return not is_between and max(dx * x1 + dy * y1, dx * x2 + dy * y2) < clearance
 
 
 @njit(inline="always")
 def _arc_touch(profile: Teeth, arc_radius: float, gear: Pose, sn: float, cn: float, margin: float) -> ArcTouch:
-    """Compute the contact of teeth and the arc of a lobe; `sn`, `cn` are sine and cosine of N times the gear's angle.
+    """Compute the contact of teeth and the arc of a lobe, which lies on +y of the ring's frame.
 
-    Beyond the range of the arc's normals there is none: the gap decreases further along the flank of the root.
+    `sn`, `cn` are sine and cosine of N times the gear's angle. Beyond the range of the arc's normals there is no
+    contact: the gap decreases further along the flank of the root.
     """
     ring, offset = profile.ring, profile.flank.offset
     x, y = inwards(gear, -gear.x, ring.radius - gear.y)
     start = Start(gear.sine, gear.cosine, sn, cn)
-    distance, nx, ny, bend = pin_distance(x, y, profile.flank, start, margin + arc_radius - offset)
-    gap, (wx, wy) = distance + offset - arc_radius, outwards(gear, nx, ny)
-    exists = gap < margin and abs(wx) <= ring.eccentricity * ring.teeth / ring.radius
-    factor = _stiffness_factor(profile, bend / (1.0 - offset * bend) + 1.0 / arc_radius) if exists else 1.0
-    return ArcTouch(exists, gap, factor, wx, wy)
+    distance, nx, ny, curvature = pin_distance(x, y, profile.flank, start, margin + arc_radius - offset)
+    gap, (normal_x, normal_y) = distance + offset - arc_radius, outwards(gear, nx, ny)
+    exists = gap < margin and abs(normal_x) <= ring.eccentricity * ring.teeth / ring.radius
+    factor = _stiffness_factor(profile, curvature / (1.0 - offset * curvature) + 1.0 / arc_radius) if exists else 1.0
+    return ArcTouch(exists, gap, factor, normal_x, normal_y)
 
 
 @njit(inline="always")
-def _write_arc(out: int, arc: ArcTouch, lobe: Pose, reach: float) -> int:
-    """Write the contact on the arc of a lobe, if there is one, at the pose of the lobe."""
+def _write_arc(address: int, arc: ArcTouch, lobe: Pose, arc_radius: float) -> int:
+    """Write the contact on the arc of a lobe at an address, in the world's frame.
+
+    Return the number of contacts, 0 or 1.
+    """
     if not arc.exists:
         return 0
-    depth = reach + 0.5 * arc.gap
+    depth = arc_radius + 0.5 * arc.gap
     nx, ny = outwards(lobe, arc.nx, arc.ny)
-    write_touch(out, arc.gap, lobe.x - depth * nx, lobe.y - depth * ny, arc.factor, nx, ny)
+    write_touch(address, arc.gap, lobe.x - depth * nx, lobe.y - depth * ny, arc.factor, nx, ny)
     return 1
 
 
@@ -277,21 +292,25 @@ def _root_factor(profile: Teeth, arc_radius: float, least: Minimum) -> float:
 
 
 @njit(inline="always")
-def _separation(profile: Teeth, arc_radius: float, gear: Pose, phase: float, highest: float) -> float:
-    """Compute how separate the contacts on arc and root are, from 0 to 1.
+def _separation(profile: Teeth, arc_radius: float, gear: Pose, phase: float, larger_gap: float) -> float:
+    """Compute how separate the contacts on arc and root are, from 0 (one patch) to 1.
 
-    Contacts with less than a deflection of gap between them, at a `phase` half-way, are one patch. `highest` is the
+    Contacts with less than a deflection of gap between them, at a `phase` half-way, are one patch. `larger_gap` is the
     larger of their gaps [m].
     """
     x, y, _, _, _ = offset_root(phase, profile.ring)
     ex, ey = inwards(gear, x - gear.x, y - gear.y)
-    rise = flank_distance(ex, ey, profile.flank)[1] + profile.flank.offset - arc_radius - highest
-    return min(1.0, max(0.0, rise / profile.deflection))
+    gap_rise = flank_distance(ex, ey, profile.flank)[1] + profile.flank.offset - arc_radius - larger_gap
+    return min(1.0, max(0.0, gap_rise / profile.deflection))
 
 
 @compiling.njit(inner=True)
-def lobe_touches(out: int, profile: Teeth, arc_radius: float, lobe: Pose, gear: Pose, margin: float) -> int:
-    """Write the contacts of the teeth with a lobe of the internal gear and the adjacent halves of two roots."""
+def lobe_touches(address: int, profile: Teeth, arc_radius: float, lobe: Pose, gear: Pose, margin: float) -> int:
+    """Find and write the contacts of the teeth with a lobe of the internal gear and the adjacent halves of two roots.
+
+    Contacts are written at an address, `STRIDE` apart; `arc_radius` [m] is that of the lobe, `margin` [m] the largest
+    gap. Returns their number.
+    """
     flank, ring, offset = profile.flank, profile.ring, profile.flank.offset
     # The gear in the lobe's frame: axis of the ring at the origin, lobe on +y.
     gx, gy = inwards(lobe, gear.x - lobe.x, gear.y - lobe.y)
@@ -300,41 +319,45 @@ def lobe_touches(out: int, profile: Teeth, arc_radius: float, lobe: Pose, gear: 
     sn, cn = multiple_angle(sine, cosine, int(ring.teeth))
     arc = _arc_touch(profile, arc_radius, gear, sn, cn, margin)
 
-    share = ring.eccentricity * ring.teeth / ring.radius
+    max_sine = ring.eccentricity * ring.teeth / ring.radius
     modified = flank.curve.radius != ring.radius or flank.rotation != 0.0 or len(flank.waves) > 0
     monotone = is_monotone(ring)
-    aside = math.sqrt(1.0 - share * share)
+    min_cosine = math.sqrt(1.0 - max_sine * max_sine)
     # Of a conjugate gear, only roots near the eccentric direction are in contact: |crank| < acos(share), plus a margin.
-    far = gear.y < (share - SETTINGS.angle_margin * aside) * math.sqrt(gear.x * gear.x + gear.y * gear.y)
-    if far and monotone and not modified:
-        return _write_arc(out, arc, lobe, arc_radius)
+    is_far = gear.y < (max_sine - SETTINGS.angle_margin * min_cosine) * math.sqrt(gear.x * gear.x + gear.y * gear.y)
+    if is_far and monotone and not modified:
+        return _write_arc(address, arc, lobe, arc_radius)
     # The crank is N - 1 times as far round as the gear. Most roots are open, and do not need its angle.
     crank_x, crank_y = sn * cosine - cn * sine, cn * cosine + sn * sine
     shift_x, shift_y = gear.x - ring.eccentricity * crank_x, gear.y - ring.eccentricity * crank_y
     half_pitch = math.pi / ring.teeth
-    half_x, half_y = math.sin(half_pitch), math.cos(half_pitch)
+    half_sine, half_cosine = math.sin(half_pitch), math.cos(half_pitch)
     count = 0
     for side in range(2):
         # The root on the clockwise side is that of the next lobe: one pitch further clockwise.
-        own = side == 0
-        pitch = 0.0 if own else 2.0 * half_pitch
-        x1, y1, x2, y2 = (-half_x, half_y, share, aside) if own else (-share, aside, half_x, half_y)
-        if not modified and _is_open(shift_x, shift_y, x1, y1, x2, y2, offset - arc_radius - margin):
+        is_own = side == 0
+        pitch = 0.0 if is_own else 2.0 * half_pitch
+        x1, y1, x2, y2 = (
+            (-half_sine, half_cosine, max_sine, min_cosine)
+            if is_own
+            else (-max_sine, min_cosine, half_sine, half_cosine)
+        )
+        if not modified and _stays_open(shift_x, shift_y, x1, y1, x2, y2, offset - arc_radius - margin):
             continue
         turn = (ring.teeth - 1.0) * math.atan2(sine, cosine)
         crank = turn - 2.0 * math.pi * math.floor(turn / (2.0 * math.pi) + 0.5)
-        low = math.acos(share)
-        start = root_start(crank - pitch, low, ring, modified) if monotone else math.pi
+        low = math.acos(max_sine)
+        start = root_start_phase(crank - pitch, low, ring, modified) if monotone else math.pi
         if start == 0.0:
             continue
-        root = HalfRoot(own, low, start, Pose(0.0, 0.0, math.cos(pitch), -math.sin(pitch)), modified, monotone)
-        count, arc = _write_root(out, count, profile, arc_radius, root, arc, lobe, gear, margin)
-    return count + _write_arc(out + STRIDE * count, arc, lobe, arc_radius)
+        root = HalfRoot(is_own, low, start, Pose(0.0, 0.0, math.cos(pitch), -math.sin(pitch)), modified, monotone)
+        count, arc = _write_root(address, count, profile, arc_radius, root, arc, lobe, gear, margin)
+    return count + _write_arc(address + STRIDE * count, arc, lobe, arc_radius)
 
 
 @compiling.njit(inner=True)
 def _write_root(
-    out: int,
+    address: int,
     count: int,
     profile: Teeth,
     arc_radius: float,
@@ -344,73 +367,76 @@ def _write_root(
     gear: Pose,
     margin: float,
 ) -> tuple[int, ArcTouch]:
-    """Write the contacts in half a root after `count` others; return their new number and the contact on the arc.
+    """Find and write the contacts in half a root after `count` others.
 
-    Contacts on arc and root with less than a deflection of gap between them are one patch, which both share equally.
+    Return their new number and the contact on the arc.
+    The half root is divided into pieces, each of which is searched for a minimum of the gap. Contacts on arc and root
+    with less than a deflection of gap between them are one patch, which both share equally.
     """
-    flank, ring, frame, low = profile.flank, profile.ring, root.frame, root.low
-    rx, ry = inwards(frame, gear.x, gear.y)
-    rc, rs = inwards(frame, gear.cosine, gear.sine)
-    posed = Pose(rx, ry, rc, rs)
-    bottom, top = (low, math.pi) if root.own else (math.pi, 2.0 * math.pi - low)
+    flank, ring, frame, min_phase = profile.flank, profile.ring, root.frame, root.low
+    gear_x, gear_y = inwards(frame, gear.x, gear.y)
+    gear_cosine, gear_sine = inwards(frame, gear.cosine, gear.sine)
+    gear_pose = Pose(gear_x, gear_y, gear_cosine, gear_sine)
+    bottom, top = (min_phase, math.pi) if root.own else (math.pi, 2.0 * math.pi - min_phase)
     pieces = SETTINGS.modified_pieces if root.monotone else SETTINGS.pieces
     if root.monotone and not root.modified:
         pieces = 1
-    slope = root_slope(bottom, ring, flank, posed) if pieces > 1 else -1.0
+    slope = root_slope(bottom, ring, flank, gear_pose) if pieces > 1 else -1.0
     for piece in range(pieces):
         left = _piece_edge(bottom, top, piece / pieces, root.own, root.modified and root.monotone)
         right = _piece_edge(bottom, top, (piece + 1) / pieces, root.own, root.modified and root.monotone)
         if pieces > 1:
-            falling = slope < 0.0
-            slope = root_slope(right, ring, flank, posed)
-            if not falling or slope < 0.0:
+            was_falling = slope < 0.0
+            slope = root_slope(right, ring, flank, gear_pose)
+            if not was_falling or slope < 0.0:
                 continue
-        least = root_minimum(left, right, root.start if pieces == 1 else 0.5 * (left + right), ring, flank, posed)
-        gap = least.distance + flank.offset - arc_radius
-        if not (least.exists and gap < margin):
+        minimum = root_minimum(left, right, root.start if pieces == 1 else 0.5 * (left + right), ring, flank, gear_pose)
+        gap = minimum.distance + flank.offset - arc_radius
+        if not (minimum.exists and gap < margin):
             continue
-        factor, arc_factor = _root_factor(profile, arc_radius, least), arc.factor
+        factor, arc_factor = _root_factor(profile, arc_radius, minimum), arc.factor
         if arc.exists and profile.deflection > 0.0:
-            middle = 0.5 * (least.B + (low if root.own else 2.0 * math.pi - low))
-            apart = _separation(profile, arc_radius, posed, middle, max(gap, arc.gap))
-            factor = (0.5 + 0.5 * apart) * (arc_factor + apart * (factor - arc_factor))
-            arc = ArcTouch(arc.exists, arc.gap, arc_factor * (0.5 + 0.5 * apart), arc.nx, arc.ny)
+            mid_phase = 0.5 * (minimum.B + (min_phase if root.own else 2.0 * math.pi - min_phase))
+            separation = _separation(profile, arc_radius, gear_pose, mid_phase, max(gap, arc.gap))
+            factor = (0.5 + 0.5 * separation) * (arc_factor + separation * (factor - arc_factor))
+            arc = ArcTouch(arc.exists, arc.gap, arc_factor * (0.5 + 0.5 * separation), arc.nx, arc.ny)
         depth = arc_radius + 0.5 * gap
-        x, y, _, _, _ = offset_root(least.B, ring)
+        x, y, _, _, _ = offset_root(minimum.B, ring)
         # Back from the root's frame to the lobe's, and to the world.
-        fx, fy = outwards(frame, x - depth * least.nx, y - depth * least.ny)
-        vx, vy = outwards(frame, least.nx, least.ny)
+        fx, fy = outwards(frame, x - depth * minimum.nx, y - depth * minimum.ny)
+        vx, vy = outwards(frame, minimum.nx, minimum.ny)
         px, py = to_frame(lobe, fx, fy - ring.radius)
         qx, qy = outwards(lobe, vx, vy)
-        write_touch(out + STRIDE * count, gap, px, py, factor, qx, qy)
+        write_touch(address + STRIDE * count, gap, px, py, factor, qx, qy)
         count += 1
     return count, arc
 
 
 @compiling.njit(inner=True)
 def inner_touches(
-    out: int, dx: float, dy: float, x: float, y: float, inner: float, outer: PartialCircle, margin: float
+    address: int, dx: float, dy: float, x: float, y: float, inner: float, outer: PartialCircle, margin: float
 ) -> int:
-    """Write the contacts of a circle of radius `inner` at (x, y), (dx, dy) from the centre of the circle around it [m].
+    """Write the contacts of a circle of radius `inner` in another circle at an address; return their number.
 
-    The outer circle may be open, an arc, whose edges are then in contact; the sine of a closed one is 0.
+    The inner centre is at (x, y), and (dx, dy) from the outer centre [m]. The outer circle may be an arc, whose edges
+    are then in contact, too; the sine of a closed circle is 0.
     """
     # Most circles are open, which needs no exact gap.
-    play = outer.radius - inner - margin
-    if play > 0.0 and dx * dx + dy * dy <= play * play:
+    clearance = outer.radius - inner - margin
+    if clearance > 0.0 and dx * dx + dy * dy <= clearance * clearance:
         return 0
     if outer.sine == 0.0:
         gap, nx, ny = circle_in_circle(dx, dy, inner, outer.radius)
-        return _write_inner(out, gap, x, y, nx, ny, inner, margin)
-    side, on_arc, other = nearest_on_arc(dx, dy, outer)
+        return _write_inner(address, gap, x, y, nx, ny, inner, margin)
+    side, on_arc, both_edges = nearest_on_arc(dx, dy, outer)
     if on_arc:
         gap, nx, ny = circle_in_circle(dx, dy, inner, outer.radius)
     else:
         gap, nx, ny = circle_at_edge(dx, dy, inner, outer, side)
-    count = _write_inner(out, gap, x, y, nx, ny, inner, margin)
-    if other:
+    count = _write_inner(address, gap, x, y, nx, ny, inner, margin)
+    if both_edges:
         gap, nx, ny = circle_at_edge(dx, dy, inner, outer, -side)
-        count += _write_inner(out + STRIDE * count, gap, x, y, nx, ny, inner, margin)
+        count += _write_inner(address + STRIDE * count, gap, x, y, nx, ny, inner, margin)
     return count
 
 

@@ -26,9 +26,9 @@ from cycloid_mj.base import compiling
 from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import cacheable, cfunc
 from cycloid_mj.dynamics.contact import sample_layout, selftest
-from cycloid_mj.dynamics.contact.forces import PairIndex, gather, pair_of
+from cycloid_mj.dynamics.contact.forces import PairIndex, pair_of, sum_contacts
 from cycloid_mj.dynamics.contact.layout import discover_steps
-from cycloid_mj.dynamics.contact.library import answer, callback, function_address
+from cycloid_mj.dynamics.contact.library import callback, function_address, set_callback
 from cycloid_mj.dynamics.contact.memory import read_address, read_float, read_int, write_float
 from cycloid_mj.dynamics.contact.reference_correction import bind_multiplication, correct_references, multiply_jacobian
 from cycloid_mj.dynamics.contact.shared import Shared
@@ -117,16 +117,16 @@ class EachStep:
         sources: Sequence[int] = (),
         drags: Sequence[int] = (),
         impacts: Sequence[ImpactLaw] = (),
-        orbits: Sequence[int] = (),
+        orbit_dofs: Sequence[int] = (),
         film: FilmRows | None = None,
     ) -> None:
-        """Allocate the arrays of the run, and store their addresses in the user data."""
+        """Allocate the arrays of the run, and store the address of its state record in the user data of the model."""
         self._model, self._data, self._index = model, data, index
         energies = data.energy.ctypes.data + 8 * np.arange(2)
         self._sources = np.array([*sources, *energies], dtype=np.int64)
         self._drags = np.array(drags, dtype=np.int32)
         self._impacts = np.array([astuple(impact) for impact in impacts], dtype=np.float64)
-        self._orbits, self._circling = np.array(orbits, dtype=np.int32), np.zeros(model.nv)
+        self._orbits, self._circling = np.array(orbit_dofs, dtype=np.int32), np.zeros(model.nv)
         self._film = film
         self._on_pins = np.zeros((2, film.pins if film else 0))
         self._timestep = np.array([model.opt.timestep])
@@ -158,7 +158,7 @@ class EachStep:
         return rows
 
     def _state_record(self) -> Any:
-        """Return the record of addresses and sizes for the compiled code, see `STEP_STATE`."""
+        """Return the record of addresses and sizes that compiled code reads, see `STEP_STATE`."""
         model, data, index = self._model, self._data, self._index
         layout = discover_steps()._asdict()
         values = {name: data._address + layout[name] for name in POINTERS} | {name: layout[name] for name in FIELDS}
@@ -214,17 +214,17 @@ def install() -> Iterator[None]:
         The sensor callback is already in use, or this release of MuJoCo is not compatible.
     """
     with _installation.kept():
-        _require_passed()
+        _require_self_test()
         yield
 
 
 @cache
-def _require_passed() -> None:
+def _require_self_test() -> None:
     selftest.require_passed("samples", lambda: selftest.try_steps(add_sensor, EachStep))
 
 
 def _install() -> None:
-    answer("mjcb_sensor", _compile_callback().address)
+    set_callback("mjcb_sensor", _compile_callback().address)
     timer = callback("mjcb_time")
     _timer.value, timer.value = timer.value, None
 
@@ -248,7 +248,7 @@ def _compile_callback() -> Any:
 
     @cfunc(types.void(types.intp, types.intp, types.int32), cache=cacheable())
     def during_step(model: int, data: int, stage: int) -> None:
-        """Apply the law IMPACT, or end a step and take the following ones; a ``mjfSensor``."""
+        """Apply the contact laws before the forces, or end a step and take the following ones; an ``mjfSensor``."""
         if (stage != _LAST_STAGE and stage != _FIRST_STAGE) or read_int(model + layout.nuserdata) != 1:
             return
         address = int(read_float(read_address(data + layout.userdata)))
@@ -278,7 +278,7 @@ def _compile_callback() -> Any:
 
 @compiling.njit(inner=True)
 def _end_step(model: int, data: int, run: StepState) -> None:
-    """Record the forces of a step, take a sample if one is due, and set the next command."""
+    """Update peak forces after a step, take a sample if one is due, and set the next command."""
     _update_peaks(run)
     run.due -= 1
     if run.due == 0:
@@ -287,52 +287,54 @@ def _end_step(model: int, data: int, run: StepState) -> None:
         multiply_jacobian(model, data, read_address(run.efc_vel), run.qvel)
         _place_energy(model, data)
         _motion_energy(model, data)
-        _sample(run)
+        _write_sample(run)
         for k in range(run.nv):
             write_float(run.qvel + 8 * k, read_float(run.saved_qvel + 8 * k))
-    _command(run)
+    _set_command(run)
 
 
 @compiling.njit(inner=True)
 def _apply_impact(run: StepState) -> None:
-    """Apply the stiffness and damping of IMPACT at the current depth to every contact.
+    """Set stiffness and damping of every contact by the law IMPACT at its current depth.
 
     MuJoCo's rows obey R f + a + b v + k r = 0 (`law`). R is that of the added mass K dt^2/4 + C dt/2 of the law's
     tangent K and damping C, stable at any step; friction keeps its coefficient and its creep.
     """
     if not run.impact:
         return
-    first, places = read_address(run.contact), read_address(run.efc_pos)
-    weights, inverse = read_address(run.efc_R), read_address(run.efc_D)
+    first, positions = read_address(run.contact), read_address(run.efc_pos)
+    regularisations, inverse = read_address(run.efc_R), read_address(run.efc_D)
     constants, timestep = read_address(run.efc_KBIP), read_float(run.timestep)
     for k in range(read_int(run.ncon)):
         contact = first + run.stride * k
         pair, row = abs(pair_of(run, contact)) - 1, read_int(contact + run.efc_address)
         if pair < 0 or row < 0:
             continue
-        law = run.impact + 32 * pair
-        exponent = read_float(law + 8)
-        depth = max(-read_float(places + 8 * row), impact.MIN_DEPTH)
-        force = _spring(depth, read_float(law), exponent)
-        damping = _damper(depth, read_float(law + 16), read_float(law + 24))
-        added = max(0.25 * exponent * force / depth * timestep * timestep + 0.5 * damping * timestep, _MIN_ADDED_MASS)
-        scale = 1.0 / (added * read_float(weights + 8 * row))
+        parameters = run.impact + 32 * pair
+        exponent = read_float(parameters + 8)
+        depth = max(-read_float(positions + 8 * row), impact.MIN_DEPTH)
+        force = _spring(depth, read_float(parameters), exponent)
+        damping = _damper(depth, read_float(parameters + 16), read_float(parameters + 24))
+        added_mass = max(
+            0.25 * exponent * force / depth * timestep * timestep + 0.5 * damping * timestep, _MIN_ADDED_MASS
+        )
+        scale = 1.0 / (added_mass * read_float(regularisations + 8 * row))
         for axis in range(read_int(contact + run.dim)):
-            weight, of_row = weights + 8 * (row + axis), constants + 32 * (row + axis)
+            weight, row_constants = regularisations + 8 * (row + axis), constants + 32 * (row + axis)
             write_float(weight, scale * read_float(weight))
             write_float(inverse + 8 * (row + axis), 1.0 / read_float(weight))
-            write_float(of_row + 8, scale * read_float(of_row + 8))
+            write_float(row_constants + 8, scale * read_float(row_constants + 8))
         normal = constants + 32 * row
-        write_float(normal, force / (depth * added))
-        write_float(normal + 8, damping / added)
+        write_float(normal, force / (depth * added_mass))
+        write_float(normal + 8, damping / added_mass)
         write_float(normal + 16, 1.0)
 
 
 @compiling.njit(inner=True)
 def _apply_film(run: StepState) -> None:
-    """Set the friction of every contact by the law ``film``, at its force K x of the depth x.
+    """Set the friction coefficient of every contact by the law ``film``, at its force K x of the depth x.
 
-    The seats of moving pins follow the teeth, as the disc that presses a pin most determines its phase.
+    Teeth come first: the disc that presses a moving pin most determines the phase of the pin in its seat.
     """
     if not run.film:
         return
@@ -350,7 +352,10 @@ def _apply_film(run: StepState) -> None:
 
 @compiling.njit(inner=True)
 def _set_film_friction(run: StepState, contact: int, pair: int, row: int) -> None:
-    """Set the friction of one contact by the law ``film``."""
+    """Set the friction coefficient of one contact by the film table, at its normal force and the phase of its pin.
+
+    `contact` is the address of the contact, `pair` the index of its mating pair, `row` its first constraint row.
+    """
     constants = read_address(run.efc_KBIP) + 32 * row
     depth = max(-read_float(read_address(run.efc_pos) + 8 * row), 0.0)
     force = read_float(constants) * read_float(constants + 16) * depth / read_float(read_address(run.efc_R) + 8 * row)
@@ -363,12 +368,12 @@ def _set_film_friction(run: StepState, contact: int, pair: int, row: int) -> Non
             write_float(run.pin_cosine + 8 * pin, cosine)
     elif kind == SEAT:
         cosine = read_float(run.pin_cosine + 8 * pin)
-    before = read_float(contact + run.friction)
+    previous = read_float(contact + run.friction)
     coefficient = look_up(run.film, kind, cosine, force)
-    if before > 0.0 and coefficient > 0.0:
+    if previous > 0.0 and coefficient > 0.0:
         write_float(contact + run.friction, coefficient)
         write_float(contact + run.friction + 8, coefficient)
-        write_float(contact + run.mu, read_float(contact + run.mu) * coefficient / before)
+        write_float(contact + run.mu, read_float(contact + run.mu) * coefficient / previous)
 
 
 @compiling.njit(inner=True)
@@ -391,7 +396,7 @@ def _advance_speeds(run: StepState) -> None:
 
 
 @compiling.njit(inner=True)
-def _command(run: StepState) -> None:
+def _set_command(run: StepState) -> None:
     """Set the commands of the next step."""
     if run.command < run.last:
         for k in range(run.nu):
@@ -401,7 +406,7 @@ def _command(run: StepState) -> None:
 
 @compiling.njit(inner=True)
 def _update_peaks(run: StepState) -> None:
-    """Update the largest force of each pair with that of this step."""
+    """Raise the peak force of each pair to its normal force in this step (sum of contacts), if larger."""
     first, force = read_address(run.contact), read_address(run.efc_force)
     count = read_int(run.ncon)
     for k in range(count):
@@ -419,8 +424,8 @@ def _update_peaks(run: StepState) -> None:
 
 
 @compiling.njit(inner=True)
-def _sample(run: StepState) -> None:
-    """Write the row of a sample."""
+def _write_sample(run: StepState) -> None:
+    """Write the row of a sample: sources, solver statistics, forces and powers of all pairs, powers of drags."""
     row = run.rows
     run.rows += run.width
     for k in range(run.source_count):
@@ -430,7 +435,7 @@ def _sample(run: StepState) -> None:
     for k in range(run.pairs):
         write_float(pairs + 8 * (sample_layout.OF_PAIR * k + sample_layout.PEAK_FORCE), read_float(run.peak + 8 * k))
         write_float(run.peak + 8 * k, 0.0)
-    gather(run, row, pairs)
+    sum_contacts(run, row, pairs)
     iterations, acceleration_sum, warnings = 0, 0.0, 0
     for k in range(run.islands):
         iterations = max(iterations, read_int(run.solver_niter + 4 * k))

@@ -50,21 +50,27 @@ class PairIndex:
 
 
 def pair_index(model: Any, pairs: Sequence[Any]) -> PairIndex:
-    """Return the index of a model's mating pairs; a geom named ``<surface>/...`` is a slice of that surface."""
-    mating = dict.fromkeys(name for pair in pairs for name in (pair.on, pair.by))
-    number = {name: count for count, name in enumerate(mating, start=1)}
-    surface = np.array([number.get(surface_name(model, geom), 0) for geom in range(model.ngeom)], dtype=np.int32)
-    body = dict(zip(surface.tolist(), model.geom_bodyid.tolist(), strict=True))
-    index = np.zeros((len(number) + 1, len(number) + 1), dtype=np.int32)
+    """Return the index of a model's mating pairs: surface of each geom, pair of two surfaces, and body of each pair.
+
+    A geom named ``<surface>/...`` is a slice of that surface.
+    """
+    surface_names = dict.fromkeys(name for pair in pairs for name in (pair.on, pair.by))
+    number_of = {name: count for count, name in enumerate(surface_names, start=1)}
+    surface = np.array([number_of.get(surface_name(model, geom), 0) for geom in range(model.ngeom)], dtype=np.int32)
+    body_of_surface = dict(zip(surface.tolist(), model.geom_bodyid.tolist(), strict=True))
+    index = np.zeros((len(number_of) + 1, len(number_of) + 1), dtype=np.int32)
     for count, pair in enumerate(pairs, start=1):
-        on, other = number[pair.on], number[pair.by]
-        index[on, other], index[other, on] = -count, count
-    origin = np.array([body[number[pair.on]] for pair in pairs], dtype=np.int32)
+        on_number, by_number = number_of[pair.on], number_of[pair.by]
+        index[on_number, by_number], index[by_number, on_number] = -count, count
+    origin = np.array([body_of_surface[number_of[pair.on]] for pair in pairs], dtype=np.int32)
     return PairIndex(surface, index, origin, *_exact_teeth(model))
 
 
 def _exact_teeth(model: Any) -> tuple[Array, npt.NDArray[np.int64]]:
-    """Return `reach` and `teeth` of `PairIndex`, zero for a model without exact teeth."""
+    """Return radii of mates of exact teeth and addresses of the teeth's data, `reach` and `teeth` of `PairIndex`.
+
+    Both are zero for a model without exact teeth.
+    """
     priority, user, reach = model.geom_priority, model.geom_user, np.zeros(model.ngeom)
     exact = priority == int(Role.TEETH)
     if exact.any():
@@ -89,18 +95,18 @@ def pair_of(state: StepState, contact: int) -> int:
 
 
 @compiling.njit(inner=True)
-def gather(state: StepState, summary: int, of_pairs: int) -> None:
-    """Sum the contacts of the current step by pair.
+def sum_contacts(state: StepState, summary: int, pair_table: int) -> None:
+    """Sum the forces and powers of the contacts of the current step by mating pair.
 
-    Writes, at `summary`, the number of contacts that carry a force, the deepest geometric penetration [m] and the
-    largest force of one contact [N]; at `of_pairs`, the ``sample_layout.PAIR_COLUMNS`` of every pair, which must be
-    zero except for peak forces.
+    Writes, at the address `summary`, the number of contacts that carry a force, the deepest geometric penetration [m]
+    and the largest force of one contact [N]; at `pair_table`, the ``sample_layout.PAIR_COLUMNS`` of every pair, which
+    must be zero except for peak forces.
     """
     contacts, forces = read_address(state.contact), read_address(state.efc_force)
-    active, depth, peak = 0, 0.0, 0.0
+    active, max_depth, peak = 0, 0.0, 0.0
     for k in range(read_int(state.ncon)):
         contact = contacts + state.stride * k
-        depth = max(depth, _overlap(state, contact))
+        max_depth = max(max_depth, _penetration(state, contact))
         number, row = pair_of(state, contact), read_int(contact + state.efc_address)
         if number == 0 or row < 0:
             continue
@@ -109,12 +115,12 @@ def gather(state: StepState, summary: int, of_pairs: int) -> None:
         speed = read_address(state.efc_vel) + 8 * row
         fx = read_float(force) * read_float(contact + state.frame)
         fy = read_float(force) * read_float(contact + state.frame + 8)
-        columns = of_pairs + 8 * sample_layout.OF_PAIR * pair
+        columns = pair_table + 8 * sample_layout.OF_PAIR * pair
         for axis in range(1, read_int(contact + state.dim)):
-            along, tangent = read_float(force + 8 * axis), contact + state.frame + 24 * axis
-            fx += along * read_float(tangent)
-            fy += along * read_float(tangent + 8)
-            _add(columns + 8 * sample_layout.FRICTION_POWER, -along * read_float(speed + 8 * axis))
+            tangential_force, tangent = read_float(force + 8 * axis), contact + state.frame + 24 * axis
+            fx += tangential_force * read_float(tangent)
+            fy += tangential_force * read_float(tangent + 8)
+            _add(columns + 8 * sample_layout.FRICTION_POWER, -tangential_force * read_float(speed + 8 * axis))
         origin = state.xpos + 24 * read_int(state.origin + 4 * pair)
         x, y = read_float(contact + state.pos), read_float(contact + state.pos + 8)
         _add(columns + 8 * sample_layout.FORCE_X, sign * fx)
@@ -128,7 +134,7 @@ def gather(state: StepState, summary: int, of_pairs: int) -> None:
         active += magnitude > 0.0
         peak = max(peak, magnitude)
     write_float(summary + 8 * sample_layout.ACTIVE, float(active))
-    write_float(summary + 8 * sample_layout.PENETRATION, depth)
+    write_float(summary + 8 * sample_layout.PENETRATION, max_depth)
     write_float(summary + 8 * sample_layout.LARGEST_FORCE, peak)
 
 
@@ -138,10 +144,10 @@ def _add(address: int, value: float) -> None:
 
 
 @compiling.njit(inner=True)
-def _overlap(state: StepState, contact: int) -> float:
+def _penetration(state: StepState, contact: int) -> float:
     """Compute the penetration of a contact [m]: the geometric one for exact teeth, else that of MuJoCo.
 
-    With them that distance is scaled: it makes the stiffness follow the local curvature (``mating``).
+    MuJoCo's distance at exact teeth is scaled: it makes the stiffness follow the local curvature (``mating``).
     """
     overlap = -read_float(contact)
     first, second = read_int(contact + state.geom), read_int(contact + state.geom + 4)
@@ -152,21 +158,29 @@ def _overlap(state: StepState, contact: int) -> float:
     x, y = read_float(contact + state.pos), read_float(contact + state.pos + 8)
     centre = state.geom_xpos + 24 * mate
     dx, dy = read_float(centre) - x, read_float(centre + 8) - y
-    away = math.sqrt(dx * dx + dy * dy)
-    if abs(dx * read_float(contact + state.frame + 8) - dy * read_float(contact + state.frame)) < _ROUND * away:
-        return 2.0 * (read_float(state.reach + 8 * mate) - away)
+    distance = math.sqrt(dx * dx + dy * dy)
+    if abs(dx * read_float(contact + state.frame + 8) - dy * read_float(contact + state.frame)) < _ROUND * distance:
+        return 2.0 * (read_float(state.reach + 8 * mate) - distance)
     # a root of the ring: its depth from the contact point, which lies half-way
     flank = read_teeth(user, state.nuser_geom).flank
-    gear, turn = state.geom_xpos + 24 * teeth, state.geom_xmat + 72 * teeth
-    gx, gy, cosine, sine = x - read_float(gear), y - read_float(gear + 8), read_float(turn), read_float(turn + 24)
-    return -2.0 * (flank_distance(cosine * gx + sine * gy, cosine * gy - sine * gx, flank)[1] + flank.offset)
+    gear, rotation = state.geom_xpos + 24 * teeth, state.geom_xmat + 72 * teeth
+    along_x, along_y, cosine, sine = (
+        x - read_float(gear),
+        y - read_float(gear + 8),
+        read_float(rotation),
+        read_float(rotation + 24),
+    )
+    return -2.0 * (
+        flank_distance(cosine * along_x + sine * along_y, cosine * along_y - sine * along_x, flank)[1] + flank.offset
+    )
 
 
-def drag_rows(model: Any, drags: Mapping[str, str]) -> dict[str, int]:
-    """Map loss to row of its constraint, for those of the joints, by loss, that seals and lubricant brake in a model.
+def drag_rows(model: Any, joint_by_loss: Mapping[str, str]) -> dict[str, int]:
+    """Return the constraint row of each loss by seals and lubricant that a model has, by the name of the loss.
 
-    A model of ours has no equalities: the rows of joint friction come first, in the order of the degrees of freedom.
+    `joint_by_loss` maps losses to joints. The models have no equalities: the rows of joint friction come first, in the
+    order of the degrees of freedom.
     """
-    braked = model.dof_frictionloss > 0.0
-    dofs = {name: int(model.joint(joint).dofadr[0]) for name, joint in drags.items()}
-    return {name: int(np.count_nonzero(braked[:dof])) for name, dof in dofs.items() if braked[dof]}
+    has_drag = model.dof_frictionloss > 0.0
+    dof_by_loss = {name: int(model.joint(joint).dofadr[0]) for name, joint in joint_by_loss.items()}
+    return {name: int(np.count_nonzero(has_drag[:dof])) for name, dof in dof_by_loss.items() if has_drag[dof]}

@@ -80,30 +80,33 @@ def _rotate_angle(sine: float, cosine: float, angle: float) -> tuple[float, floa
 
 @njit(inline="always")
 def trochoid_start(x: float, y: float, curve: Trochoid) -> tuple[float, float, float]:
-    """Compute a start for the foot point of (x, y): parameter [rad], sine and cosine of the point at its radius.
+    """Compute a start for the foot point of (x, y) [m] on a trochoid in closed form.
 
-    On T(t), r^2 = E^2 + c^2 - 2 E c cos((N-1) t), and the polar angle is t - atan2(c sin, E - c cos) of that phase.
-    Both invert in closed form; the sign of the phase is that of (N-1) times the polar angle.
+    Returns its parameter [rad], and sine and cosine of the parameter. On T(t), r^2 = E^2 + c^2 - 2 E c cos((N-1) t),
+    and the polar angle is t - atan2(c sin, E - c cos) of that phase. Both invert in closed form; the sign of the phase
+    is that of (N-1) times the polar angle.
     """
     radius, eccentricity, teeth = curve
     squared = x * x + y * y
-    polar = math.atan2(x, y)
+    polar_angle = math.atan2(x, y)
     cosine = (radius * radius + eccentricity * eccentricity - squared) / (2.0 * radius * eccentricity)
     cosine = min(1.0, max(-1.0, cosine))
-    turns = (teeth - 1.0) * polar / (2.0 * math.pi)
+    turns = (teeth - 1.0) * polar_angle / (2.0 * math.pi)
     sine = math.sqrt(1.0 - cosine * cosine)
     if turns - math.floor(turns) > 0.5:
         sine = -sine
     tilt = eccentricity * sine / (radius - eccentricity * cosine)
     length = math.sqrt(squared * (1.0 + tilt * tilt))
-    return polar + math.atan(tilt), (x + tilt * y) / length, (y - tilt * x) / length
+    return polar_angle + math.atan(tilt), (x + tilt * y) / length, (y - tilt * x) / length
 
 
 @njit
 def trochoid_foot(
     x: float, y: float, curve: Trochoid, start: float, st: float, ct: float
 ) -> tuple[float, float, float, float, bool]:
-    """Solve for the foot point of (x, y) by Newton's method; ``st`` and ``ct`` are sine and cosine of the start.
+    """Solve for the foot point of (x, y) [m] on a trochoid by Newton's method from a parameter `start` [rad].
+
+    ``st`` and ``ct`` are sine and cosine of the start.
 
     Returns
     -------
@@ -148,7 +151,7 @@ def trochoid_foot(
 
 @njit
 def trochoid_distance(x: float, y: float, curve: Trochoid) -> tuple[float, float, float, float]:
-    """Compute the foot parameter, the signed distance and the outward normal of any point near the trochoid.
+    """Compute the foot parameter [rad], signed distance [m] and outward normal of a point (x, y) near the trochoid.
 
     Newton's method starts in closed form. Far from the curve, where it may find another foot point, it starts again
     from the nearest point of a grid.
@@ -212,19 +215,19 @@ class Flank(NamedTuple):
 
 
 @njit
-def wave(t: float, waves: Array) -> tuple[float, float, float]:
-    """Compute the inward offset by waves at the parameter t [rad] [m], and its first and second derivative."""
-    back, slope, bend = 0.0, 0.0, 0.0
+def wave_offset(t: float, waves: Array) -> tuple[float, float, float]:
+    """Compute the inward offset [m] of a waved flank at the parameter t [rad], and its first and second derivative."""
+    offset, first, second = 0.0, 0.0, 0.0
     sine, cosine = math.sin(t), math.cos(t)
     s, c = 0.0, 1.0
     for k in range(1, len(waves) + 1):
         s, c = s * cosine + c * sine, c * cosine - s * sine
         by_cosine, by_sine = waves[k - 1, 0], waves[k - 1, 1]
-        here = by_cosine * c + by_sine * s
-        back += here
-        slope += k * (by_sine * c - by_cosine * s)
-        bend -= k * k * here
-    return back, slope, bend
+        term = by_cosine * c + by_sine * s
+        offset += term
+        first += k * (by_sine * c - by_cosine * s)
+        second -= k * k * term
+    return offset, first, second
 
 
 @njit(inline="always")
@@ -244,11 +247,11 @@ def _waved_distance(x: float, y: float, flank: Flank) -> tuple[float, float, flo
     than curvature times distance. The true distance differs by half of the square of that turn, below 1e-4 of it.
     """
     t, distance, nx, ny = trochoid_distance(x, y, flank.curve)
-    back, slope, _ = wave(t, flank.waves)
-    straight = max(SETTINGS.min_straightness, 1.0 + trochoid_curvature(t, flank.curve) * distance)
-    turn = slope / (straight * math.sqrt(_speed_squared(t, flank.curve)))
+    offset, offset_rate, _ = wave_offset(t, flank.waves)
+    straightness = max(SETTINGS.min_straightness, 1.0 + trochoid_curvature(t, flank.curve) * distance)
+    turn = offset_rate / (straightness * math.sqrt(_speed_squared(t, flank.curve)))
     size = math.sqrt(1.0 + turn * turn)
-    return t, distance + back, (nx + turn * ny) / size, (ny - turn * nx) / size
+    return t, distance + offset, (nx + turn * ny) / size, (ny - turn * nx) / size
 
 
 @njit(inline="always")
@@ -264,32 +267,32 @@ def flank_curvature(t: float, flank: Flank) -> float:
     bend = trochoid_curvature(t, flank.curve)
     if len(flank.waves) == 0:
         return bend
-    return bend + wave(t, flank.waves)[2] / _speed_squared(t, flank.curve)
+    return bend + wave_offset(t, flank.waves)[2] / _speed_squared(t, flank.curve)
 
 
 @njit
 def _rotated_flank_distance(x: float, y: float, flank: Flank) -> tuple[float, float, float, float, bool]:
-    """Compute `flank_distance` for rotated flanks: the larger distance, or that of the corner where they meet."""
+    """Compute `flank_distance` for rotated flanks: the larger of both distances, or that of the corner between them."""
     s, c = math.sin(flank.rotation), math.cos(flank.rotation)
     # The flank before a tip, clockwise, is turned clockwise, that after it counter-clockwise.
     side = 1.0
     t, distance, nx, ny = _unrotated_distance(c * x - s * y, c * y + s * x, flank)
-    other = _unrotated_distance(c * x + s * y, c * y - s * x, flank)
-    if other[1] > distance:
+    other_side = _unrotated_distance(c * x + s * y, c * y - s * x, flank)
+    if other_side[1] > distance:
         side, s = -1.0, -s
-        t, distance, nx, ny = other
+        t, distance, nx, ny = other_side
     pitch = 2.0 * math.pi / (flank.curve.teeth - 1.0)
     turns = side * t / pitch
     beyond_valley = pitch * (turns - math.floor(turns))
     if beyond_valley <= 0.5 * pitch - flank.tip or beyond_valley >= pitch - flank.valley:
         return t, distance, c * nx + s * ny, c * ny - s * nx, False
-    at_tip = beyond_valley < 0.75 * pitch
-    middle = side * pitch * (math.floor(turns) + (0.5 if at_tip else 1.0))
-    corner = flank.tip_radius if at_tip else flank.valley_radius
+    is_tip = beyond_valley < 0.75 * pitch
+    middle = side * pitch * (math.floor(turns) + (0.5 if is_tip else 1.0))
+    corner = flank.tip_radius if is_tip else flank.valley_radius
     dx, dy = x - corner * math.sin(middle), y - corner * math.cos(middle)
-    away = math.sqrt(dx * dx + dy * dy)
-    end = middle - side * (flank.tip if at_tip else flank.valley)
-    return end, away - flank.offset + wave(end, flank.waves)[0], dx / away, dy / away, True
+    to_corner = math.sqrt(dx * dx + dy * dy)
+    end = middle - side * (flank.tip if is_tip else flank.valley)
+    return end, to_corner - flank.offset + wave_offset(end, flank.waves)[0], dx / to_corner, dy / to_corner, True
 
 
 @njit(inline="always")
@@ -366,5 +369,5 @@ def nearest_on_arc(dx: float, dy: float, arc: PartialCircle) -> tuple[float, boo
     """
     along, across = dx * arc.x + dy * arc.y, dx * arc.y - dy * arc.x
     side = 1.0 if across >= 0.0 else -1.0
-    up, aside = arc.sine * along, arc.cosine * abs(across)
-    return side, up >= aside, up < -aside
+    arc_side, edge_side = arc.sine * along, arc.cosine * abs(across)
+    return side, arc_side >= edge_side, arc_side < -edge_side

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import mujoco
 
 from cycloid_mj.base.errors import ContactError
-from cycloid_mj.dynamics.contact.library import unfit
+from cycloid_mj.dynamics.contact.library import incompatible_error
 
 
 class _Span(IntEnum):
@@ -86,28 +86,36 @@ class StepLayout(NamedTuple):
 
 @cache
 def discover() -> Layout:
-    """Return the layout of the installed MuJoCo release.
+    """Return the byte offsets in ``mjModel`` and ``mjData`` of the arrays that the collider reads.
+
+    They are searched for in two small models with known contents, in the installed MuJoCo release.
 
     Raises
     ------
     ContactError
         The structures are not as expected; the message names the field and the release.
     """
-    body = '<body><joint/><geom type="box" size="1 1 1" user="5"/></body>'
-    probes = {7919: "", 6101: body * 5}
-    models = [mujoco.MjModel.from_xml_string(_PROBE.format(user=user, more=more)) for user, more in probes.items()]
-    first, second = map(_pointers, models)
+    geom_xml = '<body><joint/><geom type="box" size="1 1 1" user="5"/></body>'
+    probes = {7919: "", 6101: geom_xml * 5}
+    models = [
+        mujoco.MjModel.from_xml_string(_PROBE.format(user=user_numbers, more=extra))
+        for user_numbers, extra in probes.items()
+    ]
+    first, second = map(_find_pointers, models)
     if first != second:
-        raise _strange(f"two models disagree: {first} and {second}")
-    numbers = [set(_numbers(model._address, _Span.SIZES, user)) for model, user in zip(models, probes, strict=True)]
+        raise _layout_error(f"two models disagree: {first} and {second}")
+    numbers = [
+        set(_find_number(model._address, _Span.SIZES, user_numbers))
+        for model, user_numbers in zip(models, probes, strict=True)
+    ]
     if not (common := set.intersection(*numbers)):
-        raise _strange("mjModel.nuser_geom is missing")
+        raise _layout_error("mjModel.nuser_geom is missing")
     return Layout(**first, nuser_geom=min(common))
 
 
 @cache
 def discover_steps() -> StepLayout:
-    """Return the offsets of what a time step reads and writes in the installed MuJoCo release.
+    """Return the byte offsets of what a time step reads and writes, found in two small models.
 
     Raises
     ------
@@ -115,76 +123,77 @@ def discover_steps() -> StepLayout:
         The structures are not as expected; the message names the field and the release.
     """
     # What lies behind the structure may be an address by chance, but not for both models at the same offset.
-    (first, fields), (second, other_fields) = _candidates(balls=2, user=7919), _candidates(balls=5, user=6101)
+    (first, fields), (second, other_fields) = _find_candidates(balls=2, user=7919), _find_candidates(balls=5, user=6101)
     offsets = {name: sorted(first[name] & second[name]) for name in first}
     # The contacts begin the arena, whose own pointer comes before theirs; their forces come after them.
     forces = offsets["efc_force"]
     offsets["contact"] = [offset for offset in offsets["contact"] if forces and offset < forces[0]]
     if not all(offsets.values()) or fields != other_fields:
-        raise _strange("contacts, forces, accelerations or user data are missing")
-    chosen = {name: each[-1 if name in ("contact", "userdata") else 0] for name, each in offsets.items()}
+        raise _layout_error("contacts, forces, accelerations or user data are missing")
+    chosen = {name: candidates[-1 if name in ("contact", "userdata") else 0] for name, candidates in offsets.items()}
     return StepLayout(nuser_geom=discover().nuser_geom, **chosen, **fields)
 
 
-def _candidates(balls: int, user: int) -> tuple[dict[str, set[int]], dict[str, int]]:
-    """Return the possible offsets of pointers and numbers by name, and the fields of a contact.
+def _find_candidates(balls: int, user: int) -> tuple[dict[str, set[int]], dict[str, int]]:
+    """Return the possible byte offsets of pointers and numbers by name, and the fields of a contact, from one model.
 
-    The model has so many `balls` in contact and so much `user` data.
+    The model has so many `balls` in contact and so many numbers of `user` data.
     """
     model = mujoco.MjModel.from_xml_string(_STEP_PROBE.format(more=_BALL * balls, user=user))
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    contact, start = data.contact, data.energy.ctypes.data - data._address
+    contact, data_start = data.contact, data.energy.ctypes.data - data._address
     # The distance is the first field of a contact.
-    first = contact.dist.ctypes.data
-    fields = {name: getattr(contact, name).ctypes.data - first for name in FIELDS}
+    first_address = contact.dist.ctypes.data
+    fields = {name: getattr(contact, name).ctypes.data - first_address for name in FIELDS}
     arrays = {"contact": contact.dist} | {name: getattr(data, name) for name in POINTERS}
     offsets = {
-        name: set(_occurrences(data._address, start, array.ctypes.data, _Span.DATA)) for name, array in arrays.items()
+        name: set(_find_address(data._address, data_start, array.ctypes.data, _Span.DATA))
+        for name, array in arrays.items()
     }
-    offsets["nuserdata"] = set(_numbers(model._address, _Span.SIZES, user))
-    offsets["ncon"] = set(_numbers(data._address, start, data.ncon))
+    offsets["nuserdata"] = set(_find_number(model._address, _Span.SIZES, user))
+    offsets["ncon"] = set(_find_number(data._address, data_start, data.ncon))
     # One ball is lifted: the number of contacts falls, that of balls and the most contacts so far stay.
     data.qpos[0] = 1.0
     mujoco.mj_forward(model, data)
-    offsets["ncon"] &= set(_numbers(data._address, start, data.ncon))
+    offsets["ncon"] &= set(_find_number(data._address, data_start, data.ncon))
     return offsets, {"stride": contact.dist.strides[0]} | fields
 
 
-def _pointers(model: Any) -> dict[str, int]:
-    """Return the offsets of the pointers of `Layout` for one model.
+def _find_pointers(model: Any) -> dict[str, int]:
+    """Return the byte offsets of the pointers of `Layout` in one model.
 
-    It is that of the last pointer to an array: empty arrays before it may share its address.
+    The last pointer to an array counts: empty arrays before it may share its address.
     """
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     # Pointers of mjModel follow its sizes, which start the structure; those of mjData follow the energies.
     start = data.energy.ctypes.data - data._address
     offsets = {}
-    for owner, begin, span, names in (
+    for owner, begin, search_range, names in (
         (model, 0, _Span.MODEL, ("geom_size", "geom_priority", "geom_user")),
         (data, start, _Span.DATA, ("geom_xpos", "geom_xmat")),
     ):
         for name in names:
-            matches = _occurrences(owner._address, begin, getattr(owner, name).ctypes.data, span)
+            matches = _find_address(owner._address, begin, getattr(owner, name).ctypes.data, search_range)
             if not matches:
-                raise _strange(f"{type(owner).__name__}.{name} is missing")
+                raise _layout_error(f"{type(owner).__name__}.{name} is missing")
             offsets[name] = matches[-1]
     return offsets
 
 
-def _occurrences(structure: int, start: int, address: int, span: int) -> list[int]:
+def _find_address(structure: int, start: int, address: int, span: int) -> list[int]:
     """Return the offsets of all occurrences of an address in a structure."""
     size = ctypes.sizeof(ctypes.c_void_p)
     words = (ctypes.c_size_t * (span // size)).from_address(structure + start)
     return [start + size * i for i, word in enumerate(words) if word == address]
 
 
-def _numbers(structure: int, span: int, number: int) -> list[int]:
+def _find_number(structure: int, span: int, number: int) -> list[int]:
     """Return the offsets of all occurrences of a number in the first bytes of a structure."""
     words = (ctypes.c_int32 * (span // 4)).from_address(structure)
     return [4 * i for i, word in enumerate(words) if word == number]
 
 
-def _strange(what: str) -> ContactError:
-    return unfit(f"unexpected memory layout: {what}")
+def _layout_error(what: str) -> ContactError:
+    return incompatible_error(f"unexpected memory layout: {what}")

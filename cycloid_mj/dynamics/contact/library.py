@@ -20,7 +20,7 @@ The contact code accesses MuJoCo's own structures, which may change between rele
 """
 
 
-def unfit(why: str) -> ContactError:
+def incompatible_error(why: str) -> ContactError:
     """Return the error for an incompatible release."""
     return ContactError(
         f"MuJoCo {mujoco.__version__} is not compatible with this version of cycloid_mj ({why}). Tested releases: "
@@ -37,7 +37,7 @@ _precision = threading.Lock()
 
 @cache
 def library() -> ctypes.CDLL:
-    """Return the shared library of the bindings.
+    """Load MuJoCo's shared library, the one that its Python bindings use.
 
     Raises
     ------
@@ -49,10 +49,10 @@ def library() -> ctypes.CDLL:
         path for folder in folders for name in ("libmujoco*", "mujoco.dll") for path in sorted(folder.rglob(name))
     ]
     for path in candidates:
-        opened = ctypes.CDLL(str(path))
-        opened.mj_versionString.restype = ctypes.c_char_p
-        if opened.mj_versionString().decode() == mujoco.mj_versionString():
-            return opened
+        loaded = ctypes.CDLL(str(path))
+        loaded.mj_versionString.restype = ctypes.c_char_p
+        if loaded.mj_versionString().decode() == mujoco.mj_versionString():
+            return loaded
     raise ContactError(
         f"the shared library of MuJoCo {mujoco.__version__} is missing in {', '.join(map(str, folders))}. Reinstall it "
         "with: pip install --force-reinstall mujoco"
@@ -69,13 +69,13 @@ def callback(name: str) -> ctypes.c_void_p:
     return ctypes.c_void_p.in_dll(library(), name)
 
 
-def answer(name: str, address: int) -> None:
-    """Set a global callback that is not in use.
+def set_callback(name: str, address: int) -> None:
+    """Set one of MuJoCo's global callbacks to the address of a compiled function.
 
     Raises
     ------
     ContactError
-        The callback is in use.
+        The callback is already in use.
     """
     if callback(name).value:
         raise ContactError(
@@ -90,7 +90,7 @@ def function_address(name: str) -> int:
     function = getattr(library(), name, None)
     address = function and ctypes.cast(function, ctypes.c_void_p).value
     if not address:
-        raise unfit(f"it lacks the function {name}")
+        raise incompatible_error(f"it lacks the function {name}")
     return address
 
 
@@ -100,7 +100,7 @@ def exact_xml() -> Iterator[None]:
     setter = getattr(library(), "_mjPRIVATE__set_xml_precision", None)
     getter = getattr(library(), "_mjPRIVATE__get_xml_precision", None)
     if setter is None or getter is None:
-        raise unfit("it cannot write exact XML")
+        raise incompatible_error("it cannot write exact XML")
     with _precision:
         before = getter()
         setter(17)

@@ -41,19 +41,19 @@ class Start(NamedTuple):
 
 
 @njit(inline="always")
-def multiple_angle(sine: float, cosine: float, times: int) -> tuple[float, float]:
-    """Compute sine and cosine of a whole multiple of an angle, by repeated squaring."""
+def multiple_angle(sine: float, cosine: float, factor: int) -> tuple[float, float]:
+    """Compute sine and cosine of a whole multiple of an angle, by repeated doubling."""
     s, c = 0.0, 1.0
-    while times > 0:
-        if times & 1:
+    while factor > 0:
+        if factor & 1:
             s, c = s * cosine + c * sine, c * cosine - s * sine
         sine, cosine = 2.0 * sine * cosine, (cosine - sine) * (cosine + sine)
-        times >>= 1
+        factor >>= 1
     return s, c
 
 
 @njit(inline="always")
-def _turned_little(sine: float, cosine: float, angle: float) -> tuple[float, float]:
+def _rotate_small(sine: float, cosine: float, angle: float) -> tuple[float, float]:
     """Compute sine and cosine of an angle increased by less than ``SETTINGS.max_rotation``."""
     square = angle * angle
     s = angle * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0))))
@@ -62,10 +62,13 @@ def _turned_little(sine: float, cosine: float, angle: float) -> tuple[float, flo
 
 
 @njit(inline="always")
-def distance_near(x: float, y: float, curve: Trochoid, start: Start, most: float) -> tuple[float, float, float, float]:
-    """Compute signed distance [m], outward normal and curvature [1/m] of the trochoid at the foot point of (x, y).
+def local_distance(
+    x: float, y: float, curve: Trochoid, start: Start, max_distance: float
+) -> tuple[float, float, float, float]:
+    """Compute signed distance [m], outward normal and curvature [1/m] of the trochoid at the foot point of (x, y) [m].
 
-    A distance that exceeds ``most`` [m] may be returned as any larger value.
+    Newton steps lead from the start to the foot point, the last one by the osculating circle. A distance that exceeds
+    `max_distance` [m] may be returned as any larger value, with zeros for normal and curvature.
     """
     radius, eccentricity, teeth = curve
     st, ct, sn, cn = start
@@ -77,42 +80,52 @@ def distance_near(x: float, y: float, curve: Trochoid, start: Start, most: float
         speed2 = tx * tx + ty * ty
         speed = math.sqrt(speed2)
         share = 1.0 / speed
-        out = (dy * tx - dx * ty) * share
+        offset = (dy * tx - dx * ty) * share
         increment = (dx * tx + dy * ty) / speed2
-        bend = (ax * ty - ay * tx) * share
-        curvature = bend / speed2
-        straight = 1.0 + curvature * out
+        curvature_term = (ax * ty - ay * tx) * share
+        curvature = curvature_term / speed2
+        straight = 1.0 + curvature * offset
         turning = math.sqrt(ax * ax + ay * ay)
         # bend is curvature * speed^2: the curve falls away from its tangent by half of bend * step^2, within a
         # sixth of base * teeth^2 * step^3.
-        away = (abs(bend) + base * teeth * abs(teeth * increment)) * increment * increment
-        if out - away > most and (abs(increment) + abs(out) * share) * turning < SETTINGS.max_tangent_change * speed:
-            return out, 0.0, 0.0, 0.0
+        away = (abs(curvature_term) + base * teeth * abs(teeth * increment)) * increment * increment
+        if (
+            offset - away > max_distance
+            and (abs(increment) + abs(offset) * share) * turning < SETTINGS.max_tangent_change * speed
+        ):
+            return offset, 0.0, 0.0, 0.0
         if abs(increment) * turning < SETTINGS.circle_angle * speed and straight > 0.5:
             along = increment * speed
             bent = curvature * along
             norm = math.sqrt(straight * straight + bent * bent)
-            distance = (2.0 * out + curvature * (out * out + along * along)) / (norm + 1.0)
-            near, aside = straight * share / norm, bent * share / norm
+            distance = (2.0 * offset + curvature * (offset * offset + along * along)) / (norm + 1.0)
+            along_normal, along_tangent = straight * share / norm, bent * share / norm
             # cos B at the foot, B = (N - 1) t, to second order of the last way.
             cosine = cn * ct + sn * st - (teeth - 1.0) * increment * (sn * ct - cn * st)
             product = radius * base * cosine
             l2 = radius * radius + base * base - 2.0 * product
-            bend = (radius * radius + base * base * teeth - (teeth + 1.0) * product) / (l2 * math.sqrt(l2))
-            return distance, aside * tx - near * ty, near * tx + aside * ty, bend
+            curvature_term = (radius * radius + base * base * teeth - (teeth + 1.0) * product) / (l2 * math.sqrt(l2))
+            return (
+                distance,
+                along_tangent * tx - along_normal * ty,
+                along_normal * tx + along_tangent * ty,
+                curvature_term,
+            )
         increment /= max(straight, 0.5)
         if not abs(teeth * increment) < SETTINGS.max_rotation:
             break
-        st, ct = _turned_little(st, ct, increment)
-        sn, cn = _turned_little(sn, cn, teeth * increment)
+        st, ct = _rotate_small(st, ct, increment)
+        sn, cn = _rotate_small(sn, cn, teeth * increment)
     t, distance, nx, ny = trochoid_distance(x, y, curve)
     return distance, nx, ny, trochoid_curvature(t, curve)
 
 
 @njit(inline="always")
-def pin_distance(x: float, y: float, flank: Flank, start: Start, most: float) -> tuple[float, float, float, float]:
-    """Compute `distance_near` for a gear's flanks; by a search if they are rotated, have waves, or have no start."""
+def pin_distance(
+    x: float, y: float, flank: Flank, start: Start, max_distance: float
+) -> tuple[float, float, float, float]:
+    """Compute `local_distance` for a gear's flanks; by a search if they are rotated, have waves, or have no start."""
     if flank.rotation == 0.0 and len(flank.waves) == 0 and (start.st != 0.0 or start.ct != 0.0):
-        return distance_near(x, y, flank.curve, start, most)
+        return local_distance(x, y, flank.curve, start, max_distance)
     t, distance, nx, ny, _ = flank_distance(x, y, flank)
     return distance, nx, ny, trochoid_curvature(t, flank.curve)

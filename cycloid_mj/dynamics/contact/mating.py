@@ -24,18 +24,18 @@ from cycloid_mj.dynamics.contact.teeth import Teeth, read_teeth
 
 
 @njit(inline="always")
-def write_contact(out: int, gap: float, x: float, y: float, z: float, nx: float, ny: float) -> None:
+def write_contact(address: int, gap: float, x: float, y: float, z: float, nx: float, ny: float) -> None:
     """Fill one ``mjPreContact``: dist, pos[3], normal[3], tangent[3]."""
-    write_float(out, gap)
-    write_float(out + 8, x)
-    write_float(out + 16, y)
-    write_float(out + 24, z)
-    write_float(out + 32, nx)
-    write_float(out + 40, ny)
-    write_float(out + 48, 0.0)
-    write_float(out + 56, -ny)
-    write_float(out + 64, nx)
-    write_float(out + 72, 0.0)
+    write_float(address, gap)
+    write_float(address + 8, x)
+    write_float(address + 16, y)
+    write_float(address + 24, z)
+    write_float(address + 32, nx)
+    write_float(address + 40, ny)
+    write_float(address + 48, 0.0)
+    write_float(address + 56, -ny)
+    write_float(address + 64, nx)
+    write_float(address + 72, 0.0)
 
 
 @njit(inline="always")
@@ -76,19 +76,19 @@ def _scaled_gap(gap: float, factor: float) -> float:
 
 
 @njit(inline="always")
-def _write(out: int, touch: Touch, z: float, sign: float) -> None:
+def _write_touch(out: int, touch: Touch, z: float, sign: float) -> None:
     """Write the contact of a touch in the plane at z [m], in its place or elsewhere."""
     gap = _scaled_gap(touch.gap, touch.factor)
     write_contact(out, gap, touch.x, touch.y, z, sign * touch.nx, sign * touch.ny)
 
 
 @compiling.njit(inner=True)
-def pin_on_teeth(
-    layout: Layout, model: int, data: int, out: int, teeth: int, pin: int, sign: float, margin: float
+def write_pin_contact(
+    layout: Layout, model: int, data: int, address: int, teeth: int, pin: int, sign: float, margin: float
 ) -> int:
-    """Write the contact of a pin and the teeth."""
+    """Write the contact of a ring pin and the teeth at an address, and return the number of contacts, 0 or 1."""
     user = _user(model, layout, pin)
-    seated = RingPin(
+    ring_pin = RingPin(
         _radius(model, layout, pin),
         read_float(user),
         read_float(user + 8),
@@ -97,37 +97,40 @@ def pin_on_teeth(
         read_float(user + 32),
     )
     px, py, _ = _position(data, layout, pin)
-    contact = pin_touch(_teeth(model, layout, teeth), seated, _pose(data, layout, teeth), px, py, margin)
+    contact = pin_touch(_teeth(model, layout, teeth), ring_pin, _pose(data, layout, teeth), px, py, margin)
     if not contact.exists:
         return 0
-    _write(out, contact.touch, _position(data, layout, teeth)[2], sign)
+    _write_touch(address, contact.touch, _position(data, layout, teeth)[2], sign)
     return 1
 
 
 @compiling.njit(inner=True)
-def lobe_on_teeth(
-    layout: Layout, model: int, data: int, out: int, teeth: int, geom: int, sign: float, margin: float
+def write_lobe_contacts(
+    layout: Layout, model: int, data: int, contacts: int, teeth: int, geom: int, sign: float, margin: float
 ) -> int:
-    """Write the contacts of the teeth with a lobe of the internal gear and the adjacent halves of two roots."""
+    """Write the contacts of the teeth with a lobe of the internal gear and its roots at an address.
+
+    Return their number.
+    """
     lobe, gear, z = _pose(data, layout, geom), _pose(data, layout, teeth), _position(data, layout, teeth)[2]
-    count = lobe_touches(out, _teeth(model, layout, teeth), _radius(model, layout, geom), lobe, gear, margin)
-    for address in range(out, out + STRIDE * count, STRIDE):
-        _write(address, read_touch(address), z, sign)
+    count = lobe_touches(contacts, _teeth(model, layout, teeth), _radius(model, layout, geom), lobe, gear, margin)
+    for address in range(contacts, contacts + STRIDE * count, STRIDE):
+        _write_touch(address, read_touch(address), z, sign)
     return count
 
 
 @compiling.njit(inner=True)
-def inner_in_outer(
-    layout: Layout, model: int, data: int, out: int, inner: int, outer: int, sign: float, margin: float
+def write_round_contacts(
+    layout: Layout, model: int, data: int, contacts: int, inner: int, outer: int, sign: float, margin: float
 ) -> int:
-    """Write the contacts of a circle and the surrounding circle, which may be open."""
+    """Write the contacts of a circle in the circle or arc around it at an address, and return their number."""
     # the contact of a pin through all discs is in the plane of the disc
     (x, y, _), (outer_x, outer_y, z) = _position(data, layout, inner), _position(data, layout, outer)
     user, seat = _user(model, layout, outer), _pose(data, layout, outer)
-    around = PartialCircle(
+    outer_arc = PartialCircle(
         _radius(model, layout, outer), -seat.sine, seat.cosine, read_float(user), read_float(user + 8)
     )
-    count = inner_touches(out, x - outer_x, y - outer_y, x, y, _radius(model, layout, inner), around, margin)
-    for address in range(out, out + STRIDE * count, STRIDE):
-        _write(address, read_touch(address), z, sign)
+    count = inner_touches(contacts, x - outer_x, y - outer_y, x, y, _radius(model, layout, inner), outer_arc, margin)
+    for address in range(contacts, contacts + STRIDE * count, STRIDE):
+        _write_touch(address, read_touch(address), z, sign)
     return count

@@ -6,8 +6,8 @@ from numba import carray, njit, types
 from numba.extending import intrinsic
 
 
-def _reader(number: types.Number, name: str) -> Any:
-    """Return a compiled function that reads a number at an address."""
+def _make_reader(number: types.Number, name: str) -> Any:
+    """Return a compiled function that reads a number of a type at an address; `name` is that of the function."""
 
     def read(typing_context: Any, address: types.Integer) -> Any:
         def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
@@ -20,12 +20,12 @@ def _reader(number: types.Number, name: str) -> Any:
     return intrinsic(read)
 
 
-read_float = _reader(types.float64, "read_float")
-read_int = _reader(types.int32, "read_int")
-read_address = _reader(types.intp, "read_address")
+read_float = _make_reader(types.float64, "read_float")
+read_int = _make_reader(types.int32, "read_int")
+read_address = _make_reader(types.intp, "read_address")
 
 
-def pointer_to(kind: types.Type) -> Any:
+def make_pointer_cast(kind: types.Type) -> Any:
     """Return a compiled function that makes a typed pointer of an address."""
 
     def pointer(typing_context: Any, address: types.Integer) -> Any:
@@ -37,7 +37,7 @@ def pointer_to(kind: types.Type) -> Any:
     return intrinsic(pointer)
 
 
-_to_float = pointer_to(types.float64)
+_to_float = make_pointer_cast(types.float64)
 
 
 @njit(inline="always")
@@ -46,8 +46,8 @@ def array_at(address: int, rows: int, columns: int) -> Any:
     return carray(_to_float(address), (rows, columns))
 
 
-def _writer(number: types.Number, name: str) -> Any:
-    """Return a compiled function that writes a number at an address."""
+def _make_writer(number: types.Number, name: str) -> Any:
+    """Return a compiled function that writes a number of a type at an address; `name` is that of the function."""
 
     def write(typing_context: Any, address: types.Integer, value: types.Number) -> Any:
         def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
@@ -60,4 +60,4 @@ def _writer(number: types.Number, name: str) -> Any:
     return intrinsic(write)
 
 
-write_float = _writer(types.float64, "write_float")
+write_float = _make_writer(types.float64, "write_float")

@@ -51,7 +51,7 @@ def bind_multiplication() -> None:
 
 @cache
 def compile_control_callback(layout: StepLayout) -> Any:
-    """Compile or load the ``mjcb_control`` callback, which calls `correct_references`.
+    """Compile or load MuJoCo's control callback (``mjcb_control``), which corrects the reference accelerations.
 
     MuJoCo calls it in each step after it has computed the velocities and before it computes the forces.
     """
@@ -66,7 +66,7 @@ def compile_control_callback(layout: StepLayout) -> Any:
 
 @compiling.njit(inner=True)
 def correct_references(layout: StepLayout, model: int, data: int) -> None:
-    """Correct the reference accelerations of all contacts; do nothing for models without exact contact.
+    """Correct the reference accelerations of all contacts of a step; do nothing for models without exact contact.
 
     `model` and `data` are addresses. ``efc_force``, which the solver computes later, serves as working memory.
     """
@@ -82,7 +82,11 @@ def correct_references(layout: StepLayout, model: int, data: int) -> None:
 
 @compiling.njit(inner=True)
 def _correct_for_orbit(layout: StepLayout, model: int, data: int, run: StepState) -> None:
-    """Correct the normal references for the orbit of the discs: their acceleration, and their speed in the middle."""
+    """Correct the normal reference accelerations for the circular orbit of the discs (see the module).
+
+    The first pass adds the centripetal acceleration of the ideal motion, the second the damping of the error of the
+    mean speed.
+    """
     _multiply_orbit(layout, model, data, run, False)
     product, constants, references = (
         read_address(data + layout.efc_force),
@@ -105,10 +109,11 @@ def _correct_for_orbit(layout: StepLayout, model: int, data: int, run: StepState
 
 
 @compiling.njit(inner=True)
-def _multiply_orbit(layout: StepLayout, model: int, data: int, run: StepState, speeds: bool) -> None:
-    """Multiply the Jacobian by the accelerations of the orbiting discs, or by the error of their mean `speeds`.
+def _multiply_orbit(layout: StepLayout, model: int, data: int, run: StepState, of_speeds: bool) -> None:
+    """Multiply the constraint Jacobian by the accelerations of the orbiting discs, or errors of their mean speeds.
 
-    The mean of the speeds half a step before and after is smaller than the speed v by (w dt)^2/6 v.
+    The mean of the speeds half a step before and after is smaller than the speed v by (w dt)^2/6 v. The product is
+    written to ``efc_force``.
     """
     half = read_float(run.half_timestep)
     for k in range(run.discs):
@@ -118,9 +123,9 @@ def _multiply_orbit(layout: StepLayout, model: int, data: int, run: StepState, s
         angular = (px * vy - py * vx) / (px * px + py * py)
         squared = angular * angular
         ax, ay = -squared * px, -squared * py
-        if speeds:
-            lacking = 2.0 / 3.0 * half * half * squared * angular
-            ax, ay = -lacking * py, lacking * px
+        if of_speeds:
+            speed_error = 2.0 / 3.0 * half * half * squared * angular
+            ax, ay = -speed_error * py, speed_error * px
         write_float(run.circling + x, ax)
         write_float(run.circling + x + 8, ay)
     multiply_jacobian(model, data, read_address(data + layout.efc_force), run.circling)
@@ -128,7 +133,7 @@ def _multiply_orbit(layout: StepLayout, model: int, data: int, run: StepState, s
 
 @compiling.njit(inner=True)
 def _remove_cone_lift(layout: StepLayout, model: int, data: int) -> None:
-    """Lower the normal references of sliding contacts by the lift of the convex friction cone."""
+    """Lower the normal reference accelerations of sliding contacts by the lift of the convex friction cone."""
     first, references = read_address(data + layout.contact), read_address(data + layout.efc_aref)
     accelerations = read_address(data + layout.efc_force)
     multiply_jacobian(model, data, accelerations, read_address(data + layout.qacc))
@@ -137,12 +142,13 @@ def _remove_cone_lift(layout: StepLayout, model: int, data: int) -> None:
         row = read_int(contact + layout.efc_address)
         if row < 0 or read_int(contact + layout.dim) != _FRICTIONAL:
             continue
-        reference, own = references + 8 * row, accelerations + 8 * row
+        reference, acceleration = references + 8 * row, accelerations + 8 * row
         normal, ratio = read_float(reference), read_float(contact + layout.mu)
         sliding = math.hypot(
-            read_float(reference + 8) - read_float(own + 8), read_float(reference + 16) - read_float(own + 16)
+            read_float(reference + 8) - read_float(acceleration + 8),
+            read_float(reference + 16) - read_float(acceleration + 16),
         )
-        pressing = max(normal - read_float(own), 0.0)
+        pressing = max(normal - read_float(acceleration), 0.0)
         lift = read_float(contact + layout.friction) * sliding - ratio * ratio * pressing
         if lift > 0.0:
             write_float(reference, normal - lift)

@@ -39,9 +39,10 @@ SETTINGS = RootSettings()
 
 @njit
 def offset_root(B: float, ring: Trochoid) -> tuple[float, float, float, float, float]:
-    """Find the point x, y of S at B, the clockwise angle psi of its normal, its arc rate and its curvature 1/R [1/m].
+    """Compute a point of the offset root S at the phase B [rad]: x, y [m], normal angle, arc rate, curvature 1/R [1/m].
 
-    The arc rate is positive and R is the concave radius of S (``envelope.Sigma.radius`` at rho = 0).
+    The normal is given by its clockwise angle psi [rad]. The arc rate is positive and R is the concave radius of S
+    (``envelope.Sigma.radius`` at rho = 0).
     """
     radius, eccentricity, teeth = ring
     base = eccentricity * teeth
@@ -52,9 +53,9 @@ def offset_root(B: float, ring: Trochoid) -> tuple[float, float, float, float, f
     length = math.sqrt(l2)
     crank = ((teeth - 2.0) * B - (teeth - 1.0) * (math.pi + 2.0 * alpha)) / teeth
     psi = (math.pi - 2.0 * B - (teeth - 2.0) * alpha) / teeth
-    h = ((teeth - 1.0) * K + l2) / (teeth * length)
-    x = base * math.sin(crank) + h * math.sin(psi)
-    y = base * math.cos(crank) + h * math.cos(psi)
+    support = ((teeth - 1.0) * K + l2) / (teeth * length)
+    x = base * math.sin(crank) + support * math.sin(psi)
+    y = base * math.cos(crank) + support * math.cos(psi)
     rate = ((teeth + 1.0) * length + (teeth - 1.0) * K * K / (l2 * length)) / (teeth * teeth)
     turning = (teeth + 2.0 - (teeth - 2.0) * K / l2) / (2.0 * teeth)
     return x, y, psi, rate, turning / rate
@@ -68,21 +69,20 @@ def is_monotone(ring: Trochoid) -> bool:
 
 
 @njit
-def ideal_root_phase(crank: float, low: float, ring: Trochoid) -> float:
-    """Compute B of the contact in the root at a clockwise crank angle in the ideal mesh (``is_monotone`` designs).
+def ideal_root_phase(crank: float, min_phase: float, ring: Trochoid) -> float:
+    """Solve for the phase B [rad] of the ideal contact in a root at a clockwise crank angle [rad], by Newton's method.
 
-    ``low`` is B0, where the root begins: its cosine is c N / E.
-
-    The crank angle rises with B from -B0 to B0 - 2 pi/N, point-symmetric about B = pi and concave before it, so that
-    Newton's method from the end converges from one side.
+    It is for designs with ``is_monotone``. `min_phase` is B0, where the root begins: its cosine is c N / E. The crank
+    angle rises with B from -B0 to B0 - 2 pi/N, point-symmetric about B = pi and concave before it, so that Newton's
+    method from the end converges from one side.
     """
     radius, eccentricity, teeth = ring
     base = eccentricity * teeth
     K = radius * radius - base * base
     middle = -math.pi / teeth
-    mirrored = crank > middle
-    target = 2.0 * middle - crank if mirrored else crank
-    B = low
+    is_mirrored = crank > middle
+    target = 2.0 * middle - crank if is_mirrored else crank
+    B = min_phase
     for _ in range(SETTINGS.max_iterations):
         cosine = math.cos(B)
         alpha = math.atan2(-base * math.sin(B), radius - base * cosine)
@@ -92,7 +92,7 @@ def ideal_root_phase(crank: float, low: float, ring: Trochoid) -> float:
         B = min(math.pi, B + increment)
         if abs(increment) < SETTINGS.start_tolerance:
             break
-    return 2.0 * math.pi - B if mirrored else B
+    return 2.0 * math.pi - B if is_mirrored else B
 
 
 class Minimum(NamedTuple):
@@ -117,10 +117,8 @@ class Minimum(NamedTuple):
 
 
 @njit(inline="always")
-def _distance_slope(
-    B: float, ring: Trochoid, flank: Flank, gear: Pose
-) -> tuple[float, float, float, float, float, float]:
-    """Distance of S(B) to the gear's flank, its slope along S, the slope's rate over B, foot t and the normal."""
+def _gap_slope(B: float, ring: Trochoid, flank: Flank, gear: Pose) -> tuple[float, float, float, float, float, float]:
+    """Compute the gap of S(B) to the gear's flank, its slope along S, that slope's rate over B, foot t and normal."""
     x, y, psi, rate, curvature = offset_root(B, ring)
     dx, dy = inwards(gear, x - gear.x, y - gear.y)
     t, distance, nx, ny, at_corner = flank_distance(dx, dy, flank)
@@ -129,9 +127,9 @@ def _distance_slope(
     slope = -wx * math.cos(psi) + wy * math.sin(psi)
     # Both curvatures are large and nearly equal: that of the trochoid's parallel through S(B) counts; of a corner, that
     # of the circle around it.
-    parallel = 1.0 / flank.offset if at_corner else flank_curvature(t, flank)
-    bend = parallel / (1.0 + parallel * distance) - curvature
-    return distance, slope, rate * bend, t, wx, wy
+    gear_curvature = 1.0 / flank.offset if at_corner else flank_curvature(t, flank)
+    relative_curvature = gear_curvature / (1.0 + gear_curvature * distance) - curvature
+    return distance, slope, rate * relative_curvature, t, wx, wy
 
 
 @njit
@@ -140,46 +138,48 @@ def root_slope(B: float, ring: Trochoid, flank: Flank, gear: Pose) -> float:
 
     The `gear` is posed in the frame of the lobe clockwise of the root.
     """
-    return _distance_slope(B, ring, flank, gear)[1]
+    return _gap_slope(B, ring, flank, gear)[1]
 
 
 @njit
-def root_minimum(low: float, high: float, start: float, ring: Trochoid, flank: Flank, gear: Pose) -> Minimum:
-    """Find the minimum of the gap inside a root between two phases, from a good start.
+def root_minimum(min_phase: float, max_phase: float, start: float, ring: Trochoid, flank: Flank, gear: Pose) -> Minimum:
+    """Find the minimum of the gap inside a root between two phases [rad], from a good start.
 
-    Newton's method on the slope, kept in the bracket by the slope's sign: the gap falls, then rises.
+    Newton's method on the slope, with bisection where it leaves the bracket: the gap falls, then rises.
     """
-    bottom, top = low, high
-    B = min(high, max(low, start))
+    lower, upper = min_phase, max_phase
+    B = min(max_phase, max(min_phase, start))
     for _ in range(SETTINGS.max_iterations):
-        distance, slope, bend, t, wx, wy = _distance_slope(B, ring, flank, gear)
+        distance, slope, slope_rate, t, wx, wy = _gap_slope(B, ring, flank, gear)
         if slope < 0.0:
-            bottom = B
+            lower = B
         else:
-            top = B
-        increment = -slope / bend if bend > 0.0 else (0.5 * (top - B) if slope < 0.0 else 0.5 * (bottom - B))
-        after = B + increment
-        if after <= bottom or after >= top:
-            after = 0.5 * (bottom + top)
-        if abs(after - B) < SETTINGS.phase_tolerance or abs(slope) < SETTINGS.slope_tolerance:
-            inside = low + 1e-9 < B < high - 1e-9
-            return Minimum(inside and bend > 0.0, B, distance, t, wx, wy)
-        B = after
+            upper = B
+        increment = (
+            -slope / slope_rate if slope_rate > 0.0 else (0.5 * (upper - B) if slope < 0.0 else 0.5 * (lower - B))
+        )
+        next_phase = B + increment
+        if next_phase <= lower or next_phase >= upper:
+            next_phase = 0.5 * (lower + upper)
+        if abs(next_phase - B) < SETTINGS.phase_tolerance or abs(slope) < SETTINGS.slope_tolerance:
+            is_inside = min_phase + 1e-9 < B < max_phase - 1e-9
+            return Minimum(is_inside and slope_rate > 0.0, B, distance, t, wx, wy)
+        B = next_phase
     return Minimum(False, B, distance, t, wx, wy)
 
 
 @njit
-def root_start(crank: float, low: float, ring: Trochoid, modified: bool) -> float:
-    """Compute the phase to start the search of a root from, or 0 where it can have no contact.
+def root_start_phase(crank: float, min_phase: float, ring: Trochoid, is_modified: bool) -> float:
+    """Compute the phase [rad] from which the search of a root starts; 0 where the root can have no contact.
 
-    ``crank`` is the clockwise crank angle [rad] from the lobe that the root belongs to; the ideal mesh has contact for
-    -B0 < crank < B0 - 2 pi/N, with ``low`` for B0, and poses within the clearances differ from it by less than the
+    `crank` is the clockwise crank angle [rad] from the lobe that the root belongs to; the ideal mesh has contact for
+    -B0 < crank < B0 - 2 pi/N, with `min_phase` for B0, and poses within the clearances differ from it by less than the
     margin. The middle of a root is so nearly conformal that they move the contact there by many degrees, into either
-    half or into both. A ``modified`` gear is not conjugate to the ring, and touches it farther from there.
+    half or into both. A modified gear is not conjugate to the ring, and touches it farther from there.
     """
-    last = low - 2.0 * math.pi / ring.teeth
-    margin = SETTINGS.modified_crank_margin if modified else SETTINGS.crank_margin
-    if not -low - margin <= crank <= last + margin:
+    max_crank = min_phase - 2.0 * math.pi / ring.teeth
+    margin = SETTINGS.modified_crank_margin if is_modified else SETTINGS.crank_margin
+    if not -min_phase - margin <= crank <= max_crank + margin:
         return 0.0
-    phase = ideal_root_phase(min(last, max(-low, crank)), low, ring)
-    return min(2.0 * math.pi - low - SETTINGS.start_tolerance, max(low + SETTINGS.start_tolerance, phase))
+    phase = ideal_root_phase(min(max_crank, max(-min_phase, crank)), min_phase, ring)
+    return min(2.0 * math.pi - min_phase - SETTINGS.start_tolerance, max(min_phase + SETTINGS.start_tolerance, phase))

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numba import carray, from_dtype, njit
 
-from cycloid_mj.dynamics.contact.memory import pointer_to
+from cycloid_mj.dynamics.contact.memory import make_pointer_cast
 
 StepState = Any
 """A record of `STEP_STATE` in compiled code."""
@@ -61,7 +61,7 @@ rows, width
     Address of the next sample's row, and bytes of a row.
 """
 
-_to_state = pointer_to(from_dtype(STEP_STATE))
+_to_state = make_pointer_cast(from_dtype(STEP_STATE))
 
 
 @njit(inline="always")

@@ -64,18 +64,18 @@ def _number(user: int, index: int) -> float:
 
 
 @njit(inline="always")
-def read_teeth(user: int, numbers: int) -> Teeth:
+def read_teeth(address: int, numbers: int) -> Teeth:
     """Read teeth from the address of their ``geom user``, which has so many `numbers`."""
-    eccentricity, number = _number(user, 1), _number(user, 2)
+    eccentricity, number = _number(address, 1), _number(address, 2)
     flank = Flank(
-        Trochoid(_number(user, 0), eccentricity, number),
-        _number(user, 3),
-        _number(user, 8),
-        _number(user, 9),
-        _number(user, 10),
-        _number(user, 11),
-        _number(user, 12),
-        array_at(user + 8 * USER_DATA, (numbers - USER_DATA) // 2, 2),
+        Trochoid(_number(address, 0), eccentricity, number),
+        _number(address, 3),
+        _number(address, 8),
+        _number(address, 9),
+        _number(address, 10),
+        _number(address, 11),
+        _number(address, 12),
+        array_at(address + 8 * USER_DATA, (numbers - USER_DATA) // 2, 2),
     )
-    ring = Trochoid(_number(user, 7), eccentricity, number)
-    return Teeth(flank, _number(user, 4), _number(user, 5), _number(user, 6), ring)
+    ring = Trochoid(_number(address, 7), eccentricity, number)
+    return Teeth(flank, _number(address, 4), _number(address, 5), _number(address, 6), ring)

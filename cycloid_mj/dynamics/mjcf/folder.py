@@ -19,7 +19,7 @@ from cycloid_mj.base.overwrite_guard import make_folder, remove_empty
 from cycloid_mj.base.version import __version__
 from cycloid_mj.design import dump
 from cycloid_mj.dynamics.mjcf.keyframe import add_keyframes
-from cycloid_mj.dynamics.mjcf.mesh import MeshSpec, add_rest, mesh_spec, reducer_model
+from cycloid_mj.dynamics.mjcf.mesh import MeshSpec, add_remainder, mesh_spec, reducer_model
 from cycloid_mj.dynamics.mjcf.model import xml
 from cycloid_mj.dynamics.mjcf.scene import scene_xml
 from cycloid_mj.dynamics.mjcf.sensors import add_sensors
@@ -63,10 +63,10 @@ _NUMBER = re.compile(r"-?\d+\.\d{6,}(?:e[+-]?\d+)?")
 
 
 def model_files(reducer: Reducer, settings: ConvexSettings | None = None) -> dict[str, bytes]:
-    """Collect every file of a model folder by its path in it; takes some 10 s for CoACD.
+    """Return every file of a model folder by its path in it; CoACD takes some 10 s.
 
-    The model differs from ``build_mesh``'s in what it is for: the crank has a speed servo (``ctrl`` in rad/s, no target
-    to be moved), there are keyframes, and convex pieces behind the teeth collide with other objects.
+    The model differs from that of ``build_mesh``: the crank has a speed servo (``ctrl`` in rad/s, no target to be
+    moved), there are keyframes, and convex pieces behind the teeth collide with other objects.
 
     Warns
     -----
@@ -75,10 +75,10 @@ def model_files(reducer: Reducer, settings: ConvexSettings | None = None) -> dic
     """
     settings, reducer = settings or ConvexSettings(), reducer.for_slices
     mesh = mesh_spec(reducer, settings)
-    measured = {surface.key: _check_surface(surface, settings) for surface in mesh.surfaces}
-    rests = [decompose(sector, settings) for sector in sectors(reducer, settings)]
-    for number, rest in enumerate(rests, start=1):
-        add_rest(mesh.spec, reducer, number, rest)
+    surface_errors = {surface.key: _check_surface(surface, settings) for surface in mesh.surfaces}
+    remainders = [decompose(sector, settings) for sector in sectors(reducer, settings)]
+    for number, remainder in enumerate(remainders, start=1):
+        add_remainder(mesh.spec, reducer, number, remainder)
     gains = _add_drive(mesh, reducer)
     add_sensors(mesh.spec, reducer)
     add_keyframes(mesh.spec, reducer)
@@ -91,12 +91,12 @@ def model_files(reducer: Reducer, settings: ConvexSettings | None = None) -> dic
     files[DESIGN] = dump(reducer.design).encode()
     files[REDUCER] = _reducer_xml(mesh.spec, reducer).encode()
     files[SCENE] = scene_xml(reducer, REDUCER).encode()
-    files[MANIFEST] = _manifest(reducer, settings, compiled.model, measured, rests, files).encode()
+    files[MANIFEST] = _manifest(reducer, settings, compiled.model, surface_errors, remainders, files).encode()
     return files
 
 
 def write_folder(files: Mapping[str, bytes], folder: Path) -> None:
-    """Write the files of a model, all of them or none, into a folder that exists; other files in it stay.
+    """Write the files of a model folder, all of them or none; other files in the folder stay.
 
     Raises
     ------
@@ -152,8 +152,8 @@ def _manifest(
     reducer: Reducer,
     settings: ConvexSettings,
     model: Any,
-    measured: Mapping[str, Quality],
-    rests: list[Rest],
+    surface_errors: Mapping[str, Quality],
+    remainders: list[Rest],
     files: Mapping[str, bytes],
 ) -> str:
     """Return the manifest of a model folder as JSON: versions, hashes, settings and measured mesh errors."""
@@ -177,8 +177,10 @@ def _manifest(
         "geoms": model.ngeom,
         "meshes": model.nmesh,
         "mass_kg": {body: float(model.body(body).mass[0]) for body in (names.HOUSING, *moving)},
-        "surfaces": {name: quality_um(figures) for name, figures in measured.items()},
-        "rest": [{"part": rest.sector.part, "copies": rest.sector.count, **quality_um(rest.quality)} for rest in rests],
+        "surfaces": {name: quality_um(figures) for name, figures in surface_errors.items()},
+        "rest": [
+            {"part": rest.sector.part, "copies": rest.sector.count, **quality_um(rest.quality)} for rest in remainders
+        ],
         "sha256": {name: hashlib.sha256(content).hexdigest() for name, content in sorted(files.items())},
     }
     return json.dumps(content, indent=2) + "\n"

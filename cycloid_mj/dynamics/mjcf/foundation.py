@@ -11,7 +11,7 @@ from cycloid_mj.parts.convex import Slice
 
 
 def slice_law(law: ContactParameters, factor: float, part: Slice, force: float) -> ContactParameters:
-    """Compute the law of one slice: k = K w / patch for a width w, at most K.
+    """Compute the contact law of one slice of a surface: k = K w / patch for a width w, at most K.
 
     Parameters
     ----------
@@ -25,8 +25,8 @@ def slice_law(law: ContactParameters, factor: float, part: Slice, force: float) 
         Working force F of the line contact [N]; its penetration is d = F/K.
     """
     stiffness = law.stiffness * factor
-    depth = force / stiffness
-    patch = hole_patch(depth, part.radius, part.play) if part.play else flank_patch(depth, part.curvature)
+    penetration = force / stiffness
+    patch = hole_patch(penetration, part.radius, part.play) if part.play else flank_patch(penetration, part.curvature)
     share = min(1.0, part.width / patch)
     return ContactParameters(
         stiffness=stiffness * share,
@@ -51,6 +51,13 @@ def hole_patch(depth: float, radius: float, play: float) -> float:
     Displaced by x = play + d, the part is x cos(theta) - play deep up to the angle theta_0 = acos(play / x); springs of
     k per width push with the share cos(theta), in all k R [x (theta_0 + sin theta_0 cos theta_0) - 2 play sin theta_0].
     """
-    x = play + depth
-    end = math.acos(play / x)
-    return radius * (x * (end + math.sin(end) * math.cos(end)) - 2.0 * play * math.sin(end)) / depth
+    displacement = play + depth
+    half_angle = math.acos(play / displacement)
+    return (
+        radius
+        * (
+            displacement * (half_angle + math.sin(half_angle) * math.cos(half_angle))
+            - 2.0 * play * math.sin(half_angle)
+        )
+        / depth
+    )

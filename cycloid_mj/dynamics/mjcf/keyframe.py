@@ -24,7 +24,7 @@ def keyframe_name(angle: int, speed: float) -> str:
 
 
 def add_keyframes(spec: Any, reducer: Reducer) -> None:
-    """Add keyframes at four crank angles, at rest and at the design's speed, without load."""
+    """Add keyframes at four crank angles, at rest and at the design's speed, without load, to an editable model."""
     model = spec.compile()
     for speed in dict.fromkeys((0.0, reducer.design.drive.speed)):
         for angle in QUARTERS:
@@ -39,22 +39,22 @@ def add_keyframes(spec: Any, reducer: Reducer) -> None:
 
 
 def joint_state(reducer: Reducer, crank: float, speed: float) -> tuple[dict[str, float], dict[str, float]]:
-    """Get positions and velocities of the joints of crank, discs and output at a crank angle [rad] and speed [rad/s].
+    """Compute positions and velocities of all joints at a crank angle [rad] and speed [rad/s], by joint name.
 
     Hsieh 2014, Eqs 12 and 13 (corrected): the gear's centre runs on a circle, gear and output turn at -speed/(N-1); or
-    the gear does not turn, and the ring does, at speed/N.
-    Parts with errors or modified flanks, and the pins among them that move, are where they fit best.
+    the gear does not turn, and the ring does, at speed/N. Parts with errors or modified flanks, and the pins among them
+    that move, are where they fit best.
     """
     gear = reducer.tooth_profile
-    turned, slow = float(reducer.member.gear_angle(crank)), float(reducer.member.gear_angle(speed))
+    disc_angle, disc_speed = float(reducer.member.gear_angle(crank)), float(reducer.member.gear_angle(speed))
     position = {names.CRANK_JOINT: crank, names.OUTPUT_JOINT: float(reducer.member.output_angle(crank))}
     velocity = {names.CRANK_JOINT: speed, names.OUTPUT_JOINT: float(reducer.member.output_angle(speed))}
     for disc, phase in zip(reducer.mechanism.discs, reducer.mechanism.phases, strict=True):
         x, y = (float(value) for value in gear_centre(gear, crank + phase))
-        position |= dict(zip(disc.joints, (x, y, turned), strict=True))
-        velocity |= dict(zip(disc.joints, (-speed * y, speed * x, slow), strict=True))
+        position |= dict(zip(disc.joints, (x, y, disc_angle), strict=True))
+        velocity |= dict(zip(disc.joints, (-speed * y, speed * x, disc_speed), strict=True))
     if not reducer.is_ideal:
-        for joint, shift in _room(reducer, crank).items():
+        for joint, shift in _fit_shifts(reducer, crank).items():
             position[joint] = position.get(joint, 0.0) + shift
     return position, velocity
 
@@ -63,8 +63,8 @@ IDLE = 1e-3
 """Share of the nominal torque under which a drive with a preload rests: without any, its output has no place."""
 
 
-def _fit(reducer: Reducer, crank: float) -> Fit:
-    """Find where the parts are at a crank angle [rad]: with the most room, or where a preload presses them to."""
+def _resting_fit(reducer: Reducer, crank: float) -> Fit:
+    """Return the best fit of the parts at a crank angle [rad]: with the most clearance, or pressed by a preload."""
     if not reducer.design.ring.preload:
         return best_fit(reducer, crank)
     torque = math.copysign(IDLE * reducer.design.rated_torque, reducer.design.drive.speed)
@@ -72,13 +72,13 @@ def _fit(reducer: Reducer, crank: float) -> Fit:
     return pressed_fit(reducer, crank, pose)
 
 
-def _room(reducer: Reducer, crank: float) -> dict[str, float]:
-    """Compute how far joints are from the ideal mesh where the parts fit best."""
-    fit, angle = _fit(reducer, crank), float(reducer.member.ring_angle(crank))
+def _fit_shifts(reducer: Reducer, crank: float) -> dict[str, float]:
+    """Compute the displacements of all joints from the ideal mesh in the best fit [m], [rad], by name."""
+    fit, angle = _resting_fit(reducer, crank), float(reducer.member.ring_angle(crank))
     cos, sin = math.cos(angle), math.sin(angle)
-    joints: dict[str, float] = {}
+    shifts: dict[str, float] = {}
     for disc, (x, y), turn in zip(reducer.mechanism.discs, fit.shift.tolist(), fit.gear_turn.tolist(), strict=True):
-        joints |= dict(zip(disc.joints, (x * cos - y * sin, x * sin + y * cos, turn), strict=True))
+        shifts |= dict(zip(disc.joints, (x * cos - y * sin, x * sin + y * cos, turn), strict=True))
     for pin, shift in zip(reducer.mechanism.pins, fit.pin_shift, strict=False):
-        joints |= dict(zip(pin.joints[:2], shift.tolist(), strict=True))
-    return joints | {names.OUTPUT_JOINT: fit.output_turn}
+        shifts |= dict(zip(pin.joints[:2], shift.tolist(), strict=True))
+    return shifts | {names.OUTPUT_JOINT: fit.output_turn}

@@ -23,28 +23,28 @@ def stiffest(laws: Sequence[Laws]) -> Laws:
 def contact_laws(reducer: Reducer, disc: int = 0) -> Laws:
     """Compute the contact law of each kind of pair: line-contact stiffness, damping by the pair's own effective mass.
 
-    With massless pins the pair of gear and pin is one of gear and housing: both contacts in series, rubbing as easily
-    as the easier of the two. The bending of an output pin at its disc's plane is in series with its contact; what a
-    disc's force bends it by at another disc's plane is left out (docs/decisions/11-bent-output-pins.md). Of the law
-    IMPACT these are secants at the working force, which a run replaces at every step (`contact.each_step`). Contacts of
-    moving pins that may settle, and which the step does not follow, do.
+    With massless pins the pair of gear and pin is one of gear and housing: both contacts in series, with the smaller
+    friction. The bending of an output pin at its disc's plane is in series with its contact; its bending at another
+    disc's plane is neglected (docs/decisions/11-bent-output-pins.md). Of the law IMPACT these are secants at the
+    working force, which a run replaces at every step (`contact.each_step`). Contacts of moving pins whose oscillation
+    the step does not follow have `law.settling_law`, where they may.
     """
-    design, time = reducer.design, timestep(reducer)
+    design, step = reducer.design, timestep(reducer)
     laws = {}
     for kind, mass in effective_masses(reducer).items():
-        lines = design.lines(kind)  # each carries its share of force and mass
-        through = kind == design.tooth_pair and design.ring.has_massless_pins
-        friction = design.mesh_friction if through else design.friction_of(kind)
-        contact, mass = reducer.contacts[kind], mass / lines
-        force, impact = contact.force / lines, contact.impact
-        stiffness = contact.series[disc] / lines
-        followed = not may_settle(reducer, kind) or stiffness * time**2 <= SETTINGS.max_idle_seat_ratio * mass
-        laws[kind] = (contact_law if followed else settling_law)(
+        contact_lines = design.lines(kind)  # each carries its share of force and mass
+        is_massless = kind == design.tooth_pair and design.ring.has_massless_pins
+        friction = design.mesh_friction if is_massless else design.friction_of(kind)
+        contact, mass = reducer.contacts[kind], mass / contact_lines
+        force, impact = contact.force / contact_lines, contact.impact
+        stiffness = contact.series[disc] / contact_lines
+        is_followed = not may_settle(reducer, kind) or stiffness * step**2 <= SETTINGS.max_idle_seat_ratio * mass
+        laws[kind] = (contact_law if is_followed else settling_law)(
             stiffness=stiffness,
             damping_ratio=impact.damping_ratio(force, mass) if impact else contact.damping_ratio,
             effective_mass=mass,
             friction=friction,
             creep=friction * force / reducer.contacts.creep_speed,
-            timestep=time,
+            timestep=step,
         )
     return laws

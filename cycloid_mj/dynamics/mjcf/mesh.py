@@ -23,12 +23,12 @@ from cycloid_mj.dynamics.law import ContactParameters, SolverParameters, solver_
 from cycloid_mj.dynamics.mjcf.bodies import (
     add_bodies,
     axial_extent,
+    clockwise_quaternion,
     colour,
     crank_inertia,
-    point,
+    list_visible_parts,
+    mujoco_position,
     set_inertia,
-    turn,
-    visible_parts,
 )
 from cycloid_mj.dynamics.mjcf.foundation import slice_law
 from cycloid_mj.dynamics.mjcf.laws import Laws, laws_of_discs, stiffest
@@ -88,13 +88,15 @@ class MeshSpec:
 
 
 def build_mesh(reducer: Reducer, settings: ConvexSettings | None = None) -> ReducerModel:
-    """Build the model of a design for stock MuJoCo collision; to be run as that of ``build``.
+    """Build the model of a design for MuJoCo's own collision detection, with convex slices.
+
+    Run it like that of ``build``.
 
     Raises
     ------
     DesignError
-        A part of the design is not feasible, or cannot be sliced; its pins carry sleeves; or its contacts follow
-        IMPACT or the friction law ``film``.
+        A part of the design is not feasible, or cannot be sliced; its pins carry sleeves; or its contacts follow IMPACT
+        or the friction law ``film``.
     ContactError
         MuJoCo cannot represent a contact's stiffness at this time step.
     """
@@ -123,16 +125,16 @@ def reducer_model(mesh: MeshSpec, reducer: Reducer, gains: tuple[float, float]) 
 
 
 def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
-    """Build the bodies of a design with their visual and their colliding geoms: no actuators, no sensors, no rest.
+    """Build an editable mesh model: bodies with visual and collision geoms, but no actuators, sensors or remainders.
 
     The slices are as stiff as `for_slices` says.
     """
     reducer = reducer.for_slices
     ring = reducer.design.ring
     if ring.has_sleeves or ring.has_massless_pins:
-        what = "sleeves that turn on their pins" if ring.has_sleeves else "massless pins"
+        unsupported = "sleeves that turn on their pins" if ring.has_sleeves else "massless pins"
         raise DesignError(
-            f'ring.pins = "{ring.pins}" needs exact profiles, because convex meshes cannot represent {what}. Use '
+            f'ring.pins = "{ring.pins}" needs exact profiles, because convex meshes cannot represent {unsupported}. Use '
             '--contact profile, or set ring.pins = "free" or "fixed"'
         )
     require_drawn(reducer.design, "mesh contact")
@@ -145,43 +147,43 @@ def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
         spec.delete(item)
     add_bodies(spec, reducer, masses)
     set_inertia(spec.body(names.HOUSING), masses[names.HOUSING])
-    _options(spec)
+    _set_collision_options(spec)
     _add_visuals(spec, reducer)
     weights = _inverse_weights(spec)
-    working = surfaces(reducer, settings)
+    sliced_surfaces = surfaces(reducer, settings)
     collision = spec.add_default(COLLISION, spec.default)
     collision.geom.group, collision.geom.contype, collision.geom.conaffinity = 3, 0, 0
-    apart = {surface.disc for surface in working if surface.disc}
-    for surface in working:
+    own_discs = {surface.disc for surface in sliced_surfaces if surface.disc}
+    for surface in sliced_surfaces:
         discs = range(reducer.design.gear.discs if surface.name in _OF_DISCS else 1)
-        discs_alike = [disc for disc in discs if surface.name != names.TEETH or disc not in apart]
-        _add_surface(spec, reducer, surface, [surface.disc] if surface.disc else discs_alike, laws, weights, settings)
+        equal_discs = [disc for disc in discs if surface.name != names.TEETH or disc not in own_discs]
+        _add_surface(spec, reducer, surface, [surface.disc] if surface.disc else equal_discs, laws, weights, settings)
     _add_round_parts(spec, reducer)
-    return MeshSpec(spec, working, stiffest(laws), crank_inertia(reducer, masses[names.SHAFT]))
+    return MeshSpec(spec, sliced_surfaces, stiffest(laws), crank_inertia(reducer, masses[names.SHAFT]))
 
 
-def add_rest(spec: Any, reducer: Reducer, number: int, rest: Rest) -> None:
+def add_remainder(spec: Any, reducer: Reducer, number: int, remainder: Rest) -> None:
     """Add the convex pieces behind the working surfaces of a part, which collide with other objects only."""
-    sector, ahead = rest.sector, reducer.phases
+    sector, phases = remainder.sector, reducer.phases
     bodies = reducer.gears if sector.part == names.GEAR else (sector.part,)
-    for index, piece in enumerate(rest.pieces, start=1):
+    for index, piece in enumerate(remainder.pieces, start=1):
         name = f"{sector.part}_rest_{number}_{index}"
         _add_stl(spec, name, stl_bytes(piece))
-        part = _sub_default(spec, name)
-        part.geom.type, part.geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, name
-        part.geom.conaffinity = OUTSIDE
-        for body, phase in zip(bodies, ahead, strict=False):
+        default = _sub_default(spec, name)
+        default.geom.type, default.geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, name
+        default.geom.conaffinity = OUTSIDE
+        for body, phase in zip(bodies, phases, strict=False):
             first = phase / reducer.design.lobes if sector.of_teeth else 0.0
             for copy in range(sector.count):
-                spec.body(body).add_geom(part, quat=turn(first + 2.0 * np.pi * copy / sector.count))
+                spec.body(body).add_geom(default, quat=clockwise_quaternion(first + 2.0 * np.pi * copy / sector.count))
 
 
-def stem(surface: str, member: int) -> str:
+def surface_stem(surface: str, member: int) -> str:
     """Name a member of a surface as its mating pairs do."""
     return names.numbered_name(_STEMS[surface], member) if surface in _STEMS else surface
 
 
-def _options(spec: Any) -> None:
+def _set_collision_options(spec: Any) -> None:
     spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_MULTICCD)
     spec.option.ccd_tolerance = MESH_CONTACT.ccd_tolerance
     spec.option.ccd_iterations = MESH_CONTACT.ccd_iterations
@@ -194,7 +196,7 @@ def _inverse_weights(spec: Any) -> dict[str, float]:
 
 
 def _add_visuals(spec: Any, reducer: Reducer) -> None:
-    """Add meshes and materials of all parts for viewers."""
+    """Add meshes and materials of all parts for viewers, and their geoms at every position of each part."""
     visual = spec.add_default(VISUAL, spec.default)
     visual.geom.group, visual.geom.contype, visual.geom.conaffinity = 2, 0, 0
     visual.geom.type = mujoco.mjtGeom.mjGEOM_MESH
@@ -202,24 +204,24 @@ def _add_visuals(spec: Any, reducer: Reducer) -> None:
         _add_stl(spec, part, stl_bytes(mesh(solid)), mujoco.mjtMeshInertia.mjMESH_INERTIA_EXACT)
         opacity = MESH_CONTACT.output_opacity if part == names.OUTPUT else 1.0
         spec.add_material(name=part, rgba=[*colour(part)[:3], opacity], specular=0.4, shininess=0.4)
-        for body, position in _homes(reducer, part):
+        for body, position in _part_positions(reducer, part):
             spec.body(body).add_geom(visual, meshname=part, material=part, pos=position)
 
 
-def _homes(reducer: Reducer, part: str) -> Iterator[tuple[str, list[float]]]:
-    """Yield the body that each copy of a part belongs to, and its place in it [m]."""
-    shown = [
+def _part_positions(reducer: Reducer, part: str) -> Iterator[tuple[str, list[float]]]:
+    """Yield the body that each copy of a part belongs to, and the position of the copy in it [m]."""
+    visible = [
         (body.name, position)
         for body in reducer.mechanism.bodies
-        for shown_part, position in visible_parts(reducer, body)
+        for shown_part, position in list_visible_parts(reducer, body)
         if shown_part == part
     ]
-    for body, position in shown:
-        yield body, point(position[:2], float(position[2]))
-    if not shown:  # pins that do not move belong to the housing
+    for body, position in visible:
+        yield body, mujoco_position(position[:2], float(position[2]))
+    if not visible:  # pins that do not move belong to the housing
         ring = reducer.tooth_profile
         for position in ring.pin_circle_radius * profile.unit(profile.pin_angles(ring)):
-            yield names.HOUSING, point(position)
+            yield names.HOUSING, mujoco_position(position)
 
 
 def _add_stl(spec: Any, name: str, content: bytes, inertia: Any = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX) -> None:
@@ -241,78 +243,86 @@ def _add_surface(
     weights: Mapping[str, float],
     settings: ConvexSettings,
 ) -> None:
-    """Add the meshes of a surface's slices, and their geoms on `discs`; surfaces of the ring have disc 0 only."""
+    """Add the meshes of a surface's slices, and their geoms on the discs with these indices.
+
+    Surfaces of the ring have disc 0 only. `laws` are the contact laws by disc, `weights` MuJoCo's inverse weights by
+    body.
+    """
     for number, _ in enumerate(surface.slices):
         _add_stl(spec, f"{surface.key}_{number + 1}", stl_bytes(mesh(prism(surface, number))))
     for disc in discs:
         # the holes of each disc have errors of their own
-        holes = gear_holes(reducer, settings, disc) if surface.name == "hole" and disc else surface
-        _add_slices(spec, reducer, holes, disc, laws, weights)
+        disc_surface = gear_holes(reducer, settings, disc) if surface.name == "hole" and disc else surface
+        _add_slices(spec, reducer, disc_surface, disc, laws, weights)
 
 
 def _add_slices(
     spec: Any, reducer: Reducer, surface: ConvexSurface, disc: int, laws: Sequence[Laws], weights: Mapping[str, float]
 ) -> None:
-    """Add one class for each slice of a surface on a disc, with its contact physics, and its geoms at every place."""
+    """Add a default class for each slice of a surface on a disc, with its contact physics, and its geoms.
+
+    Slices with friction that know their mate collide by explicit pairs, all others by the bits of contype and
+    conaffinity.
+    """
     design, carriers, discs = reducer.design, reducer.mechanism.carriers, reducer.design.gear.discs
     reducer = Reducer(design)
     kind = _KINDS.get(surface.name, design.tooth_pair)
     copies = discs if surface.name in _OF_DISCS else 1
-    curve, force = reducer.contacts.teeth.curvature_law, reducer.contacts[kind].force
+    curvature_law, force = reducer.contacts.teeth.curvature_law, reducer.contacts[kind].force
     mating = reducer.mechanism.mating(kind, disc)
     mates = {name: mate for pair in mating.pairs for name, mate in ((pair.on, pair.by), (pair.by, pair.on))}
-    first = next(mating.pairs)
-    weight = weights[carriers[first.on]] + weights[carriers[first.by]]
+    first_pair = next(mating.pairs)
+    weight = weights[carriers[first_pair.on]] + weights[carriers[first_pair.by]]
     law = laws[disc][kind]
-    rubs = kind != design.tooth_pair and law.friction > 0.0
-    classes = []
+    has_friction = kind != design.tooth_pair and law.friction > 0.0
+    defaults = []
     for number, part in enumerate(surface.slices):
         name = f"{surface.name}_{number + 1}"
-        factor = curve.factor(part.curvature) if kind == design.tooth_pair else 1.0
+        factor = curvature_law.factor(part.curvature) if kind == design.tooth_pair else 1.0
         parameters = solver_parameters(slice_law(law, factor, part, force), weight, spec.option.impratio)
         default = _sub_default(spec, names.of_disc(name, disc, copies))
         default.geom.type, default.geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, f"{surface.key}_{number + 1}"
-        if rubs:
-            _collide_by_pair(default.pair, parameters)
+        if has_friction:
+            _set_pair_contact(default.pair, parameters)
         else:
-            _collide_by_bits(default.geom, parameters, surface.name, part.width, disc)
-        classes.append(default)
-    ahead = reducer.mechanism.phases[disc] / design.lobes if surface.name == names.TEETH else 0.0
+            _set_geom_contact(default.geom, parameters, surface.name, part.width, disc)
+        defaults.append(default)
+    phase = reducer.mechanism.phases[disc] / design.lobes if surface.name == names.TEETH else 0.0
     counts: dict[int, int] = {}
     for placement in surface.places:
         counts[placement.member] = counts.get(placement.member, 0) + 1
-        called = names.of_disc(stem(surface.name, placement.member), disc, copies)
-        name = f"{called}/{placement.member}/{counts[placement.member]}"
-        pose = {"pos": [*placement.centre, 0.0], "quat": _pose(placement, ahead)}
-        spec.body(carriers[called]).add_geom(classes[placement.slice], name=name, **pose)
-        if rubs:
-            spec.add_pair(classes[placement.slice], geomname1=name, geomname2=mates[called])
+        surface_name = names.of_disc(surface_stem(surface.name, placement.member), disc, copies)
+        name = f"{surface_name}/{placement.member}/{counts[placement.member]}"
+        pose = {"pos": [*placement.centre, 0.0], "quat": _slice_quaternion(placement, phase)}
+        spec.body(carriers[surface_name]).add_geom(defaults[placement.slice], name=name, **pose)
+        if has_friction:
+            spec.add_pair(defaults[placement.slice], geomname1=name, geomname2=mates[surface_name])
 
 
-def _collide_by_bits(geom: Any, parameters: SolverParameters, surface: str, width: float, disc: int) -> None:
-    geom.contype, geom.conaffinity = _bits(surface, width, disc)
+def _set_geom_contact(geom: Any, parameters: SolverParameters, surface: str, width: float, disc: int) -> None:
+    geom.contype, geom.conaffinity = _collision_bits(surface, width, disc)
     geom.priority = MESH_CONTACT.slice_priority if np.isfinite(width) else MESH_CONTACT.hull_priority
     geom.condim, geom.solref, geom.solimp = parameters.condim, parameters.solref, parameters.solimp
     geom.friction = [parameters.friction[0], 0.0, 0.0]
 
 
-def _collide_by_pair(pair: Any, parameters: SolverParameters) -> None:
+def _set_pair_contact(pair: Any, parameters: SolverParameters) -> None:
     pair.condim, pair.solref, pair.solimp = parameters.condim, parameters.solref, parameters.solimp
     pair.friction, pair.solreffriction = parameters.friction, parameters.solreffriction
     pair.margin, pair.gap = 0.0, 0.0
 
 
-def _bits(surface: str, width: float, disc: int) -> tuple[int, int]:
-    """Compute contype and conaffinity of a slice, or of the hull that is a convex tip.
+def _collision_bits(surface: str, width: float, disc: int) -> tuple[int, int]:
+    """Return contype and conaffinity of a slice, or of the hull that is a convex tip.
 
     Tips of the gear collide with the roots of an internal gear, its valleys do not. The arc of an internal gear's lobe
     is a capsule, which is exact and quicker than its hull.
     """
-    hull = not np.isfinite(width)
+    is_hull = not np.isfinite(width)
     if surface == "lobe":
-        return (0, OUTSIDE) if hull else (0, ROOTS)
+        return (0, OUTSIDE) if is_hull else (0, ROOTS)
     if surface == "teeth":
-        return (ROOTS if hull else 0, TEETH)
+        return (ROOTS if is_hull else 0, TEETH)
     return 0, {"socket": SOCKETS, "bore": BORES[disc], "hole": HOLES}[surface]
 
 
@@ -322,20 +332,20 @@ def _add_round_parts(spec: Any, reducer: Reducer) -> None:
     cams = [("cam", BORES[disc], disc) for disc in range(design.gear.discs)]
     for kind, bits, disc in ((design.tooth_pair, TEETH | SOCKETS, 0), *cams, ("output", HOLES, 0)):
         round_parts = reducer.mechanism.mating(kind, disc).by
-        middle, half_width = axial_extent(Reducer(design), round_parts)
-        half = half_width * (1.0 + 2.0 * MESH_CONTACT.cap_share)
+        centre_z, half_width = axial_extent(Reducer(design), round_parts)
+        half_length = half_width * (1.0 + 2.0 * MESH_CONTACT.cap_share)
         for i, name in enumerate(round_parts.names):
             spec.body(round_parts.bodies[i]).add_geom(
                 collision,
                 name=name,
                 type=mujoco.mjtGeom.mjGEOM_CAPSULE,
-                size=[round_parts.radius[i], half, 0.0],
+                size=[round_parts.radius[i], half_length, 0.0],
                 contype=bits,
-                pos=point(round_parts.place[i], middle),
+                pos=mujoco_position(round_parts.place[i], centre_z),
             )
 
 
-def _pose(placement: SlicePlacement, ahead: float) -> list[float]:
+def _slice_quaternion(placement: SlicePlacement, ahead: float) -> list[float]:
     """Quaternion of a place on teeth that are turned back; a prism's mirror image is half a turn about its y axis."""
-    w, _, _, z = turn(placement.angle + ahead)
+    w, _, _, z = clockwise_quaternion(placement.angle + ahead)
     return [0.0, -z, w, 0.0] if placement.mirrored else [w, 0.0, 0.0, z]

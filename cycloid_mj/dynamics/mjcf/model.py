@@ -22,7 +22,7 @@ from cycloid_mj.dynamics.mjcf.bodies import add_bodies, add_shapes, crank_inerti
 from cycloid_mj.dynamics.mjcf.laws import Laws, laws_of_discs, stiffest
 from cycloid_mj.dynamics.mjcf.sensors import add_sensors
 from cycloid_mj.dynamics.mjcf.solver import set_solver
-from cycloid_mj.dynamics.regime import warnings
+from cycloid_mj.dynamics.regime import model_warnings
 from cycloid_mj.dynamics.timestep import timestep
 from cycloid_mj.parts import VISUAL_CHORD_ERROR, mesh, moving_masses, output_inertia, parts
 from cycloid_mj.reducer import Reducer
@@ -128,7 +128,7 @@ def build(design: Named, held: Held = "crank") -> ReducerModel:
 
 def add_warnings(compiled: ReducerModel, reducer: Reducer) -> ReducerModel:
     """Add a model's warnings to it."""
-    return replace(compiled, warnings=warnings(reducer, compiled))
+    return replace(compiled, warnings=model_warnings(reducer, compiled))
 
 
 def xml(spec: Any) -> str:
@@ -139,7 +139,7 @@ def xml(spec: Any) -> str:
 
 
 def empty_spec(reducer: Reducer, impratio: float) -> Any:
-    """Build an editable model with the options of every model of a design, and nothing in it but light and camera."""
+    """Return an editable model with the options of every model of a design, and only a light and a camera in it."""
     design = reducer.design
     spec = mujoco.MjSpec()
     spec.modelname = f"cycloid_{design.name}"
@@ -156,16 +156,20 @@ def empty_spec(reducer: Reducer, impratio: float) -> Any:
     # Mostly one island holds everything in contact: looking for more costs time. `set_solver` knows where not.
     option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_AUTORESET | mujoco.mjtDisableBit.mjDSBL_ISLAND)
     option.enableflags = int(mujoco.mjtEnableBit.mjENBL_ENERGY)
-    reach = design.housing.outer_radius
-    spec.stat.extent = 2.0 * reach
+    housing_radius = design.housing.outer_radius
+    spec.stat.extent = 2.0 * housing_radius
     spec.stat.center = [0.0, 0.0, 0.0]
-    spec.worldbody.add_light(pos=[reach, 2 * reach, 6 * reach], dir=[-0.2, -0.3, -1.0])
-    spec.worldbody.add_camera(name="front", pos=[0.0, 0.0, -4 * reach], xyaxes=[-1, 0, 0, 0, 1, 0])
+    spec.worldbody.add_light(pos=[housing_radius, 2 * housing_radius, 6 * housing_radius], dir=[-0.2, -0.3, -1.0])
+    spec.worldbody.add_camera(name="front", pos=[0.0, 0.0, -4 * housing_radius], xyaxes=[-1, 0, 0, 0, 1, 0])
     return spec
 
 
 def add_actuators(spec: Any, inertia: float, held: Held = "crank") -> tuple[float, float]:
-    """Add the actuators of crank and output, a servo on the `held` shaft of this inertia; return the servo's gains."""
+    """Add the actuators of crank and output, with a position servo on the shaft `held`.
+
+    Return the servo's gains kp, kv.
+    `inertia` [kg m2] is that of the servo's shaft.
+    """
     kp, kv = servo_gains(inertia)
     for shaft, name, joint in (("crank", names.DRIVE, names.CRANK_JOINT), ("output", names.LOAD, names.OUTPUT_JOINT)):
         actuator = spec.add_actuator(name=name, target=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT)
@@ -182,22 +186,23 @@ def servo_gains(inertia: float) -> tuple[float, float]:
 
 
 def _add_pairs(spec: Any, mating: tuple[Pair, ...], laws: Sequence[Laws]) -> Any:
-    """Add the explicit pairs with each contact's physics, and return the compiled model.
+    """Add the explicit contact pairs with the law of each contact; return the compiled model.
 
-    The physics need the weights of the compiled bodies, and are put into both: compiling once more takes as long.
+    The attributes depend on the weights of the compiled bodies, and are set in both the editable and the compiled
+    model: compiling once more takes as long.
     """
-    added = []
+    elements = []
     for pair in mating:
         law = laws[pair.disc][pair.kind]
-        added.append(spec.add_pair(name=pair.name, geomname1=pair.on, geomname2=pair.by, condim=law.condim))
+        elements.append(spec.add_pair(name=pair.name, geomname1=pair.on, geomname2=pair.by, condim=law.condim))
     model = spec.compile()
-    for pair, in_spec in zip(mating, added, strict=True):
+    for pair, element in zip(mating, elements, strict=True):
         bodies = [model.geom(name).bodyid[0] for name in (pair.on, pair.by)]
         inverse_weight = float(sum(model.body_invweight0[body, 0] for body in bodies))
         parameters = solver_parameters(laws[pair.disc][pair.kind], inverse_weight, spec.option.impratio)
-        number = model.pair(pair.name).id
+        pair_id = model.pair(pair.name).id
         for name in ("friction", "solref", "solreffriction", "solimp"):
             value = getattr(parameters, name)
-            setattr(in_spec, name, list(value))
-            getattr(model, f"pair_{name}")[number] = value
+            setattr(element, name, list(value))
+            getattr(model, f"pair_{name}")[pair_id] = value
     return model

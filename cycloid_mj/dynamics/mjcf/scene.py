@@ -29,17 +29,17 @@ _SCENE = """<mujoco model="{name} scene">
 
 
 def scene_xml(reducer: Reducer, model_file: str) -> str:
-    """Write the MJCF of the scene that includes the file of the model."""
+    """Return the MJCF of a scene with lights, cameras and background that includes the file of the model."""
     design = reducer.design
-    reach = design.housing.outer_radius
+    housing_radius = design.housing.outer_radius
     lengths = {
-        "extent": 2.2 * reach,
-        "far": 4.0 * reach,
-        "high": 8.0 * reach,
-        "away": 4.0 * reach,
-        "side": 1.6 * reach,
-        "rise": 1.4 * reach,
-        "front": 3.0 * reach,
+        "extent": 2.2 * housing_radius,
+        "far": 4.0 * housing_radius,
+        "high": 8.0 * housing_radius,
+        "away": 4.0 * housing_radius,
+        "side": 1.6 * housing_radius,
+        "rise": 1.4 * housing_radius,
+        "front": 3.0 * housing_radius,
     }
     return _SCENE.format(
         name=design.name, reducer=model_file, **{key: f"{value:.6g}" for key, value in lengths.items()}

@@ -42,34 +42,34 @@ def add_sensors(spec: Any, reducer: Reducer) -> None:
         spec.add_sensor(name=sensor.column, type=kind, objtype=what, objname=sensor.of)
 
 
-def addresses(data: Any, reducer: Reducer) -> list[int]:
-    """Return the addresses in ``MjData`` of the sensor values, in their order."""
-    places = {
+def sensor_addresses(data: Any, reducer: Reducer) -> list[int]:
+    """Return the addresses in ``MjData`` of the values that the sensors read, in the order of the log's columns."""
+    getters = {
         "position": lambda of: data.joint(of).qpos,
         "speed": lambda of: data.joint(of).qvel,
         "torque": lambda of: data.actuator(of).force,
     }
-    return [places[sensor.reads](sensor.of).ctypes.data for sensor in _sensors(reducer)]
+    return [getters[sensor.reads](sensor.of).ctypes.data for sensor in _sensors(reducer)]
 
 
 def _sensors(reducer: Reducer) -> Iterator[_Sensor]:
-    """Yield the sensors of all bodies that move."""
+    """Yield the sensors of all bodies that move: positions and speeds of joints, torques of actuators."""
     for body in reducer.mechanism.bodies:
         if body.part == names.SHAFT:
-            yield from _of_shaft("crank", names.CRANK_JOINT, "crank_torque", names.DRIVE)
+            yield from _shaft_sensors("crank", names.CRANK_JOINT, "crank_torque", names.DRIVE)
         elif names.OUTPUT_JOINT in body.joints:
-            yield from _of_shaft("output", names.OUTPUT_JOINT, "load_torque", names.LOAD)
+            yield from _shaft_sensors("output", names.OUTPUT_JOINT, "load_torque", names.LOAD)
         elif body.joints:
-            yield from _of_planar(body)
+            yield from _planar_sensors(body)
 
 
-def _of_shaft(stem: str, joint: str, torque: str, actuator: str) -> Iterator[_Sensor]:
+def _shaft_sensors(stem: str, joint: str, torque: str, actuator: str) -> Iterator[_Sensor]:
     yield _Sensor(REDUCER, f"{stem}_angle", "rad", "position", joint)
     yield _Sensor(REDUCER, f"{stem}_speed", "rad/s", "speed", joint)
     yield _Sensor(REDUCER, torque, "N m", "torque", actuator)
 
 
-def _of_planar(body: Body) -> Iterator[_Sensor]:
+def _planar_sensors(body: Body) -> Iterator[_Sensor]:
     """Yield the sensors of a disc, or those of a pin, which has no speed columns but its spin."""
     topic, first = (PINS, 2) if body.part == names.PIN else (REDUCER, 0)
     for joint, unit in zip(body.joints, ("m", "m", "rad"), strict=True):

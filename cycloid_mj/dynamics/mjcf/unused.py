@@ -9,28 +9,28 @@ import mujoco
 
 @contextmanager
 def disable_unused(model: Any) -> Iterator[None]:
-    """Disable unused stages inside this ``with`` block, without changing results.
+    """Disable the stages of a step that a model does not use inside this ``with`` block; results do not change.
 
     They visit every degree of freedom in every step, which takes 3 % of a step with moving pins. Outside of runs they
     stay enabled, so that springs or limits added by a user work.
     """
-    added = unused_flags(model) & ~model.opt.disableflags
-    model.opt.disableflags |= added
+    new_flags = unused_flags(model) & ~model.opt.disableflags
+    model.opt.disableflags |= new_flags
     try:
         yield
     finally:
-        model.opt.disableflags &= ~added
+        model.opt.disableflags &= ~new_flags
 
 
 def unused_flags(model: Any) -> int:
     """Return the flag bits that disable the stages which a model does not use; 0 for a model with tendons."""
-    bit = mujoco.mjtDisableBit
-    has = {
-        bit.mjDSBL_EQUALITY: model.neq > 0,
-        bit.mjDSBL_FRICTIONLOSS: model.dof_frictionloss.any(),
-        bit.mjDSBL_LIMIT: model.jnt_limited.any(),
-        bit.mjDSBL_SPRING: model.jnt_stiffness.any(),
-        bit.mjDSBL_DAMPER: model.dof_damping.any(),
-        bit.mjDSBL_CLAMPCTRL: model.actuator_ctrllimited.any(),
+    flag_names = mujoco.mjtDisableBit
+    is_used = {
+        flag_names.mjDSBL_EQUALITY: model.neq > 0,
+        flag_names.mjDSBL_FRICTIONLOSS: model.dof_frictionloss.any(),
+        flag_names.mjDSBL_LIMIT: model.jnt_limited.any(),
+        flag_names.mjDSBL_SPRING: model.jnt_stiffness.any(),
+        flag_names.mjDSBL_DAMPER: model.dof_damping.any(),
+        flag_names.mjDSBL_CLAMPCTRL: model.actuator_ctrllimited.any(),
     }
-    return 0 if model.ntendon else sum(int(flag) for flag, some in has.items() if not some)
+    return 0 if model.ntendon else sum(int(flag) for flag, used in is_used.items() if not used)

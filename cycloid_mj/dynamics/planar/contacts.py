@@ -90,9 +90,9 @@ _spring, _damper = njit(impact.spring), njit(impact.damper)
 def allocate_contacts(system: System) -> Contacts:
     """Return an array for the largest possible number of contacts of a reducer."""
     discs, teeth = len(system.cams), len(system.place)
-    of_pair = MAX_TOUCHES if system.lobes else 1
-    most = discs * teeth * of_pair + 2 * teeth * system.free + discs * (1 + len(system.studs))
-    return np.zeros(most, dtype=CONTACT)
+    per_tooth = MAX_TOUCHES if system.lobes else 1
+    max_contacts = discs * teeth * per_tooth + 2 * teeth * system.free + discs * (1 + len(system.studs))
+    return np.zeros(max_contacts, dtype=CONTACT)
 
 
 class MatingSurfaces(NamedTuple):
@@ -106,145 +106,180 @@ class MatingSurfaces(NamedTuple):
 
 
 @njit
-def find(
-    system: System, lobes: Array | None, q: Array, v: Array, half: float, scratch: Array, contacts: Contacts
+def find_contacts(
+    system: System, lobes: Array | None, q: Array, v: Array, half_step: float, scratch: Array, contacts: Contacts
 ) -> int:
-    """Write the contacts at a pose q and speeds v, where the pose is reached `half` a step [s] after its start.
+    """Find the contacts of all mating pairs at a pose q and speeds v; write them, and return their number.
 
-    `lobes` are the lobe radii of an internal gear [m], or None (nothing is compiled for lobes then). `scratch` is
-    working memory for the contacts of one pair. Returns the number of contacts.
+    Parameters
+    ----------
+    system
+        The reducer.
+    lobes
+        Radii of the lobes of an internal gear [m]; None for ring pins (nothing is compiled for lobes then).
+    q, v
+        Positions and speeds of all unknowns.
+    half_step
+        Half of the time step [s], in which the pose is reached from the start of the step.
+    scratch
+        Working memory for the contacts of one pair.
+    contacts
+        Array for the contacts.
     """
     discs, teeth = len(system.cams), len(system.place)
     crank = 3 * discs + 1
-    ring, carrier = _about_axis(q, system.ring_shaft), _about_axis(q, system.stud_shaft)
-    shaft, out = _about_axis(q, crank), scratch.ctypes.data
+    ring, carrier = _shaft_pose(q, system.ring_shaft), _shaft_pose(q, system.stud_shaft)
+    crank_pose, address = _shaft_pose(q, crank), scratch.ctypes.data
     count, pair = 0, 0
     for disc in range(discs):
         mating = MatingSurfaces(pair, system.laws[disc, TEETH], 3 * disc, -1, system.ring_shaft)
         if lobes is not None:
-            count = _find_lobes(system, lobes, contacts, count, mating, ring, out, q, v, half)
+            count = _find_lobe_contacts(system, lobes, contacts, count, mating, ring, address, q, v, half_step)
         else:
-            count = _find_pins(system, contacts, count, mating, ring, q, v, half)
+            count = _find_pin_contacts(system, contacts, count, mating, ring, q, v, half_step)
         pair += teeth
     if system.free:
-        count = _find_seats(system, contacts, count, pair, ring, out, q, v, half)
+        count = _find_seat_contacts(system, contacts, count, pair, ring, address, q, v, half_step)
         pair += teeth
     bore = PartialCircle(system.bore, 0.0, 1.0, -1.0, 0.0)
     for disc in range(discs):
         mating = MatingSurfaces(pair, system.laws[disc, CAM], 3 * disc, -1, crank)
         pair += 1
-        cx, cy = outwards(shaft, system.cams[disc, 0], system.cams[disc, 1])
+        cx, cy = outwards(crank_pose, system.cams[disc, 0], system.cams[disc, 1])
         cam = Round(cx, cy, q[3 * disc], q[3 * disc + 1], system.cam, 1.0)
-        count += _find_round(system, contacts, count, mating, cam, bore, CAM, 1.0, out, q, v, half)
+        count += _find_round_contacts(system, contacts, count, mating, cam, bore, CAM, 1.0, address, q, v, half_step)
     hole = PartialCircle(system.hole, 0.0, 1.0, -1.0, 0.0)
     for disc in range(discs):
-        gear = _pose(q, 3 * disc, 0.0)
+        disc_pose = _disc_pose(q, 3 * disc, 0.0)
         for stud in range(len(system.studs)):
             mating = MatingSurfaces(pair, system.laws[disc, OUTPUT], 3 * disc, -1, system.stud_shaft)
             pair += 1
             sx, sy = outwards(carrier, system.studs[stud, 0], system.studs[stud, 1])
-            hx, hy = outwards(gear, system.holes[disc, stud, 0], system.holes[disc, stud, 1])
-            pin = Round(sx, sy, gear.x + hx, gear.y + hy, system.stud, 1.0)
-            count += _find_round(system, contacts, count, mating, pin, hole, OUTPUT, 1.0, out, q, v, half)
+            hx, hy = outwards(disc_pose, system.holes[disc, stud, 0], system.holes[disc, stud, 1])
+            pin = Round(sx, sy, disc_pose.x + hx, disc_pose.y + hy, system.stud, 1.0)
+            count += _find_round_contacts(
+                system, contacts, count, mating, pin, hole, OUTPUT, 1.0, address, q, v, half_step
+            )
     return count
 
 
 @njit
-def _find_lobes(
+def _find_lobe_contacts(
     system: System,
     lobes: Array,
     contacts: Contacts,
     count: int,
     mating: MatingSurfaces,
     ring: Pose,
-    out: int,
+    address: int,
     q: Array,
     v: Array,
-    half: float,
+    half_step: float,
 ) -> int:
     """Write the contacts of a disc and all lobes after `count` others, and return their new number.
 
-    `mating` is that of the disc and the first lobe.
+    `mating` is the pair of the disc and the first lobe, `ring` the pose of the ring; other arguments as in
+    `find_contacts`.
     """
     disc = mating.disc // 3
-    gear, on_disc = _pose(q, mating.disc, system.turned[disc]), _teeth(system, disc)
+    gear, teeth = _disc_pose(q, mating.disc, system.turned[disc]), _disc_teeth(system, disc)
     for i in range(len(lobes)):
         pair = MatingSurfaces(mating.pair + i, mating.law, mating.disc, -1, mating.shaft)
         px, py = outwards(ring, system.place[i, 0], system.place[i, 1])
         cosine, sine = outwards(ring, system.home[i, 1], -system.home[i, 0])
-        for k in range(lobe_touches(out, on_disc, lobes[i], Pose(px, py, cosine, sine), gear, CONTACT_SEARCH.margin)):
-            _fill(contacts[count], pair, read_touch(out + STRIDE * k), -1.0, q, v, half)
+        for k in range(lobe_touches(address, teeth, lobes[i], Pose(px, py, cosine, sine), gear, CONTACT_SEARCH.margin)):
+            _fill_contact(contacts[count], pair, read_touch(address + STRIDE * k), -1.0, q, v, half_step)
             _set_film_friction(system, contacts[count], TEETH, phase_cosine(px, py, gear.x, gear.y), v)
             count += 1
     return count
 
 
 @njit
-def _find_pins(
-    system: System, contacts: Contacts, count: int, mating: MatingSurfaces, ring: Pose, q: Array, v: Array, half: float
+def _find_pin_contacts(
+    system: System,
+    contacts: Contacts,
+    count: int,
+    mating: MatingSurfaces,
+    ring: Pose,
+    q: Array,
+    v: Array,
+    half_step: float,
 ) -> int:
     """Write the contacts of a disc and all ring pins after `count` others, and return their new number.
 
-    `mating` is that of the disc and the first pin.
+    `mating` is the pair of the disc and the first pin, `ring` the pose of the ring; other arguments as in
+    `find_contacts`.
     """
     disc, first_pin = mating.disc // 3, 3 * len(system.cams) + 2
-    gear, on_disc, values = _pose(q, mating.disc, system.turned[disc]), _teeth(system, disc), system.ring
+    gear, teeth, pin_values = _disc_pose(q, mating.disc, system.turned[disc]), _disc_teeth(system, disc), system.ring
     for i in range(len(system.place)):
-        own, shaft = -1, mating.shaft
+        pin_unknown, shaft = -1, mating.shaft
         if system.free:
-            own, shaft = first_pin + 3 * i, -1
-            px, py = q[own], q[own + 1]
+            pin_unknown, shaft = first_pin + 3 * i, -1
+            px, py = q[pin_unknown], q[pin_unknown + 1]
         else:
             px, py = outwards(ring, system.place[i, 0], system.place[i, 1])
-        pin = RingPin(values[i, 0], values[i, 1], values[i, 2], values[i, 3], values[i, 4], values[i, 5])
-        found = pin_touch(on_disc, pin, gear, px, py, CONTACT_SEARCH.margin)
-        if not found.exists:
+        pin = RingPin(
+            pin_values[i, 0], pin_values[i, 1], pin_values[i, 2], pin_values[i, 3], pin_values[i, 4], pin_values[i, 5]
+        )
+        result = pin_touch(teeth, pin, gear, px, py, CONTACT_SEARCH.margin)
+        if not result.exists:
             continue
-        contact, touch = contacts[count], found.touch
-        pair = MatingSurfaces(mating.pair + i, mating.law, mating.disc, own, shaft)
-        _fill(contact, pair, touch, -1.0, q, v, half)
+        contact, touch = contacts[count], result.touch
+        pair = MatingSurfaces(mating.pair + i, mating.law, mating.disc, pin_unknown, shaft)
+        _fill_contact(contact, pair, touch, -1.0, q, v, half_step)
         _set_film_friction(system, contact, TEETH, phase_cosine(px, py, gear.x, gear.y), v)
         count += 1
         if system.free:
             contact.disc_centre = -(px - gear.x) * touch.nx - (py - gear.y) * touch.ny
             # The distance of a point beyond a curve of curvature k bends by k/(1 + k distance).
-            beyond = pin.radius + touch.gap - on_disc.flank.offset
-            contact.geometric_stiffness = -half * found.curvature / (1.0 + found.curvature * beyond)
+            offset = pin.radius + touch.gap - teeth.flank.offset
+            contact.geometric_stiffness = -half_step * result.curvature / (1.0 + result.curvature * offset)
     return count
 
 
 @njit
-def _find_seats(
-    system: System, contacts: Contacts, count: int, pair: int, ring: Pose, out: int, q: Array, v: Array, half: float
+def _find_seat_contacts(
+    system: System,
+    contacts: Contacts,
+    count: int,
+    pair: int,
+    ring: Pose,
+    address: int,
+    q: Array,
+    v: Array,
+    half_step: float,
 ) -> int:
     """Write the contacts of moving pins with their seats after `count` others, and return their new number.
 
-    `pair` is the number of the first pin's pair.
+    `pair` is the number of the first pin's pair, `ring` the pose of the ring; other arguments as in `find_contacts`.
     """
     first_pin = 3 * len(system.cams) + 2
     for i in range(len(system.place)):
-        own = first_pin + 3 * i
-        mating = MatingSurfaces(pair + i, system.laws[0, SEAT], -1, own, system.ring_shaft)
+        pin_unknown = first_pin + 3 * i
+        mating = MatingSurfaces(pair + i, system.laws[0, SEAT], -1, pin_unknown, system.ring_shaft)
         sx, sy = outwards(ring, system.place[i, 0], system.place[i, 1])
         if system.sleeved:
-            around = PartialCircle(system.outer[i], 0.0, 1.0, -1.0, 0.0)
-            inner = Round(sx, sy, q[own], q[own + 1], system.inner[i], 1.0)
+            outer = PartialCircle(system.outer[i], 0.0, 1.0, -1.0, 0.0)
+            inner = Round(sx, sy, q[pin_unknown], q[pin_unknown + 1], system.inner[i], 1.0)
         else:
             ax, ay = outwards(ring, system.home[i, 0], system.home[i, 1])
-            around = PartialCircle(system.outer[i], ax, ay, system.arc[0], system.arc[1])
-            inner = Round(q[own], q[own + 1], sx, sy, system.inner[i], -1.0)
-        cosine = _cosine_of_pin(contacts, count, own) if system.film.size else 1.0
-        count += _find_round(system, contacts, count, mating, inner, around, SEAT, cosine, out, q, v, half)
+            outer = PartialCircle(system.outer[i], ax, ay, system.arc[0], system.arc[1])
+            inner = Round(q[pin_unknown], q[pin_unknown + 1], sx, sy, system.inner[i], -1.0)
+        cosine = _pin_cosine(contacts, count, pin_unknown) if system.film.size else 1.0
+        count += _find_round_contacts(
+            system, contacts, count, mating, inner, outer, SEAT, cosine, address, q, v, half_step
+        )
     return count
 
 
 @njit
-def _cosine_of_pin(contacts: Contacts, count: int, own: int) -> float:
+def _pin_cosine(contacts: Contacts, count: int, pin_unknown: int) -> float:
     """Return the cosine of the phase of a moving pin against the disc that presses it most."""
     largest, cosine = -1.0, 1.0
     for k in range(count):
         contact = contacts[k]
-        if contact.pin == own and contact.disc >= 0 and contact.normal_force > largest:
+        if contact.pin == pin_unknown and contact.disc >= 0 and contact.normal_force > largest:
             largest, cosine = contact.normal_force, contact.cosine
     return cosine
 
@@ -257,30 +292,32 @@ def _set_film_friction(system: System, contact: Contact, kind: int, cosine: floa
     contact.cosine = cosine
     contact.friction = look_up(system.film.ctypes.data, kind, cosine, contact.normal_force)
     if contact.normal_force > 0.0:
-        contact.state = friction_state(contact, speeds(contact, v)[1])
+        contact.state = friction_state(contact, relative_speeds(contact, v)[1])
 
 
 @njit
-def _about_axis(q: Array, shaft: int) -> Pose:
+def _shaft_pose(q: Array, shaft: int) -> Pose:
     """Return the pose of a body that rotates about the axis of the reducer by an unknown; -1 stands for no rotation."""
     turn = q[shaft] if shaft >= 0 else 0.0
     return Pose(0.0, 0.0, math.cos(turn), math.sin(turn))
 
 
 @njit
-def _pose(q: Array, body: int, turned: float) -> Pose:
+def _disc_pose(q: Array, body: int, angle: float) -> Pose:
     """Return the pose of a disc, rotated clockwise by an angle [rad]."""
-    turn = q[body + 2] - turned
-    return Pose(q[body], q[body + 1], math.cos(turn), math.sin(turn))
+    rotation = q[body + 2] - angle
+    return Pose(q[body], q[body + 1], math.cos(rotation), math.sin(rotation))
 
 
 @njit
-def _teeth(system: System, disc: int) -> Teeth:
+def _disc_teeth(system: System, disc: int) -> Teeth:
     """Return the teeth of a disc, which differ in their offset only."""
-    of_all, flank = system.teeth, system.teeth.flank
+    common, flank = system.teeth, system.teeth.flank
     ends = flank.tip, flank.tip_radius, flank.valley, flank.valley_radius
-    own = Flank(flank.curve, system.offset[disc], flank.rotation, ends[0], ends[1], ends[2], ends[3], flank.waves)
-    return Teeth(own, of_all.reference, of_all.constant, of_all.deflection, of_all.ring)
+    flank_of_disc = Flank(
+        flank.curve, system.offset[disc], flank.rotation, ends[0], ends[1], ends[2], ends[3], flank.waves
+    )
+    return Teeth(flank_of_disc, common.reference, common.constant, common.deflection, common.ring)
 
 
 class Round(NamedTuple):
@@ -298,7 +335,7 @@ class Round(NamedTuple):
 
 
 @njit
-def _find_round(
+def _find_round_contacts(
     system: System,
     contacts: Contacts,
     first: int,
@@ -307,23 +344,23 @@ def _find_round(
     outer: PartialCircle,
     kind: int,
     cosine: float,
-    out: int,
+    address: int,
     q: Array,
     v: Array,
-    half: float,
+    half_step: float,
 ) -> int:
     """Write the contacts of a circle within another circle from index `first` on, and return their number.
 
-    `kind` and `cosine` are those of their row in the film table.
+    `kind` and `cosine` are those of their row in the film table; other arguments as in `find_contacts`.
     """
     dx, dy = inner.x - inner.around_x, inner.y - inner.around_y
-    count = inner_touches(out, dx, dy, inner.x, inner.y, inner.radius, outer, CONTACT_SEARCH.margin)
+    count = inner_touches(address, dx, dy, inner.x, inner.y, inner.radius, outer, CONTACT_SEARCH.margin)
     for k in range(count):
-        touch, contact = read_touch(out + STRIDE * k), contacts[first + k]
-        _fill(contact, mating, touch, inner.sign, q, v, half)
+        touch, contact = read_touch(address + STRIDE * k), contacts[first + k]
+        _fill_contact(contact, mating, touch, inner.sign, q, v, half_step)
         _set_film_friction(system, contact, kind, cosine, v)
-        away = math.sqrt(dx * dx + dy * dy)
-        if dx * touch.nx + dy * touch.ny < (1.0 - CONTACT_SEARCH.edge_tolerance) * away or away == 0.0:
+        distance = math.sqrt(dx * dx + dy * dy)
+        if dx * touch.nx + dy * touch.ny < (1.0 - CONTACT_SEARCH.edge_tolerance) * distance or distance == 0.0:
             continue  # a contact at an edge
         nx, ny = contact.nx, contact.ny
         if mating.disc >= 0:
@@ -332,13 +369,18 @@ def _find_round(
             contact.shaft_centre = -inner.x * nx - inner.y * ny
         elif mating.shaft >= 0:
             contact.shaft_centre = -inner.around_x * nx - inner.around_y * ny
-        contact.geometric_stiffness = half / away
+        contact.geometric_stiffness = half_step / distance
     return count
 
 
 @njit
-def _fill(contact: Contact, mating: MatingSurfaces, touch: Touch, sign: float, q: Array, v: Array, half: float) -> None:
-    """Fill a contact that pushes along the normal of a touch, or against it if `sign` is -1."""
+def _fill_contact(
+    contact: Contact, mating: MatingSurfaces, touch: Touch, sign: float, q: Array, v: Array, half_step: float
+) -> None:
+    """Fill a contact with normal, lever arms, linearised force and friction state at the pose q and speeds v.
+
+    It pushes along the normal of the touch, or against the normal if `sign` is -1.
+    """
     contact.pair = mating.pair
     contact.disc, contact.pin, contact.shaft = mating.disc, mating.pin, mating.shaft
     nx, ny = sign * touch.nx, sign * touch.ny
@@ -355,53 +397,53 @@ def _fill(contact: Contact, mating: MatingSurfaces, touch: Touch, sign: float, q
         contact.shaft_normal = touch.y * nx - touch.x * ny
         contact.shaft_tangent = -touch.x * nx - touch.y * ny
     contact.friction, contact.creep = mating.law.friction, mating.law.creep
-    speed, slip = speeds(contact, v)
-    force, slope, damping = _normal_force(mating.law, touch.gap, touch.factor, speed, half)
+    speed, slip = relative_speeds(contact, v)
+    force, slope, damping = _normal_force(mating.law, touch.gap, touch.factor, speed, half_step)
     if mating.disc >= 0:
-        force += damping * _chord_excess(q, v, mating.disc, nx, ny, half)
+        force += damping * _chord_excess(q, v, mating.disc, nx, ny, half_step)
     contact.force, contact.slope = force + slope * speed, slope
     contact.normal_force = max(force, 0.0) if touch.gap < 0.0 else 0.0
     contact.state = friction_state(contact, slip) if contact.normal_force > 0.0 else OPEN
 
 
 @njit
-def _chord_excess(q: Array, v: Array, disc: int, nx: float, ny: float, half: float) -> float:
+def _chord_excess(q: Array, v: Array, disc: int, nx: float, ny: float, half_step: float) -> float:
     """Compute by how much a step overestimates the normal speed of a disc that circles about the axis [m/s].
 
     In the middle of a step the disc is on a chord of its circle, where it circles with the speed v. The step's own
     speed, chord over time, is v tan(w h)/(w h), h half a step: (w h)^2/3 v too much against a gap that stays constant.
     """
     x, y, vx, vy = q[disc], q[disc + 1], v[disc], v[disc + 1]
-    turned = half * (x * vy - y * vx) / (x * x + y * y)
-    return turned * turned / 3.0 * (nx * vx + ny * vy)
+    angle = half_step * (x * vy - y * vx) / (x * x + y * y)
+    return angle * angle / 3.0 * (nx * vx + ny * vy)
 
 
 @njit
-def _normal_force(law: Any, gap: float, factor: float, speed: float, half: float) -> tuple[float, float, float]:
+def _normal_force(law: Any, gap: float, factor: float, speed: float, half_step: float) -> tuple[float, float, float]:
     """Compute the normal force of a contact law [N], its decrease per speed over half a step, and its damping [N s/m].
 
     The force may be negative.
     """
     if law.impact == 0.0:
         stiffness = law.stiffness * factor
-        return -stiffness * gap - law.damping * speed, stiffness * half + law.damping, law.damping
+        return -stiffness * gap - law.damping * speed, stiffness * half_step + law.damping, law.damping
     depth = max(-gap, impact.MIN_DEPTH)
     spring = _spring(depth, law.impact, law.exponent)
     damping = _damper(depth, law.impact_damping, law.impact_depth)
-    return spring - damping * speed, law.exponent * spring / depth * half + damping, damping
+    return spring - damping * speed, law.exponent * spring / depth * half_step + damping, damping
 
 
 @njit
-def speeds(contact: Contact, v: Array) -> tuple[float, float]:
+def relative_speeds(contact: Contact, v: Array) -> tuple[float, float]:
     """Compute the relative speeds along normal and tangent [m/s]."""
-    body, own, shaft, nx, ny = contact.disc, contact.pin, contact.shaft, contact.nx, contact.ny
+    disc, pin, shaft, nx, ny = contact.disc, contact.pin, contact.shaft, contact.nx, contact.ny
     normal, tangent = 0.0, 0.0
-    if body >= 0:
-        normal += nx * v[body] + ny * v[body + 1] + contact.disc_normal * v[body + 2]
-        tangent += nx * v[body + 1] - ny * v[body] + contact.disc_tangent * v[body + 2]
-    if own >= 0:
-        normal += contact.side * (nx * v[own] + ny * v[own + 1] + contact.pin_normal * v[own + 2])
-        tangent += contact.side * (nx * v[own + 1] - ny * v[own] + contact.pin_tangent * v[own + 2])
+    if disc >= 0:
+        normal += nx * v[disc] + ny * v[disc + 1] + contact.disc_normal * v[disc + 2]
+        tangent += nx * v[disc + 1] - ny * v[disc] + contact.disc_tangent * v[disc + 2]
+    if pin >= 0:
+        normal += contact.side * (nx * v[pin] + ny * v[pin + 1] + contact.pin_normal * v[pin + 2])
+        tangent += contact.side * (nx * v[pin + 1] - ny * v[pin] + contact.pin_tangent * v[pin + 2])
     if shaft >= 0:
         normal += contact.shaft_normal * v[shaft]
         tangent += contact.shaft_tangent * v[shaft]
@@ -409,13 +451,13 @@ def speeds(contact: Contact, v: Array) -> tuple[float, float]:
 
 
 @njit
-def rolling(contact: Contact, v: Array) -> float:
+def rolling_speed(contact: Contact, v: Array) -> float:
     """Compute the relative speed of the centres of both surfaces along the tangent [m/s]."""
-    body, own, shaft, speed = contact.disc, contact.pin, contact.shaft, 0.0
-    if body >= 0:
-        speed += contact.nx * v[body + 1] - contact.ny * v[body] + contact.disc_centre * v[body + 2]
-    if own >= 0:
-        speed += contact.side * (contact.nx * v[own + 1] - contact.ny * v[own])
+    disc, pin, shaft, speed = contact.disc, contact.pin, contact.shaft, 0.0
+    if disc >= 0:
+        speed += contact.nx * v[disc + 1] - contact.ny * v[disc] + contact.disc_centre * v[disc + 2]
+    if pin >= 0:
+        speed += contact.side * (contact.nx * v[pin + 1] - contact.ny * v[pin])
     if shaft >= 0:
         speed += contact.shaft_centre * v[shaft]
     return speed

@@ -27,12 +27,12 @@ from cycloid_mj.dynamics.planar.contacts import (
     Contacts,
     friction_state,
     njit,
-    rolling,
-    speeds,
+    relative_speeds,
+    rolling_speed,
 )
 from cycloid_mj.dynamics.planar.settings import NEWTON
 from cycloid_mj.dynamics.planar.system import System
-from cycloid_mj.statics.kernel.newton import solve_linear as gauss
+from cycloid_mj.statics.kernel.newton import solve_linear
 
 Nine = tuple[float, float, float, float, float, float, float, float, float]
 """A matrix of shape (3, 3), row by row."""
@@ -86,7 +86,7 @@ def allocate_equations(system: System) -> Equations:
 
 
 @njit
-def solve(
+def solve_step(
     system: System,
     contacts: Contacts,
     count: int,
@@ -99,7 +99,10 @@ def solve(
     pin_span: float,
     v: Array,
 ) -> int:
-    """Solve a time step [s] from pose q0 and speeds v0 for the midpoint speeds, which are written to v.
+    """Solve a time step [s] from pose q0 and speeds v0 for the midpoint speeds, by a semismooth Newton method.
+
+    Each iteration assembles the linear equations for the current contact states, condenses the pins, solves by Gaussian
+    elimination and updates the states.
 
     Parameters
     ----------
@@ -109,6 +112,8 @@ def solve(
         Commands of output and crank: an angle [rad] or a torque [N m].
     pin_span
         Time [s] in which forces accelerate pins from v0 to v: half a step, or a full step by implicit Euler.
+    v
+        Array for the midpoint speeds.
 
     Returns
     -------
@@ -116,15 +121,17 @@ def solve(
         Number of Newton iterations; ``NEWTON.max_iterations`` + 1 if contact states still changed in the last one.
     """
     for iterations in range(1, NEWTON.max_iterations + 1):
-        all_change, coupled = iterations <= NEWTON.block_iterations, iterations <= NEWTON.coupled_iterations
-        _assemble(system, contacts, count, equations, q0, v0, predicted, command, timestep, pin_span, coupled)
+        change_all, couple_friction = iterations <= NEWTON.block_iterations, iterations <= NEWTON.coupled_iterations
+        _assemble(system, contacts, count, equations, q0, v0, predicted, command, timestep, pin_span, couple_friction)
         _condense_pins(system, equations)
-        gauss(equations.matrix, equations.right, equations.right, 0.0)
+        solve_linear(equations.matrix, equations.right, equations.right, 0.0)
         size = len(equations.right)
         for i in range(size):
             v[i] = equations.right[i]
         _recover_pins(equations, v)
-        if not _update_states(system, contacts, count, equations, predicted, v, 0.5 * timestep, all_change, coupled):
+        if not _update_states(
+            system, contacts, count, equations, predicted, v, 0.5 * timestep, change_all, couple_friction
+        ):
             return iterations
     return NEWTON.max_iterations + 1
 
@@ -160,8 +167,8 @@ def _assemble(
         i = size - 2 + shaft
         mx, my = system.unbalance[shaft, 0], system.unbalance[shaft, 1]
         if mx != 0.0 or my != 0.0:
-            turn = q0[i] + half * predicted[i]
-            s, c = math.sin(turn), math.cos(turn)
+            angle = q0[i] + half * predicted[i]
+            s, c = math.sin(angle), math.cos(angle)
             right[i] += (c * mx - s * my) * gy - (s * mx + c * my) * gx
         stiffness, damping = system.servo[shaft, 0], system.servo[shaft, 1]
         matrix[i, i] += stiffness * half + damping
@@ -175,19 +182,19 @@ def _assemble(
     coupled, pin_columns, pin_rows = equations.coupled, equations.pin_columns, equations.pin_rows
     mass, inertia = system.pin[0], system.pin[1]
     for i in range(len(coupled)):
-        own, first = size + 3 * i, 3 * i
-        for m in range(first, first + 3):
+        pin_unknown, row = size + 3 * i, 3 * i
+        for m in range(row, row + 3):
             for k in range(3):
                 pins[m, k] = 0.0
-        pins[first, 0], pins[first + 1, 1], pins[first + 2, 2] = mass / pin_span, mass / pin_span, inertia / pin_span
-        pins_right[first] = mass / pin_span * v0[own] + mass * gx
-        pins_right[first + 1] = mass / pin_span * v0[own + 1] + mass * gy
-        pins_right[first + 2] = inertia / pin_span * v0[own + 2]
+        pins[row, 0], pins[row + 1, 1], pins[row + 2, 2] = mass / pin_span, mass / pin_span, inertia / pin_span
+        pins_right[row] = mass / pin_span * v0[pin_unknown] + mass * gx
+        pins_right[row + 1] = mass / pin_span * v0[pin_unknown + 1] + mass * gy
+        pins_right[row + 2] = inertia / pin_span * v0[pin_unknown + 2]
         if coupled[i]:
             for m in range(3):
                 for k in range(size):
                     pin_columns[size * i + k, m] = 0.0
-                    pin_rows[first + m, k] = 0.0
+                    pin_rows[row + m, k] = 0.0
             coupled[i] = 0
     _add_contacts(contacts, count, equations, predicted, coupled_friction)
 
@@ -240,22 +247,26 @@ def _lever_arms(
 ) -> LeverArms:
     """Return the lever arms of a body that moves with a sign in the relative speed."""
     nx, ny = contact.nx, contact.ny
-    along, aside = (sign * nx, sign * ny, sign * normal), (-sign * ny, sign * nx, sign * tangent)
-    pushed = (along[0] - sliding * aside[0], along[1] - sliding * aside[1], along[2] - sliding * aside[2])
-    return LeverArms(pushed, along, aside, (aside[0], aside[1], sign * centre))
+    normal_arms, tangent_arms = (sign * nx, sign * ny, sign * normal), (-sign * ny, sign * nx, sign * tangent)
+    push_arms = (
+        normal_arms[0] - sliding * tangent_arms[0],
+        normal_arms[1] - sliding * tangent_arms[1],
+        normal_arms[2] - sliding * tangent_arms[2],
+    )
+    return LeverArms(push_arms, normal_arms, tangent_arms, (tangent_arms[0], tangent_arms[1], sign * centre))
 
 
 @njit
-def _tangent(contact: Contact, predicted: Array, coupled_friction: bool) -> Tangent:
+def _linearise_force(contact: Contact, predicted: Array, coupled_friction: bool) -> Tangent:
     """Linearise the force of a contact in its state."""
-    geometric, force = contact.geometric_stiffness * contact.normal_force, contact.force
-    rolling_force = geometric * rolling(contact, predicted)
+    roll_stiffness, force = contact.geometric_stiffness * contact.normal_force, contact.force
+    rolling_force = roll_stiffness * rolling_speed(contact, predicted)
     if contact.state == STICKS:
-        return Tangent(force, contact.slope, 0.0, contact.creep, 0.0, geometric, rolling_force)
+        return Tangent(force, contact.slope, 0.0, contact.creep, 0.0, roll_stiffness, rolling_force)
     sliding = contact.friction if contact.state == SLIDES else -contact.friction
     if coupled_friction:
-        return Tangent(force, contact.slope, sliding, 0.0, 0.0, geometric, rolling_force)
-    return Tangent(force, contact.slope, 0.0, 0.0, sliding * contact.normal_force, geometric, rolling_force)
+        return Tangent(force, contact.slope, sliding, 0.0, 0.0, roll_stiffness, rolling_force)
+    return Tangent(force, contact.slope, 0.0, 0.0, sliding * contact.normal_force, roll_stiffness, rolling_force)
 
 
 @njit
@@ -268,43 +279,43 @@ def _add_contacts(
     """
     for k in range(count):
         if contacts[k].state != OPEN:
-            _add_contact(contacts[k], _tangent(contacts[k], predicted, coupled_friction), equations)
+            _add_contact(contacts[k], _linearise_force(contacts[k], predicted, coupled_friction), equations)
 
 
 @njit
 def _add_contact(contact: Contact, tangent: Tangent, equations: Equations) -> None:
-    """Add the force of a contact and its derivatives to the equations of disc, pin and shaft."""
+    """Add the force of a contact, and its derivatives by the speeds, to the equations of disc, pin and shaft."""
     matrix, right, pin_columns, pin_rows = equations.matrix, equations.right, equations.pin_columns, equations.pin_rows
-    size, disc, own, shaft, sliding = len(right), contact.disc, contact.pin, contact.shaft, tangent.sliding
-    number = (own - size) // 3
-    pin, others = 3 * number, size * number
-    if own >= 0 and (disc >= 0 or shaft >= 0):
-        equations.coupled[number] = 1
+    size, disc, pin_unknown, shaft, sliding = len(right), contact.disc, contact.pin, contact.shaft, tangent.sliding
+    pin_index = (pin_unknown - size) // 3
+    pin_row, column_row = 3 * pin_index, size * pin_index
+    if pin_unknown >= 0 and (disc >= 0 or shaft >= 0):
+        equations.coupled[pin_index] = 1
     if disc >= 0:
-        side = _lever_arms(contact, 1.0, contact.disc_normal, contact.disc_tangent, contact.disc_centre, sliding)
-        _add_block(matrix, disc, disc, side, side, tangent)
-        _add_force(right, disc, side, tangent)
+        body = _lever_arms(contact, 1.0, contact.disc_normal, contact.disc_tangent, contact.disc_centre, sliding)
+        _add_block(matrix, disc, disc, body, body, tangent)
+        _add_force(right, disc, body, tangent)
         if shaft >= 0:
-            _couple_shaft(contact, tangent, side, matrix, disc, shaft, matrix, shaft, disc)
-        if own >= 0:
-            other = _lever_arms(contact, -1.0, contact.pin_normal, contact.pin_tangent, 0.0, sliding)
-            _add_block(pin_rows, pin, disc, other, side, tangent)
-            _add_block(pin_columns, others + disc, 0, side, other, tangent)
-    if own >= 0:
-        side = _lever_arms(contact, contact.side, contact.pin_normal, contact.pin_tangent, 0.0, sliding)
-        _add_block(equations.pins, pin, 0, side, side, tangent)
-        _add_force(equations.pins_right, pin, side, tangent)
+            _couple_shaft(contact, tangent, body, matrix, disc, shaft, matrix, shaft, disc)
+        if pin_unknown >= 0:
+            pin_arms = _lever_arms(contact, -1.0, contact.pin_normal, contact.pin_tangent, 0.0, sliding)
+            _add_block(pin_rows, pin_row, disc, pin_arms, body, tangent)
+            _add_block(pin_columns, column_row + disc, 0, body, pin_arms, tangent)
+    if pin_unknown >= 0:
+        body = _lever_arms(contact, contact.side, contact.pin_normal, contact.pin_tangent, 0.0, sliding)
+        _add_block(equations.pins, pin_row, 0, body, body, tangent)
+        _add_force(equations.pins_right, pin_row, body, tangent)
         if shaft >= 0:
-            _couple_shaft(contact, tangent, side, pin_rows, pin, shaft, pin_columns, others + shaft, 0)
+            _couple_shaft(contact, tangent, body, pin_rows, pin_row, shaft, pin_columns, column_row + shaft, 0)
     if shaft >= 0:
-        pushed = contact.shaft_normal - sliding * contact.shaft_tangent
+        shaft_push = contact.shaft_normal - sliding * contact.shaft_tangent
         right[shaft] += (
-            tangent.force * pushed
+            tangent.force * shaft_push
             + tangent.rolling_force * contact.shaft_centre
             - tangent.friction * contact.shaft_tangent
         )
         matrix[shaft, shaft] += (
-            tangent.slope * pushed * contact.shaft_normal
+            tangent.slope * shaft_push * contact.shaft_normal
             + tangent.creep * contact.shaft_tangent**2
             + tangent.geometric * contact.shaft_centre**2
         )
@@ -321,22 +332,24 @@ def _add_force(right: Array, first: int, side: LeverArms, tangent: Tangent) -> N
 
 @njit
 def _add_block(target: Array, row: int, column: int, on: LeverArms, other: LeverArms, tangent: Tangent) -> None:
-    """Add the derivative of the force on body `on` by the speeds of the `other` body to a matrix."""
+    """Add the derivative of the force on body `on` by the speeds of the `other` body to a matrix, shape (3, 3)."""
     for a in range(3):
-        normal, slip, roll = (
+        normal_term, creep_term, roll_term = (
             tangent.slope * on.pushed[a],
             tangent.creep * on.tangent[a],
             tangent.geometric * on.centre[a],
         )
         for b in range(3):
-            target[row + a, column + b] += normal * other.normal[b] + slip * other.tangent[b] + roll * other.centre[b]
+            target[row + a, column + b] += (
+                normal_term * other.normal[b] + creep_term * other.tangent[b] + roll_term * other.centre[b]
+            )
 
 
 @njit
 def _couple_shaft(
     contact: Contact,
     tangent: Tangent,
-    side: LeverArms,
+    body: LeverArms,
     columns: Array,
     row: int,
     column: int,
@@ -344,80 +357,88 @@ def _couple_shaft(
     shaft_row: int,
     first: int,
 ) -> None:
-    """Add the derivatives of the force on a body by the shaft's speed, and of the torque on the shaft by the body's.
+    """Add the derivatives of a body's force by the shaft's speed, and of the shaft's torque by the body's speeds.
 
-    They belong to `columns` at `row` and `column`, and to `rows` at `shaft_row` from column `first` on.
+    The first go to `columns` at `row` and `column`, the second to `rows` at `shaft_row` from column `first` on.
     """
-    pushed = contact.shaft_normal - tangent.sliding * contact.shaft_tangent
+    shaft_push = contact.shaft_normal - tangent.sliding * contact.shaft_tangent
     for a in range(3):
-        slip, roll = tangent.creep * side.tangent[a], tangent.geometric * side.centre[a]
+        creep_term, roll_term = tangent.creep * body.tangent[a], tangent.geometric * body.centre[a]
         columns[row + a, column] += (
-            tangent.slope * side.pushed[a] * contact.shaft_normal
-            + slip * contact.shaft_tangent
-            + roll * contact.shaft_centre
+            tangent.slope * body.pushed[a] * contact.shaft_normal
+            + creep_term * contact.shaft_tangent
+            + roll_term * contact.shaft_centre
         )
         rows[shaft_row, first + a] += (
-            tangent.slope * pushed * side.normal[a] + slip * contact.shaft_tangent + roll * contact.shaft_centre
+            tangent.slope * shaft_push * body.normal[a]
+            + creep_term * contact.shaft_tangent
+            + roll_term * contact.shaft_centre
         )
 
 
 @njit
 def _condense_pins(system: System, equations: Equations) -> None:
-    """Condense the block of every pin into the equations of the other unknowns (Schur complement)."""
+    """Eliminate the three unknowns of every pin from the equations of the other unknowns (Schur complement)."""
     matrix, right, pins, pins_right = equations.matrix, equations.right, equations.pins, equations.pins_right
     pin_columns, pin_rows, coupled = equations.pin_columns, equations.pin_rows, equations.coupled
     size = len(right)
-    most = max(size - 2, system.ring_shaft + 1)
+    coupled_size = max(size - 2, system.ring_shaft + 1)
     for i in range(len(coupled)):
-        first, others = 3 * i, size * i
-        inverse = _inverse(pins, first)
-        x, y, z = _product(inverse, pins_right[first], pins_right[first + 1], pins_right[first + 2])
-        pins_right[first], pins_right[first + 1], pins_right[first + 2] = x, y, z
+        pin_row, column_row = 3 * i, size * i
+        inverse = _invert(pins, pin_row)
+        x, y, z = _multiply(inverse, pins_right[pin_row], pins_right[pin_row + 1], pins_right[pin_row + 2])
+        pins_right[pin_row], pins_right[pin_row + 1], pins_right[pin_row + 2] = x, y, z
         if not coupled[i]:
             continue
-        for b in range(most):
-            pin_rows[first, b], pin_rows[first + 1, b], pin_rows[first + 2, b] = _product(
-                inverse, pin_rows[first, b], pin_rows[first + 1, b], pin_rows[first + 2, b]
+        for b in range(coupled_size):
+            pin_rows[pin_row, b], pin_rows[pin_row + 1, b], pin_rows[pin_row + 2, b] = _multiply(
+                inverse, pin_rows[pin_row, b], pin_rows[pin_row + 1, b], pin_rows[pin_row + 2, b]
             )
-        for a in range(most):
-            p0, p1, p2 = pin_columns[others + a, 0], pin_columns[others + a, 1], pin_columns[others + a, 2]
+        for a in range(coupled_size):
+            p0, p1, p2 = pin_columns[column_row + a, 0], pin_columns[column_row + a, 1], pin_columns[column_row + a, 2]
             if p0 == 0.0 and p1 == 0.0 and p2 == 0.0:
                 continue
             right[a] -= p0 * x + p1 * y + p2 * z
-            for b in range(most):
-                matrix[a, b] -= p0 * pin_rows[first, b] + p1 * pin_rows[first + 1, b] + p2 * pin_rows[first + 2, b]
+            for b in range(coupled_size):
+                matrix[a, b] -= (
+                    p0 * pin_rows[pin_row, b] + p1 * pin_rows[pin_row + 1, b] + p2 * pin_rows[pin_row + 2, b]
+                )
 
 
 @njit
-def _product(m: Nine, x: float, y: float, z: float) -> tuple[float, float, float]:
+def _multiply(matrix: Nine, x: float, y: float, z: float) -> tuple[float, float, float]:
     """Return the product of a matrix and a vector."""
-    return (m[0] * x + m[1] * y + m[2] * z, m[3] * x + m[4] * y + m[5] * z, m[6] * x + m[7] * y + m[8] * z)
+    return (
+        matrix[0] * x + matrix[1] * y + matrix[2] * z,
+        matrix[3] * x + matrix[4] * y + matrix[5] * z,
+        matrix[6] * x + matrix[7] * y + matrix[8] * z,
+    )
 
 
 @njit
-def _inverse(m: Array, row: int) -> Nine:
-    """Return the inverse of the (3, 3) matrix that begins at a row of m."""
-    a, b, c = m[row, 0], m[row, 1], m[row, 2]
-    d, e, f = m[row + 1, 0], m[row + 1, 1], m[row + 1, 2]
-    g, h, i = m[row + 2, 0], m[row + 2, 1], m[row + 2, 2]
+def _invert(matrix: Array, row: int) -> Nine:
+    """Return the inverse of the (3, 3) matrix that begins at a row, by cofactors."""
+    a, b, c = matrix[row, 0], matrix[row, 1], matrix[row, 2]
+    d, e, f = matrix[row + 1, 0], matrix[row + 1, 1], matrix[row + 1, 2]
+    g, h, i = matrix[row + 2, 0], matrix[row + 2, 1], matrix[row + 2, 2]
     x, y, z = e * i - f * h, f * g - d * i, d * h - e * g
-    share = 1.0 / (a * x + b * y + c * z)
+    inverse_determinant = 1.0 / (a * x + b * y + c * z)
     return (
-        x * share,
-        (c * h - b * i) * share,
-        (b * f - c * e) * share,
-        y * share,
-        (a * i - c * g) * share,
-        (c * d - a * f) * share,
-        z * share,
-        (b * g - a * h) * share,
-        (a * e - b * d) * share,
+        x * inverse_determinant,
+        (c * h - b * i) * inverse_determinant,
+        (b * f - c * e) * inverse_determinant,
+        y * inverse_determinant,
+        (a * i - c * g) * inverse_determinant,
+        (c * d - a * f) * inverse_determinant,
+        z * inverse_determinant,
+        (b * g - a * h) * inverse_determinant,
+        (a * e - b * d) * inverse_determinant,
     )
 
 
 @njit
 def _recover_pins(equations: Equations, v: Array) -> None:
-    """Compute the speeds of the condensed pins from the other speeds."""
+    """Compute the speeds of the condensed pins from the other speeds, and write them to v."""
     coupled, pin_rows, pins_right = equations.coupled, equations.pin_rows, equations.pins_right
     size = len(equations.right)
     for i in range(len(coupled)):
@@ -437,60 +458,61 @@ def _update_states(
     equations: Equations,
     predicted: Array,
     v: Array,
-    half: float,
-    all_change: bool,
+    half_step: float,
+    change_all: bool,
     coupled_friction: bool,
 ) -> bool:
-    """Compute the contact forces at speeds v, update the contact states, and return whether one has changed.
+    """Compute the contact forces at speeds v, update the contact states, and return whether a state has changed.
 
-    Of each moving pin the first contact changes; of all other contacts the first, or `all_change`. If friction is not
-    coupled, the result is also True until it agrees with the normal force.
+    Of each moving pin only the first contact changes; of all other contacts the first, or all with `change_all`. If
+    friction is not coupled, the result is also True until it agrees with the normal force.
     """
-    changed, others_settled, largest, moved = False, True, 0.0, 0.0
-    size, settled = len(equations.right), equations.settled
-    for i in range(len(settled)):
-        settled[i] = 1
+    changed, no_other_changed, largest, largest_change = False, True, 0.0, 0.0
+    size, no_change = len(equations.right), equations.settled
+    for i in range(len(no_change)):
+        no_change[i] = 1
     for k in range(count):
         contact = contacts[k]
-        before, previous, pin = contact.state, contact.normal_force, (contact.pin - size) // 3
-        single = pin >= 0 or not all_change
-        normal_force = _update_forces(contact, predicted, v, half)
+        old_state, old_force, pin = contact.state, contact.normal_force, (contact.pin - size) // 3
+        one_at_a_time = pin >= 0 or not change_all
+        normal_force = _update_forces(contact, predicted, v, half_step)
         largest = max(largest, contact.normal_force)
-        if before in (SLIDES, SLIDES_BACK):
-            moved = max(moved, abs(contact.normal_force - previous))
-        after = _next_state(contact, normal_force, single, coupled_friction)
-        if after == before:
+        if old_state in (SLIDES, SLIDES_BACK):
+            largest_change = max(largest_change, abs(contact.normal_force - old_force))
+        new_state = _next_state(contact, normal_force, one_at_a_time, coupled_friction)
+        if new_state == old_state:
             continue
         changed = True
-        if not single or (settled[pin] if pin >= 0 else others_settled):
-            contact.state = after
+        if not one_at_a_time or (no_change[pin] if pin >= 0 else no_other_changed):
+            contact.state = new_state
         if pin >= 0:
-            settled[pin] = 0
+            no_change[pin] = 0
         else:
-            others_settled = False
+            no_other_changed = False
     for shaft in range(2):
         limit = system.drag[shaft, 0]
         if limit > 0.0:
             speed = v[size - 2 + shaft]
-            after = STICKS
+            new_state = STICKS
             if system.drag[shaft, 1] * abs(speed) > limit:
-                after = SLIDES if speed > 0.0 else SLIDES_BACK
-            if after != equations.shaft_state[shaft] and (all_change or others_settled):
-                equations.shaft_state[shaft] = after
-                changed, others_settled = True, False
-    return changed or (not coupled_friction and moved > NEWTON.friction_rtol * largest)
+                new_state = SLIDES if speed > 0.0 else SLIDES_BACK
+            if new_state != equations.shaft_state[shaft] and (change_all or no_other_changed):
+                equations.shaft_state[shaft] = new_state
+                changed, no_other_changed = True, False
+    return changed or (not coupled_friction and largest_change > NEWTON.friction_rtol * largest)
 
 
 @njit
-def _update_forces(contact: Contact, predicted: Array, v: Array, half: float) -> float:
+def _update_forces(contact: Contact, predicted: Array, v: Array, half_step: float) -> float:
     """Compute speeds and forces of a contact at speeds v, and return its normal force, which may be negative [N].
 
-    An open contact closes when its gap does; a closed one opens when its force vanishes.
+    An open contact closes when its gap is below 0 at the predicted midpoint; a closed one opens when its force
+    vanishes.
     """
-    contact.speed, contact.slip = speeds(contact, v)
+    contact.speed, contact.slip = relative_speeds(contact, v)
     normal_force = contact.force - contact.slope * contact.speed
     if contact.state == OPEN:
-        gap = contact.gap + half * (contact.speed - speeds(contact, predicted)[0])
+        gap = contact.gap + half_step * (contact.speed - relative_speeds(contact, predicted)[0])
         if gap >= 0.0:
             normal_force = 0.0
     contact.normal_force, contact.friction_force = max(normal_force, 0.0), 0.0
@@ -501,15 +523,15 @@ def _update_forces(contact: Contact, predicted: Array, v: Array, half: float) ->
 
 
 @njit
-def _next_state(contact: Contact, normal_force: float, single: bool, coupled_friction: bool) -> int:
-    """Return the state that follows from the forces of a contact; `single` if contacts change one at a time."""
-    before = contact.state
-    if (before == SLIDES and contact.slip < 0.0) or (before == SLIDES_BACK and contact.slip > 0.0):
+def _next_state(contact: Contact, normal_force: float, one_at_a_time: bool, coupled_friction: bool) -> int:
+    """Return the state that follows from the forces of a contact; `one_at_a_time` if contacts change one at a time."""
+    old_state = contact.state
+    if (old_state == SLIDES and contact.slip < 0.0) or (old_state == SLIDES_BACK and contact.slip > 0.0):
         return STICKS  # a contact that reverses comes to rest first, even if the previous friction opens it
     if normal_force > 0.0:
-        if before == OPEN and not coupled_friction:
+        if old_state == OPEN and not coupled_friction:
             return STICKS  # the normal force of an open contact is no measure of friction
         return friction_state(contact, contact.slip)
-    if before == STICKS and single and contact.friction > 0.0:
+    if old_state == STICKS and one_at_a_time and contact.friction > 0.0:
         return SLIDES if contact.slip > 0.0 else SLIDES_BACK  # creep alone may open a contact that is pressed
     return OPEN

@@ -8,11 +8,11 @@ from cycloid_mj.dynamics.drive_cycle import DriveCycle
 from cycloid_mj.dynamics.law import ContactParameters
 from cycloid_mj.dynamics.mjcf import Held
 from cycloid_mj.dynamics.mjcf.laws import laws_of_discs, stiffest
-from cycloid_mj.dynamics.planar.state import start
+from cycloid_mj.dynamics.planar.state import start_state
 from cycloid_mj.dynamics.planar.stepper import Stepper
-from cycloid_mj.dynamics.planar.system import System, planar_system
-from cycloid_mj.dynamics.planar.timestep import choose_step, follows_pins
-from cycloid_mj.dynamics.regime import at_rest, bent_pins
+from cycloid_mj.dynamics.planar.system import System, make_system
+from cycloid_mj.dynamics.planar.timestep import choose_step, resolves_pins
+from cycloid_mj.dynamics.regime import bent_pin_warning, static_warnings
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bodies import Pair
 from cycloid_mj.statics.film import drag_torques
@@ -62,12 +62,14 @@ class PlanarModel:
 
     def stepper(self, course: DriveCycle, every: int) -> Stepper:
         """Return a stepper at the start of a drive cycle, with one sample in `every` steps."""
-        places, speeds = start(self.reducer, course.angle, course.speed)
-        return Stepper(self.system, self.timestep, places, speeds, every, follows_pins(self.reducer, self.timestep))
+        positions, speeds = start_state(self.reducer, course.angle, course.speed)
+        return Stepper(self.system, self.timestep, positions, speeds, every, resolves_pins(self.reducer, self.timestep))
 
 
 def planar_model(reducer: Reducer, held: Held = "crank", timestep: float = 0.0) -> PlanarModel:
-    """Return the planar model of a reducer with a time step [s], by default `choose_step`; `held` as in ``mjcf.build``.
+    """Return the planar model of a reducer with a time step [s], by default that of `choose_step`.
+
+    `held` is the shaft with a position servo, as in ``mjcf.build``.
 
     Raises
     ------
@@ -75,16 +77,16 @@ def planar_model(reducer: Reducer, held: Held = "crank", timestep: float = 0.0) 
         A part of the design is not feasible.
     """
     laws = stiffest(laws_of_discs(reducer))
-    system = planar_system(reducer, held)
-    shaft = ("output", "crank").index(held) if held else 0
+    system = make_system(reducer, held)
+    servo_shaft = ("output", "crank").index(held) if held else 0
     losses = dict(zip(("crank_drag", "output_drag"), drag_torques(reducer), strict=True))
     return PlanarModel(
         reducer=reducer,
         system=system,
         timestep=timestep or choose_step(reducer).seconds,
         laws=laws,
-        servo_gains=(float(system.servo[shaft, 0]), float(system.servo[shaft, 1])),
+        servo_gains=(float(system.servo[servo_shaft, 0]), float(system.servo[servo_shaft, 1])),
         crank_inertia=float(system.inertia[-1]),
         drags=tuple(name for name in names.DRAGS if losses[name]),
-        warnings=(*bent_pins(reducer), *at_rest(reducer, laws)),
+        warnings=(*bent_pin_warning(reducer), *static_warnings(reducer, laws)),
     )

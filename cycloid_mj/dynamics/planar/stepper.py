@@ -15,8 +15,8 @@ from cycloid_mj.base.array import Array
 from cycloid_mj.base.compiling import announce_compilation, cacheable
 from cycloid_mj.dynamics.contact import sample_layout
 from cycloid_mj.dynamics.contact.contact_search import STRIDE
-from cycloid_mj.dynamics.planar.contacts import MAX_TOUCHES, OPEN, Contacts, allocate_contacts, find, njit
-from cycloid_mj.dynamics.planar.equations import Equations, allocate_equations, solve
+from cycloid_mj.dynamics.planar.contacts import MAX_TOUCHES, OPEN, Contacts, allocate_contacts, find_contacts, njit
+from cycloid_mj.dynamics.planar.equations import Equations, allocate_equations, solve_step
 from cycloid_mj.dynamics.planar.settings import CONTACT_SEARCH
 from cycloid_mj.dynamics.planar.system import System
 
@@ -59,16 +59,22 @@ class Stepper:
     """
 
     def __init__(
-        self, system: System, timestep: float, places: Array, speeds: Array, every: int = 1, midpoint_pins: bool = False
+        self,
+        system: System,
+        timestep: float,
+        positions: Array,
+        speeds: Array,
+        stride: int = 1,
+        midpoint_pins: bool = False,
     ) -> None:
-        """Start half a step before time 0, at the initial speeds."""
-        self._system, self._timestep, self._every = system, timestep, every
+        """Allocate contacts and equations, and set the state half a step before time 0, at the initial speeds."""
+        self._system, self._timestep, self._every = system, timestep, stride
         self._pin_span = 0.5 * timestep if midpoint_pins else timestep
         self._contacts, self._equations = allocate_contacts(system), allocate_equations(system)
         discs, teeth = len(system.cams), len(system.place)
         pairs = teeth * (discs + system.free) + discs * (1 + len(system.studs))
         self._motion = Motion(
-            q=places - 0.5 * timestep * speeds,
+            q=positions - 0.5 * timestep * speeds,
             v=speeds.copy(),
             midpoint=speeds.copy(),
             before=speeds.copy(),
@@ -126,40 +132,44 @@ def _compile_steps() -> Any:
         commands: Array,
         timestep: float,
         pin_span: float,
-        due: int,
-        every: int,
+        next_sample: int,
+        stride: int,
         rows: Array,
     ) -> None:
-        """Take a step for each command, with one sample in `every` steps from step `due` on."""
+        """Take a step for each command, and write a sample every `stride` steps from step `next_sample` on to `rows`.
+
+        In each step contacts are searched at the predicted midpoint until the solved midpoint is near it (fixed-point
+        iteration).
+        """
         size, half = len(equations.right), 0.5 * timestep
         midpoint, predicted, q = np.empty_like(motion.v), np.empty_like(motion.v), np.empty_like(motion.q)
         sums, scratch = np.zeros_like(motion.peak), np.zeros((MAX_TOUCHES, STRIDE // 8))
-        sample, most, unconverged = 0, 0, 0
-        for taken in range(len(commands)):
+        row, max_iterations, unconverged = 0, 0, 0
+        for step in range(len(commands)):
             _extrapolate(motion, size, predicted)
             count, iterations = 0, 0
             for search in range(CONTACT_SEARCH.max_searches):
-                _move(motion.q, half, predicted, q)
-                count = find(system, lobes, q, predicted, half, scratch, contacts)
-                q0, v0, command = motion.q, motion.v, commands[taken]
-                iterations = solve(
+                _integrate(motion.q, half, predicted, q)
+                count = find_contacts(system, lobes, q, predicted, half, scratch, contacts)
+                q0, v0, command = motion.q, motion.v, commands[step]
+                iterations = solve_step(
                     system, contacts, count, equations, q0, v0, predicted, command, timestep, pin_span, midpoint
                 )
-                if not _must_search_again(system, half, predicted, midpoint, size):
+                if not _is_far_from_search(system, half, predicted, midpoint, size):
                     break
                 _relax(predicted, midpoint, 1.0 if search < CONTACT_SEARCH.unrelaxed_searches else 0.5)
             else:
                 unconverged += 1
-            most = max(most, iterations)
+            max_iterations = max(max_iterations, iterations)
             _update_peaks(contacts, count, sums, motion.peak)
-            due -= 1
-            if due == 0:
-                due = every
-                _move(motion.q, half, midpoint, q)
+            next_sample -= 1
+            if next_sample == 0:
+                next_sample = stride
+                _integrate(motion.q, half, midpoint, q)
                 _write_sample(
-                    system, contacts, count, motion, q, midpoint, commands[taken], most, unconverged, rows[sample]
+                    system, contacts, count, motion, q, midpoint, commands[step], max_iterations, unconverged, rows[row]
                 )
-                sample, most, unconverged = sample + 1, 0, 0
+                row, max_iterations, unconverged = row + 1, 0, 0
             _finish_step(motion, size, timestep, pin_span, midpoint)
 
     return advance
@@ -175,7 +185,7 @@ def _extrapolate(motion: Motion, size: int, predicted: Array) -> None:
 
 
 @njit
-def _move(start: Array, time: float, speeds: Array, end: Array) -> None:
+def _integrate(start: Array, time: float, speeds: Array, end: Array) -> None:
     """Compute the positions after a time [s] at constant speeds."""
     for i in range(len(end)):
         end[i] = start[i] + time * speeds[i]
@@ -199,26 +209,26 @@ def _finish_step(motion: Motion, size: int, timestep: float, pin_span: float, mi
 
 
 @njit
-def _must_search_again(system: System, half: float, predicted: Array, midpoint: Array, size: int) -> bool:
-    """Return whether a disc or a pin is too far from the pose of its contact search."""
-    radius, far = system.teeth.ring.radius, CONTACT_SEARCH.disc_tolerance
+def _is_far_from_search(system: System, half_step: float, predicted: Array, midpoint: Array, size: int) -> bool:
+    """Return whether the midpoint of a disc or a moving pin is too far from the pose of the contact search."""
+    radius, tolerance = system.teeth.ring.radius, CONTACT_SEARCH.disc_tolerance
     for body in range(0, size - 2, 3):
         x, y = midpoint[body] - predicted[body], midpoint[body + 1] - predicted[body + 1]
-        turned = radius * (midpoint[body + 2] - predicted[body + 2])
-        if half * half * (x * x + y * y + turned * turned) > far * far:
+        rim_shift = radius * (midpoint[body + 2] - predicted[body + 2])
+        if half_step * half_step * (x * x + y * y + rim_shift * rim_shift) > tolerance * tolerance:
             return True
     for i in range(len(system.inner)):
-        own = size + 3 * i
-        x, y = midpoint[own] - predicted[own], midpoint[own + 1] - predicted[own + 1]
-        far = CONTACT_SEARCH.pin_tolerance * (system.outer[i] - system.inner[i])
-        if half * half * (x * x + y * y) > far * far:
+        pin_unknown = size + 3 * i
+        x, y = midpoint[pin_unknown] - predicted[pin_unknown], midpoint[pin_unknown + 1] - predicted[pin_unknown + 1]
+        tolerance = CONTACT_SEARCH.pin_tolerance * (system.outer[i] - system.inner[i])
+        if half_step * half_step * (x * x + y * y) > tolerance * tolerance:
             return True
     return False
 
 
 @njit
 def _update_peaks(contacts: Contacts, count: int, sums: Array, peak: Array) -> None:
-    """Update the largest normal force of each pair with that of this step."""
+    """Raise the peak force of each pair to its normal force in this step (sum of contacts), if larger."""
     for k in range(count):
         sums[contacts[k].pair] += contacts[k].normal_force
     for k in range(count):
@@ -247,7 +257,7 @@ def _write_sample(
     """
     size = len(system.inertia)
     column = _write_motion(system, q, v, command, row)
-    row[column], row[column + 1] = _energies(system, q, v, size)
+    row[column], row[column + 1] = _compute_energies(system, q, v, size)
     solver = column + 2
     pairs = solver + sample_layout.OF_SOLVER
     for pair in range(len(motion.peak)):
@@ -268,7 +278,7 @@ def _write_sample(
 
 @njit
 def _write_motion(system: System, q: Array, v: Array, command: Array, row: Array) -> int:
-    """Write positions and speeds of crank, discs, output and moving pins, and return the next column."""
+    """Write positions and speeds of crank, discs, output and moving pins to a sample's row; return the next column."""
     size = len(system.inertia)
     column = _write_shaft(system, 1, size - 1, q, v, command, row, 0)
     for body in range(0, size - 2, 3):
@@ -276,13 +286,13 @@ def _write_motion(system: System, q: Array, v: Array, command: Array, row: Array
             row[column + m], row[column + 3 + m] = q[body + m], v[body + m]
         column += 6
     column = _write_shaft(system, 0, size - 2, q, v, command, row, column)
-    turn, speed = (q[system.ring_shaft], v[system.ring_shaft]) if system.ring_shaft >= 0 else (0.0, 0.0)
-    s, c = math.sin(turn), math.cos(turn)
-    for own in range(size, len(q), 3):
-        pin = (own - size) // 3
-        row[column] = c * q[own] + s * q[own + 1] - system.seated[pin, 0]
-        row[column + 1] = c * q[own + 1] - s * q[own] - system.seated[pin, 1]
-        row[column + 2], row[column + 3] = q[own + 2] - turn, v[own + 2] - speed
+    ring_angle, speed = (q[system.ring_shaft], v[system.ring_shaft]) if system.ring_shaft >= 0 else (0.0, 0.0)
+    s, c = math.sin(ring_angle), math.cos(ring_angle)
+    for pin_unknown in range(size, len(q), 3):
+        pin = (pin_unknown - size) // 3
+        row[column] = c * q[pin_unknown] + s * q[pin_unknown + 1] - system.seated[pin, 0]
+        row[column + 1] = c * q[pin_unknown + 1] - s * q[pin_unknown] - system.seated[pin, 1]
+        row[column + 2], row[column + 3] = q[pin_unknown + 2] - ring_angle, v[pin_unknown + 2] - speed
         column += 4
     return column
 
@@ -332,7 +342,7 @@ def _write_shaft(
 
 
 @njit
-def _energies(system: System, q: Array, v: Array, size: int) -> tuple[float, float]:
+def _compute_energies(system: System, q: Array, v: Array, size: int) -> tuple[float, float]:
     """Compute potential and kinetic energy [J]."""
     gx, gy = system.gravity[0], system.gravity[1]
     potential, kinetic = 0.0, 0.0
@@ -344,7 +354,10 @@ def _energies(system: System, q: Array, v: Array, size: int) -> tuple[float, flo
         s, c = math.sin(q[size - 2 + shaft]), math.cos(q[size - 2 + shaft])
         mx, my = system.unbalance[shaft, 0], system.unbalance[shaft, 1]
         potential -= gx * (c * mx - s * my) + gy * (s * mx + c * my)
-    for own in range(size, len(q), 3):
-        potential -= system.pin[0] * (gx * q[own] + gy * q[own + 1])
-        kinetic += 0.5 * system.pin[0] * (v[own] ** 2 + v[own + 1] ** 2) + 0.5 * system.pin[1] * v[own + 2] ** 2
+    for pin_unknown in range(size, len(q), 3):
+        potential -= system.pin[0] * (gx * q[pin_unknown] + gy * q[pin_unknown + 1])
+        kinetic += (
+            0.5 * system.pin[0] * (v[pin_unknown] ** 2 + v[pin_unknown + 1] ** 2)
+            + 0.5 * system.pin[1] * v[pin_unknown + 2] ** 2
+        )
     return potential, kinetic

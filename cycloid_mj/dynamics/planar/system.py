@@ -16,7 +16,7 @@ from cycloid_mj.dynamics.contact.contact_search import RingPin
 from cycloid_mj.dynamics.contact.teeth import Teeth
 from cycloid_mj.dynamics.film_table import CAM, OUTPUT, SEAT, TEETH, film_table
 from cycloid_mj.dynamics.mjcf import Held
-from cycloid_mj.dynamics.mjcf.bodies import attributes, crank_inertia, teeth_of_disc
+from cycloid_mj.dynamics.mjcf.bodies import collider_attributes, crank_inertia, teeth_of_disc
 from cycloid_mj.dynamics.mjcf.laws import laws_of_discs
 from cycloid_mj.dynamics.mjcf.model import servo_gains
 from cycloid_mj.geometry.profile import unit
@@ -112,7 +112,7 @@ class System(NamedTuple):
     servo: Array
 
 
-def planar_system(reducer: Reducer, held: Held = "crank") -> System:
+def make_system(reducer: Reducer, held: Held = "crank") -> System:
     """Return the arrays of a reducer; a servo drives the shaft `held`, a torque acts on the other shaft.
 
     Raises
@@ -127,30 +127,29 @@ def planar_system(reducer: Reducer, held: Held = "crank") -> System:
     output = [mechanism.mating("output", disc) for disc in discs]
     teeth = [teeth_of_disc(reducer, disc) for disc in discs]
     ring = mesh[0].by
-    carried, inner, outer, arc = _seats(reducer, ring)
+    seats, inner, outer, arc = _seat_geometry(reducer, ring)
     shafts = {"output": masses[mechanism.turning], "crank": masses[names.SHAFT]}
     shaft_inertia = {
         "output": float(shafts["output"].inertia[2, 2]),
         "crank": crank_inertia(reducer, masses[names.SHAFT]),
     }
-    disc_masses = [masses[disc.part] for disc in mechanism.discs]
-    turned_by = {mechanism.turning: 3 * len(discs)}
+    unknown_of_body = {mechanism.turning: 3 * len(discs)}
     pin = masses[names.PIN] if design.ring.has_pin_bodies else None
-    on_crank, on_output = drag_torques(reducer)
-    losses = {"output": on_output, "crank": on_crank}
+    crank_drag, output_drag = drag_torques(reducer)
+    losses = {"output": output_drag, "crank": crank_drag}
     return System(
         teeth=teeth[0],
         offset=np.array([tooth.flank.offset for tooth in teeth]),
         turned=np.array([mating.on.angle[0] for mating in mesh]),
-        ring=_ring(reducer, ring),
-        place=carried.place,
-        home=unit(carried.angle),
+        ring=_ring_values(reducer, ring),
+        place=seats.place,
+        home=unit(seats.angle),
         seated=np.array([body.place for body in mechanism.pins]).reshape(-1, 2),
         lobes=ring.role == Role.LOBE,
         free=design.ring.has_pin_bodies,
         sleeved=design.ring.has_pin_bodies and design.ring.has_sleeves,
-        ring_shaft=turned_by.get(names.HOUSING, -1),
-        stud_shaft=turned_by.get(names.OUTPUT, -1),
+        ring_shaft=unknown_of_body.get(names.HOUSING, -1),
+        stud_shaft=unknown_of_body.get(names.OUTPUT, -1),
         inner=inner,
         outer=outer,
         arc=arc,
@@ -161,11 +160,8 @@ def planar_system(reducer: Reducer, held: Held = "crank") -> System:
         stud=float(output[0].by.radius[0]),
         bore=float(cams[0].on.radius[0]),
         cam=float(cams[0].by.radius[0]),
-        laws=_laws(reducer),
-        inertia=np.array(
-            [value for mass in disc_masses for value in (mass.mass, mass.mass, float(mass.inertia[2, 2]))]
-            + [*shaft_inertia.values()]
-        ),
+        laws=_contact_laws(reducer),
+        inertia=np.array([*_disc_inertias(reducer), *shaft_inertia.values()]),
         pin=np.array([pin.mass, pin.inertia[2, 2]]) if pin else np.zeros(2),
         gravity=np.array([design.environment.gravity_x, design.environment.gravity_y]),
         unbalance=np.array([shaft.mass * shaft.centroid[:2] for shaft in shafts.values()]),
@@ -175,10 +171,17 @@ def planar_system(reducer: Reducer, held: Held = "crank") -> System:
     )
 
 
-def _seats(reducer: Reducer, ring: Surfaces) -> tuple[Surfaces, Array, Array, Array]:
-    """Return the surfaces of the ring itself, and radii of inner and outer surfaces and the arc of a `System`.
+def _disc_inertias(reducer: Reducer) -> list[float]:
+    """Return mass [kg], mass and moment of inertia [kg m2] of each disc, in one list of length 3 D."""
+    masses = moving_masses(reducer)
+    properties = [masses[disc.part] for disc in reducer.mechanism.discs]
+    return [value for disc in properties for value in (disc.mass, disc.mass, float(disc.inertia[2, 2]))]
 
-    These are the seats of moving pins, or the surfaces that mate with the teeth.
+
+def _seat_geometry(reducer: Reducer, ring: Surfaces) -> tuple[Surfaces, Array, Array, Array]:
+    """Return the ring's surfaces, the radii of inner and outer seat surfaces [m], and the arc of a `System`.
+
+    With moving pins these are the seats, otherwise the surfaces that mate with the teeth.
     """
     design = reducer.design
     if not design.ring.has_pin_bodies:
@@ -189,26 +192,26 @@ def _seats(reducer: Reducer, ring: Surfaces) -> tuple[Surfaces, Array, Array, Ar
     return seats.by, inner.radius, outer.radius, np.array([np.cos(outer.half_angle), sine])
 
 
-def _ring(reducer: Reducer, ring: Surfaces) -> Array:
+def _ring_values(reducer: Reducer, ring: Surfaces) -> Array:
     """Return the values of `contact_search.RingPin` for each pin, shape (N, 6); of lobes the radii only."""
-    numbers = np.zeros((len(ring.names), len(RingPin._fields)))
-    numbers[:, 0] = ring.radius
+    values = np.zeros((len(ring.names), len(RingPin._fields)))
+    values[:, 0] = ring.radius
     for i in range(len(ring.names) if ring.role == Role.PIN else 0):
-        pin_rows = attributes(reducer, ring, i)["userdata"]
-        numbers[i, 1 : 1 + len(pin_rows)] = pin_rows
-    return numbers
+        pin_rows = collider_attributes(reducer, ring, i)["userdata"]
+        values[i, 1 : 1 + len(pin_rows)] = pin_rows
+    return values
 
 
-def _laws(reducer: Reducer) -> npt.NDArray[np.void]:
-    """Return the contact laws of all discs by function, shape (D, 4)."""
+def _contact_laws(reducer: Reducer) -> npt.NDArray[np.void]:
+    """Return the contact laws as records of `LAW`, shape (D, 4): one row for each disc, one column for each kind."""
     design = reducer.design
     kinds = {TEETH: design.tooth_pair, SEAT: design.seat_pair, CAM: "cam", OUTPUT: "output"}
-    listed = np.zeros((design.gear.discs, len(kinds)), dtype=LAW)
+    laws_array = np.zeros((design.gear.discs, len(kinds)), dtype=LAW)
     for disc, laws in enumerate(laws_of_discs(reducer)):
-        for function, kind in kinds.items():
+        for row, kind in kinds.items():
             if kind not in laws:
                 continue
             law, impact = laws[kind], reducer.contacts[kind].impact
-            of_impact = astuple(impact) if impact else (0.0,) * 4
-            listed[disc, function] = (law.stiffness, law.damping, law.friction, law.creep, *of_impact)
-    return listed
+            impact_parameters = astuple(impact) if impact else (0.0,) * 4
+            laws_array[disc, row] = (law.stiffness, law.damping, law.friction, law.creep, *impact_parameters)
+    return laws_array

@@ -47,10 +47,10 @@ ACCURACY = StepAccuracy(
 
 
 def choose_step(reducer: Reducer) -> TimeStep:
-    """Return the time step of the planar solver, and what determines it.
+    """Return the automatic time step of planar runs and what determines it, or ``settings.timestep`` if that is set.
 
-    It is ``settings.timestep`` if that is set. Otherwise it divides the time between two log samples, and is the
-    longest within the limits by the largest step, the oscillation on all contacts, and the passing of a tooth.
+    It divides the time between two log samples, and is the longest within the limits by the largest step, the
+    oscillation on all contacts, and the passing of a tooth.
     """
     design = reducer.design
     if design.settings.timestep:
@@ -65,28 +65,28 @@ def choose_step(reducer: Reducer) -> TimeStep:
     return divide_sample_time(design.settings.log_rate, allowed)
 
 
-def for_accelerations(reducer: Reducer) -> float:
+def acceleration_timestep(reducer: Reducer) -> float:
     """Return the time step [s] of planar runs that evaluate accelerations; it follows the motion of moving pins."""
     chosen, rate = choose_step(reducer), reducer.design.settings.log_rate
     if reducer.design.settings.timestep:
         return chosen.seconds
     allowed = {chosen.reason: chosen.seconds, "accelerations": SETTINGS.max_step_for_accelerations}
     if reducer.design.ring.has_pin_bodies:
-        allowed["moving pins"] = _longest_that_follows_pins(reducer)
+        allowed["moving pins"] = _max_pin_step(reducer)
     return divide_sample_time(rate, allowed).seconds
 
 
-def follows_pins(reducer: Reducer, seconds: float) -> bool:
+def resolves_pins(reducer: Reducer, seconds: float) -> bool:
     """Return whether a time step [s] resolves the motion of moving pins within their clearance."""
-    return seconds <= _longest_that_follows_pins(reducer) * (1.0 + 1e-9)
+    return seconds <= _max_pin_step(reducer) * (1.0 + 1e-9)
 
 
-def _longest_that_follows_pins(reducer: Reducer) -> float:
+def _max_pin_step(reducer: Reducer) -> float:
     """Return the longest step [s] that resolves the motion of moving pins, as in MuJoCo runs.
 
     From 1.5 times this step on the midpoint rule may diverge; implicit Euler damps the motion at any step.
     """
-    return min(step_limits(reducer, followed=True).values())
+    return min(step_limits(reducer, must_follow=True).values())
 
 
 PLANAR_RULE = StepRule(choose_step, SETTINGS.min_steps_per_tooth, ACCURACY)
