@@ -29,7 +29,7 @@ class Published:
 
 
 def friction_quantities(published: Sequence[Published]) -> list[Quantity]:
-    """List the frictions as quantities."""
+    """Return the friction coefficient that explains each published torque, as quantities [1] with their errors."""
     note = "the same for all sliding pairs; rolling bearings and seals as designed"
     names = [f"friction at the paper's {each.torque:g} N m, {each.way}" for each in published]
     return [

@@ -257,7 +257,7 @@ def _quantities(
 
 
 def _curves(reducer: Reducer, test: BrakedRun) -> tuple[Curve, ...]:
-    """Return the output torque over the crank angle, and the amplitudes of its orders."""
+    """Return curves of a test's output torque [N m] over the crank angle, and of the amplitudes of its crank orders."""
     torque, angle = test.run["load_torque"], test.run["crank_angle"]
     swept = np.abs(angle - angle[0])
     teeth, x, y = reducer.mesh_periods, "crank angle [deg]", "torque [N m]"

@@ -125,14 +125,14 @@ def largest_magnification(reducer: Reducer) -> float:
     )
 
 
-def widest_gap(reducer: Reducer, measured: Separations) -> float:
+def widest_gap(reducer: Reducer, gaps: Separations) -> float:
     """Return the widest gap between two mating parts in all samples [m]."""
     design = reducer.design
     return max(
-        tooth_clearance(reducer) + float(np.abs(measured.opening).max(initial=0.0)),
-        design.pin_play + float(np.linalg.norm(measured.away, axis=-1).max(initial=0.0)),
-        design.clearance.output + float(np.linalg.norm(measured.output_away, axis=-1).max(initial=0.0)),
-        design.clearance.cam + float(np.linalg.norm(measured.deviation[:, :2], axis=-1).max(initial=0.0)),
+        tooth_clearance(reducer) + float(np.abs(gaps.opening).max(initial=0.0)),
+        design.pin_play + float(np.linalg.norm(gaps.away, axis=-1).max(initial=0.0)),
+        design.clearance.output + float(np.linalg.norm(gaps.output_away, axis=-1).max(initial=0.0)),
+        design.clearance.cam + float(np.linalg.norm(gaps.deviation[:, :2], axis=-1).max(initial=0.0)),
     )
 
 
@@ -211,22 +211,22 @@ def ring_normals(reducer: Reducer, gear: Array) -> Array:
     return normal / np.linalg.norm(normal, axis=2, keepdims=True)
 
 
-def magnify_gaps(reducer: Reducer, measured: Separations, magnification: float = 1.0) -> Drawing:
-    """Compute the drawn poses of all parts at n times, with the gaps magnified along the ideal normals."""
-    gear = measured.gear
-    opening = magnification * measured.opening[..., np.newaxis] * ring_normals(reducer, gear)
+def magnify_gaps(reducer: Reducer, gaps: Separations, magnification: float = 1.0) -> Drawing:
+    """Compute the drawn poses of all parts at n times, with the `gaps` magnified along the ideal normals."""
+    gear = gaps.gear
+    opening = magnification * gaps.opening[..., np.newaxis] * ring_normals(reducer, gear)
     ring = ring_places(reducer) + opening
     holes = transform(gear[:, np.newaxis], output_centres(reducer))
     eccentric_direction = gear[:, np.newaxis, :2] / reducer.design.gear.eccentricity
-    pin_distance = reducer.design.gear.eccentricity + magnification * measured.output_away[..., np.newaxis]
+    pin_distance = reducer.design.gear.eccentricity + magnification * gaps.output_away[..., np.newaxis]
     return Drawing(
         magnification=magnification,
         radii=drawn_radii(reducer, magnification),
-        gaps=measured,
+        gaps=gaps,
         gear=gear,
-        shaft=np.column_stack([-magnification * measured.deviation[:, :2], measured.crank_angle]),
+        shaft=np.column_stack([-magnification * gaps.deviation[:, :2], gaps.crank_angle]),
         ring=ring,
-        sockets=ring - magnification * measured.away,
+        sockets=ring - magnification * gaps.away,
         output_pins=holes - pin_distance * eccentric_direction,
     )
 

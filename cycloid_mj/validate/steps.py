@@ -77,7 +77,7 @@ def rows(kind: str, quick: bool) -> list[ValidationRow]:
 
 
 def light_load_rows(kind: str) -> list[ValidationRow]:
-    """Compare the automatic step under a light load with half of it."""
+    """Compare the figures of runs with the automatic and with half the time step under a light load."""
     load = f"load.torque_nm={LIGHT_LOAD}"
     step = 1e6 * timestep(Reducer(rated_design(kind, load)))
     figures, finer = (_run_figures(kind, 6, load, f"settings.timestep_us={share * step!r}") for share in (1.0, 0.5))
@@ -87,7 +87,7 @@ def light_load_rows(kind: str) -> list[ValidationRow]:
 
 
 def massless_rows(real_pins: StepFigures | RunError, quick: bool) -> list[ValidationRow]:
-    """Compare massless pins, at their own time step, with real free pins."""
+    """Compare the figures of a run with massless pins, at their own time step, with those of real free pins."""
     if isinstance(real_pins, RunError):
         raise real_pins
     changes = 'ring.pins="massless"'

@@ -39,7 +39,7 @@ WORKERS = 2
 
 
 def _parts() -> Iterator[ValidationPart]:
-    """Yield all parts of this package with their costs."""
+    """Yield all validation parts of this package: step, function and cost of quick and full runs."""
     yield ValidationPart("two-body", two_bodies.rows, (1.0, 1.0))
     yield ValidationPart("friction", incline.rows, (0.2, 0.2))
     yield ValidationPart("mechanism", mechanism.rows, (9.0, 9.0))

@@ -150,7 +150,7 @@ class EachStep:
         self._state["last"] = self._commands.ctypes.data + width * len(self._commands)
 
     def advance(self, samples: int) -> Array:
-        """Take the steps up to and including a number of samples; return one row for each."""
+        """Take the time steps up to and including a number of samples; return the samples, shape (samples, columns)."""
         rows = np.zeros((samples, self._width))
         self._state["rows"] = rows.ctypes.data
         self._state["left"] = self._state["due"] - 1 + (samples - 1) * self._every

@@ -165,10 +165,9 @@ def empty_spec(reducer: Reducer, impratio: float) -> Any:
 
 
 def add_actuators(spec: Any, inertia: float, held: Held = "crank") -> tuple[float, float]:
-    """Add the actuators of crank and output, with a position servo on the shaft `held`.
+    """Add the actuators of crank and output to an editable model; return the gains kp, kv of the position servo.
 
-    Return the servo's gains kp, kv.
-    `inertia` [kg m2] is that of the servo's shaft.
+    The servo is on the shaft `held`, whose inertia is given [kg m2]; the actuator of the other shaft is a torque.
     """
     kp, kv = servo_gains(inertia)
     for shaft, name, joint in (("crank", names.DRIVE, names.CRANK_JOINT), ("output", names.LOAD, names.OUTPUT_JOINT)):

@@ -286,7 +286,10 @@ def _pin_cosine(contacts: Contacts, count: int, pin_unknown: int) -> float:
 
 @njit
 def _set_film_friction(system: System, contact: Contact, kind: int, cosine: float, v: Array) -> None:
-    """Set the friction of a contact by the law ``film``, if the drive has it."""
+    """Set friction coefficient and state of a contact by the law ``film``; do nothing with the law ``coulomb``.
+
+    `kind` and `cosine` are its row and the phase of its pin in the film table, `v` the speeds of all unknowns.
+    """
     if system.film.size == 0:
         return
     contact.cosine = cosine
@@ -311,7 +314,7 @@ def _disc_pose(q: Array, body: int, angle: float) -> Pose:
 
 @njit
 def _disc_teeth(system: System, disc: int) -> Teeth:
-    """Return the teeth of a disc, which differ in their offset only."""
+    """Return the teeth of a disc by its index: those of the system with the disc's own offset."""
     common, flank = system.teeth, system.teeth.flank
     ends = flank.tip, flank.tip_radius, flank.valley, flank.valley_radius
     flank_of_disc = Flank(
@@ -422,7 +425,8 @@ def _chord_excess(q: Array, v: Array, disc: int, nx: float, ny: float, half_step
 def _normal_force(law: Any, gap: float, factor: float, speed: float, half_step: float) -> tuple[float, float, float]:
     """Compute the normal force of a contact law [N], its decrease per speed over half a step, and its damping [N s/m].
 
-    The force may be negative.
+    `gap` [m] is negative in contact, `factor` scales the stiffness, `speed` [m/s] is that along the normal. The force
+    may be negative.
     """
     if law.impact == 0.0:
         stiffness = law.stiffness * factor
@@ -435,7 +439,7 @@ def _normal_force(law: Any, gap: float, factor: float, speed: float, half_step: 
 
 @njit
 def relative_speeds(contact: Contact, v: Array) -> tuple[float, float]:
-    """Compute the relative speeds along normal and tangent [m/s]."""
+    """Compute the relative speed of a contact's surfaces along normal and tangent [m/s] at the speeds v."""
     disc, pin, shaft, nx, ny = contact.disc, contact.pin, contact.shaft, contact.nx, contact.ny
     normal, tangent = 0.0, 0.0
     if disc >= 0:
@@ -452,7 +456,7 @@ def relative_speeds(contact: Contact, v: Array) -> tuple[float, float]:
 
 @njit
 def rolling_speed(contact: Contact, v: Array) -> float:
-    """Compute the relative speed of the centres of both surfaces along the tangent [m/s]."""
+    """Compute the relative tangential speed [m/s] of the centres of a contact's surfaces at the speeds v."""
     disc, pin, shaft, speed = contact.disc, contact.pin, contact.shaft, 0.0
     if disc >= 0:
         speed += contact.nx * v[disc + 1] - contact.ny * v[disc] + contact.disc_centre * v[disc + 2]

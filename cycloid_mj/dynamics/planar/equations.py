@@ -70,7 +70,7 @@ class Equations(NamedTuple):
 
 
 def allocate_equations(system: System) -> Equations:
-    """Return the working memory for a reducer."""
+    """Allocate the matrices and vectors of a step of the planar solver for a reducer."""
     size, pins = len(system.inertia), len(system.place) * system.free
     return Equations(
         matrix=np.zeros((size, size)),
@@ -245,7 +245,11 @@ class Tangent(NamedTuple):
 def _lever_arms(
     contact: Contact, sign: float, normal: float, tangent: float, centre: float, sliding: float
 ) -> LeverArms:
-    """Return the lever arms of a body that moves with a sign in the relative speed."""
+    """Return the effect of a contact on a body's unknowns x, y and rotation.
+
+    `sign` is that of the body in the relative speed; `normal`, `tangent` and `centre` are its lever arms [m], `sliding`
+    the friction per normal force.
+    """
     nx, ny = contact.nx, contact.ny
     normal_arms, tangent_arms = (sign * nx, sign * ny, sign * normal), (-sign * ny, sign * nx, sign * tangent)
     push_arms = (
@@ -258,7 +262,10 @@ def _lever_arms(
 
 @njit
 def _linearise_force(contact: Contact, predicted: Array, coupled_friction: bool) -> Tangent:
-    """Linearise the force of a contact in its state."""
+    """Linearise the force of a contact in the speeds, for its current state (sticking or sliding).
+
+    Without coupled friction, sliding friction follows the normal force of the last iteration.
+    """
     roll_stiffness, force = contact.geometric_stiffness * contact.normal_force, contact.force
     rolling_force = roll_stiffness * rolling_speed(contact, predicted)
     if contact.state == STICKS:

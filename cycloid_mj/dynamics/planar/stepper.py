@@ -94,7 +94,7 @@ class Stepper:
         self._commands, self._taken = np.ascontiguousarray(commands[:, ::-1]), 0
 
     def advance(self, samples: int) -> Array:
-        """Take the steps up to and including a number of samples; return one row for each."""
+        """Take the time steps up to and including a number of samples; return the samples, shape (samples, columns)."""
         rows = np.zeros((samples, self._width))
         steps = self._due + (samples - 1) * self._every
         commands = self._commands[np.minimum(np.arange(self._taken, self._taken + steps), len(self._commands) - 1)]
@@ -343,7 +343,10 @@ def _write_shaft(
 
 @njit
 def _compute_energies(system: System, q: Array, v: Array, size: int) -> tuple[float, float]:
-    """Compute potential and kinetic energy [J]."""
+    """Compute potential and kinetic energy [J] of all bodies at positions q and speeds v.
+
+    `size` unknowns are not pins.
+    """
     gx, gy = system.gravity[0], system.gravity[1]
     potential, kinetic = 0.0, 0.0
     for i in range(size):
