@@ -376,8 +376,8 @@ def _check_groups(groups: Groups) -> list[ColumnGroup]:
         for name in columns if isinstance(columns, Mapping) else [name for name, _ in columns]:
             if name in topic_by_column:
                 raise LogError(
-                    f"column {name!r} occurs in {topic} and in {topic_by_column[name]}, but column names must be unique: rename "
-                    "one of the two"
+                    f"column {name!r} occurs in {topic} and in {topic_by_column[name]}, but column names must be "
+                    "unique: rename one of the two"
                 )
             topic_by_column[name] = topic
     return [ColumnGroup(topic, dict(columns)) for topic, columns in groups.items()]

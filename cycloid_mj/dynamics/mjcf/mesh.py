@@ -134,8 +134,8 @@ def mesh_spec(reducer: Reducer, settings: ConvexSettings) -> MeshSpec:
     if ring.has_sleeves or ring.has_massless_pins:
         unsupported = "sleeves that turn on their pins" if ring.has_sleeves else "massless pins"
         raise DesignError(
-            f'ring.pins = "{ring.pins}" needs exact profiles, because convex meshes cannot represent {unsupported}. Use '
-            '--contact profile, or set ring.pins = "free" or "fixed"'
+            f'ring.pins = "{ring.pins}" needs exact profiles, because convex meshes cannot represent {unsupported}. '
+            'Use --contact profile, or set ring.pins = "free" or "fixed"'
         )
     require_drawn(reducer.design, "mesh contact")
     require_one_ring(reducer, "mesh contact")
