@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from cycloid_mj.life import Rating
 
 EXAMPLES = """Examples:
-  cycloid-mj design new mine --ratio 20 --diameter-mm 60 --torque-nm 10
+  cycloid-mj design new mine --ratio 20 --diameter-mm 60 --torque-nm 4
   cycloid-mj design new two --ratio 9 --diameter-mm 80 --torque-nm 5 --discs 2 --life-h 20000
   cycloid-mj design new arm --ratio-range 25:35 --diameter-mm 90 --torque-nm 0.5 --process printed
   cycloid-mj design new my --from nonpin

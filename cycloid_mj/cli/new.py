@@ -42,9 +42,7 @@ RatioRangeFlag = Annotated[
 ]
 DiameterFlag = Annotated[
     float | None,
-    Parameter(
-        metavar="X", help="Outer diameter [mm]; the covers are larger if the wall of the ring has no room for screws."
-    ),
+    Parameter(metavar="X", help="Outer diameter of the drive with its covers [mm]."),
 ]
 LengthFlag = Annotated[
     float | None,

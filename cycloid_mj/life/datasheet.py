@@ -172,7 +172,7 @@ def datasheet(reducer: Reducer, life: float = 0.0, progress: Progress = silent) 
         **({"Output bearing": _output_bearing_rows(reducer)} if has_casing(reducer) else {}),
     }
     groups = {heading: _note_parts(reducer, group) for heading, group in groups.items()}
-    groups["Ratings"] += _toleranced_torque_rows(reducer, rated, life)
+    groups["Ratings"] += _toleranced_torque_rows(reducer, life)
     groups["Mass and size"] = _mass_rows(reducer)
     groups["Lubrication and environment"] = environment_rows(reducer)
     if has_casing(reducer):
@@ -278,18 +278,19 @@ def _rating_rows(
     )
 
 
-def _toleranced_torque_rows(reducer: Reducer, rated: float, life: float) -> tuple[Quantity, ...]:
+def _toleranced_torque_rows(reducer: Reducer, life: float) -> tuple[Quantity, ...]:
     """Return rated and momentary torque of parts within the tolerances of the design; empty without tolerances.
 
-    They are extrapolated by the law of the weakest item from the rating at the torque `rated` [N m], for a life [h].
+    They are those of the weakest item by its law, from the rating at the nominal torque.
     """
     design = reducer.design
     if not has_tolerances(design):
         return ()
-    rating = rate(design, constant_duty(rated, design.drive.speed), life, parts="toleranced")
+    nominal = design.rated_torque
+    rating = rate(design, constant_duty(nominal, design.drive.speed), life, parts="toleranced")
     stops = [item for item in rating.items.values() if is_momentary(item.key)]
     others = [item for item in rating.items.values() if item.decisive and not is_momentary(item.key)]
-    limits = weakest_torque(others, rated, life), weakest_torque(stops, 2.0 * rated, life)
+    limits = weakest_torque(others, nominal, life), weakest_torque(stops, 2.0 * nominal, life)
     percentile = f"{SETTINGS.percentile:g} % percentile of {SETTINGS.samples} samples"
     rows = (
         ("rated_torque_toleranced", "Rated torque, toleranced parts", *min(limits, key=lambda pair: pair[0])),

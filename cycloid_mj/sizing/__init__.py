@@ -18,7 +18,7 @@ __all__ = ["new"]
 
 
 def new(ratio: int, diameter_mm: float, torque_nm: float, **others: Any) -> "Answer":
-    """Find drives that meet a requirement; ``cm.new(20, 60, 10).drives[0].design`` is the lightest.
+    """Find drives that meet a requirement; ``cm.new(20, 60, 4).drives[0].design`` is the lightest.
 
     Parameters
     ----------

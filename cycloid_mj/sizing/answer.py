@@ -7,28 +7,27 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cycloid_mj.base.array import Array, significant
+from cycloid_mj.base.array import significant
 from cycloid_mj.base.errors import CycloidError, UsageError
 from cycloid_mj.base.frame import Frame, make_frame
 from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.design import Design
-from cycloid_mj.explore.jam import PRELOADS, find_jams
-from cycloid_mj.explore.sampling import Batch, tolerance_zones
-from cycloid_mj.explore.tolerances import balance_batch
 from cycloid_mj.figures import figure
-from cycloid_mj.life.datasheet import momentary_torque
-from cycloid_mj.life.rated import rated_torque
+from cycloid_mj.life.as_built import has_tolerances, rated_samples
+from cycloid_mj.life.checks import life_checks
+from cycloid_mj.life.rated import is_momentary, weakest_torque
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.reducer import Reducer, once
+from cycloid_mj.sizing.process import PROCESSES
 from cycloid_mj.sizing.reasons import reasons_of
 from cycloid_mj.sizing.requirement import Requirement
 from cycloid_mj.sizing.search import Pool, Rated, pool_of, rate_drive
 from cycloid_mj.statics import loads, springs_of
 from cycloid_mj.statics.springs import turn_evenly
 
-SAMPLES, SAMPLE_ANGLES, MIN_YIELD = 128, 24, 0.99
-"""Samples of a drive's tolerance study and their crank angles (0.5 s of CPU), and the smallest yield of a drive."""
+MIN_YIELD = 99.0
+"""Smallest share of the samples of a drive within its tolerances that turn and have the required backlash [%]."""
 
 MIN_SHARE = 0.8
 """Share of the backlash of a strong drive from which others may meet a limit with the same clearances."""
@@ -133,18 +132,18 @@ class Solution:
 
 @dataclass(eq=False)
 class _Acceptance:
-    """Rating at all crank angles and tolerance study of candidates: the last steps before a drive is accepted."""
+    """Rating and tolerance study of candidates as on their design files: the last steps before a drive is accepted."""
 
     requirement: Requirement
     drives: dict[int, Rated | None] = field(default_factory=dict)
     studies: dict[int, Figures] = field(default_factory=dict)
 
     def __call__(self, rated: Rated) -> bool:
-        """Return whether a candidate is rated for the torque at all crank angles, and its samples pass."""
+        """Return whether a candidate is rated for the torque within its tolerances, and enough samples turn."""
         if id(rated) not in self.drives and len(self.drives) < MAX_TRIALS:
             self.drives[id(rated)] = full = _rated_fully(self.requirement, rated) if math.isfinite(rated.mass) else None
             self.studies[id(rated)] = tolerance_study(self.requirement, full.reducer) if full else {}
-        return self.studies.get(id(rated), {}).get("yield_percent", 0.0) >= 100.0 * MIN_YIELD
+        return self.studies.get(id(rated), {}).get("yield_percent", 0.0) >= MIN_YIELD
 
     def is_too_weak_or_accepted(self, rated: Rated) -> bool:
         """Return whether a candidate has less than the torque, so that no study matters, or is accepted."""
@@ -171,7 +170,7 @@ def solve(requirement: Requirement, pools: list[Pool] | None = None) -> tuple[So
     for trial in _trials(requirement):
         solution, fixed, pool = trial.solution, trial.requirement, trial.pool
         if solution:
-            accept = _Acceptance(fixed)
+            accept = trial.accept
             lightest = pool.lightest(fixed.torque, fixed.length, accept)
             lighter = lightest and lightest.mass < solution.rated.mass
             return (accept.solution(pool, lightest) if lightest and lighter else solution), Answer(fixed, ())
@@ -204,8 +203,9 @@ def _trials(requirement: Requirement, give_up: float = 0.0) -> Iterator[_Trial]:
     """Yield the trials of a requirement.
 
     The order of the candidates does not depend on the torque, so that what is found for one torque is found for every
-    smaller one. One disc comes before two where the number is free, and large clearances before those that a backlash
-    requires. The search ends where no estimate promises a torque of `give_up` [N m].
+    smaller one. One disc comes before two where the number is free, and usual clearances before those that a backlash
+    requires, or the finest of the process: with its closer tolerances more teeth carry. The search ends where no
+    estimate promises a torque of `give_up` [N m].
     """
     for discs in requirement.numbers_of_discs:
         variants = [requirement.but(discs=discs)]
@@ -221,6 +221,8 @@ def _trials(requirement: Requirement, give_up: float = 0.0) -> Iterator[_Trial]:
             if strongest and not accept.studies and fixed.backlash < math.inf:
                 backlash = tolerance_study(fixed, strongest.reducer).get("backlash_p95_arcmin", math.inf)
             variants += [] if fixed.tightened else _finer(fixed, backlash)
+            if not variants and not fixed.tightened and requirement.has_usual_clearances:
+                variants.append(fixed.but(clearance=PROCESSES[fixed.process].finest, tightened=True))
 
 
 def is_feasible(requirement: Requirement) -> bool:
@@ -230,7 +232,7 @@ def is_feasible(requirement: Requirement) -> bool:
 
 def _finer(fixed: Requirement, backlash: float) -> Iterator[Requirement]:
     """Yield the requirement with the clearances that its backlash requires, three at most."""
-    if fixed.backlash == math.inf or fixed.clearance or fixed.fit or backlash <= fixed.backlash:
+    if fixed.backlash == math.inf or not fixed.has_usual_clearances or backlash <= fixed.backlash:
         return
     listed, share = [*fixed.tighter_clearances], fixed.backlash / backlash
     finer = [item for item in listed if item <= share / MIN_SHARE * fixed.usual_clearance] if share else listed
@@ -239,16 +241,12 @@ def _finer(fixed: Requirement, backlash: float) -> Iterator[Requirement]:
 
 
 def _rated_fully(requirement: Requirement, rated: Rated) -> Rated | None:
-    """Rate a candidate at the required torque and all crank angles; None if it is not rated for it."""
+    """Rate a candidate within its tolerances at the required torque; None if a check of its life fails."""
     full = rate_drive(requirement, rated.reducer, requirement.torque)
-    return full if full and full.capacity >= requirement.torque else None
-
-
-@once
-def _samples(reducer: Reducer) -> Mapping[str, Array]:
-    """Balance samples of a drive within its tolerances, for jams and backlash."""
-    keys = [*PRELOADS, *PRELOADS.values(), "backlash_arcmin"]
-    return balance_batch(reducer, tolerance_zones(reducer), 0, SAMPLE_ANGLES, (Batch(0, SAMPLES), keys))
+    if not full or full.capacity < requirement.torque:
+        return None
+    passed = requirement.duty or all(check.passed for check in life_checks(full.reducer))
+    return full if passed else None
 
 
 def tolerance_study(requirement: Requirement, reducer: Reducer) -> Figures:
@@ -256,16 +254,17 @@ def tolerance_study(requirement: Requirement, reducer: Reducer) -> Figures:
 
     A sample is good if it does not jam and its backlash is within the limit.
     """
+    if not has_tolerances(reducer.design):
+        backlash = figure("backlash_arcmin").value(reducer)
+        return {"yield_percent": 100.0 if backlash <= requirement.backlash else 0.0, "backlash_arcmin": backlash}
     try:
-        samples = _samples(reducer)
+        samples = rated_samples(reducer)
     except CycloidError:
         return {"yield_percent": 0.0}
-    jams, backlash = find_jams(samples), samples["backlash_arcmin"]
-    good = ~jams & (backlash <= requirement.backlash)
+    jams, backlashes = samples.jams, samples.backlash
+    good = ~jams & (backlashes <= requirement.backlash)
     share = 100.0 * float(good.mean())
-    if jams.all():
-        return {"yield_percent": share}
-    low, median, high = np.percentile(backlash[~jams], [5.0, 50.0, 95.0]).tolist()
+    low, median, high = np.percentile(backlashes[~jams], [5.0, 50.0, 95.0]).tolist()
     return {"yield_percent": share, "backlash_arcmin": median, "backlash_p05_arcmin": low, "backlash_p95_arcmin": high}
 
 
@@ -284,13 +283,13 @@ def _refusal(trial: _Trial) -> Answer:
         if backlash > requirement.backlash:
             limit = f"its backlash is {backlash:.3g} arcmin or less in 95 % of drives with clearances of "
             return Answer(requirement, (), 0.0, f"{limit}{1e6 * requirement.usual_clearance:.3g} um")
-    torque, tried = 0.99 * min(largest.capacity, requirement.torque), largest
+    torque, tried = min(largest.capacity, requirement.torque), largest
     for _ in range(4):
-        torque = _floor_digits(torque)
+        torque = _floor_digits(0.99 * torque)
         full = rate_drive(requirement, largest.reducer, torque)
         if full and full.capacity >= torque:
             return Answer(requirement, (), torque, full.weakest.name)
-        tried, torque = full or tried, 0.99 * min(full.capacity if full else torque, 0.98 * torque)
+        tried, torque = full or tried, full.capacity if full else 0.9 * torque
     return Answer(requirement, (), 0.0, tried.weakest.name)
 
 
@@ -383,22 +382,15 @@ def sized_drive(solution: Solution, rated: Rated, title: str, why: str) -> Sized
     requirement, reducer = solution.requirement, rated.reducer
     figures = _figures(requirement, rated) | dict(solution.study)
     if figures["drive_diameter_mm"] > figures["outer_diameter_mm"] + 1e-3:
-        why += f"; covers of {figures['drive_diameter_mm']:.3g} mm, as no screw in stock fits in the ring's wall"
+        why += f"; covers of {figures['drive_diameter_mm']:.3g} mm, with screws outside of the ring"
     reasons = dict(reasons_of(requirement, reducer, rated.weakest))
     return SizedDrive(title, why, reducer.design, figures, reasons)
 
 
 def _figures(requirement: Requirement, rated: Rated) -> dict[str, float]:
     """Compute the figures of a drive that the table of `design new` shows, by key."""
-    reducer, design = rated.reducer, rated.reducer.design
-    if requirement.duty:
-        momentary = math.inf
-        torque = rated.capacity
-    else:
-        torque, _ = rated_torque(
-            reducer, design.drive.speed, design.service.life, start_torque=rated.capacity, rtol=1e-2
-        )
-        momentary, _ = momentary_torque(reducer)
+    reducer, design, items = rated.reducer, rated.reducer.design, rated.rating.items.values()
+    momentary, _ = weakest_torque((item for item in items if is_momentary(item.key)), 2.0 * design.rated_torque, 1.0)
     return {
         "ratio": design.reduction,
         "outer_diameter_mm": 2e3 * design.housing.outer_radius,
@@ -406,7 +398,7 @@ def _figures(requirement: Requirement, rated: Rated) -> dict[str, float]:
         "drive_diameter_mm": figure("drive_diameter_mm").value(reducer),
         "mass_kg": rated.mass,
         "mechanism_mass_kg": figure("mass_kg").value(reducer),
-        "rated_torque_nm": min(torque, momentary),
+        "rated_torque_nm": min(rated.capacity, momentary),
         "momentary_torque_nm": momentary,
         "life_h": rated.life,
         "temperature_c": rated.rating.items["temperature"].value,

@@ -14,8 +14,7 @@ from cycloid_mj.checks import WALLS, Check, sound_checks
 from cycloid_mj.checks.body import bearings
 from cycloid_mj.design import PRESETS, override, stock
 from cycloid_mj.life import rolling
-from cycloid_mj.parts.export.casing import covers_fit
-from cycloid_mj.parts.export.drive import has_casing
+from cycloid_mj.parts.export.casing import casing, cover_radius
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.reducer.bending import AXIAL_GAP
 from cycloid_mj.sizing.process import PROCESSES
@@ -32,8 +31,7 @@ WIDTHS = 0.1, 1.2
 
 OUTPUT_PINS = np.array([4, 5, 6, 8, 10, 12])
 WALL_SHARES = (0.06, 0.09, 0.12, 0.16, 0.2, 0.25)
-"""Numbers of output pins; walls outside the pins relative to the outer radius, of which the thinnest with room for the
-screws of the covers is used."""
+"""Numbers of output pins; walls outside the pins relative to the outer radius of the ring."""
 
 GAP_SHARE, DISC_SHARE = 0.04, 0.15
 """Gap between discs, and thickness of an output disc, relative to the outer radius (assumed)."""
@@ -63,14 +61,14 @@ Sizes = np.recarray[Any, Any]
 """Sizes of n candidates [m], shape (n,), or of one; load ratings in [N]. Its fields are those of `SIZES`."""
 
 SIZES = (
-    *("circle", "pin", "eccentricity", "face"),
+    *("outer", "circle", "pin", "eccentricity", "face"),
     *("bore", "cam_dynamic", "cam_static"),
     *("shaft", "bearing", "shaft_dynamic", "shaft_static"),
     *("count", "circle_out", "stud", "core", "needle_dynamic", "disc"),
 )
-"""Pin circle, ring pins, eccentricity, face width of a disc; bore of the disc with the ratings of its bearing; shaft,
-width and ratings of its bearings; number, circle, radius, core and needles (0: plain) of the output pins, and thickness
-of the output disc."""
+"""Outer radius of the ring, pin circle, pins, eccentricity, face width of a disc; bore of the disc with the ratings of
+its bearing; shaft, width and ratings of its bearings; number, circle, radius, core and needles (0: plain) of the output
+pins, and thickness of the output disc."""
 
 SIZES_DTYPE = np.dtype([(name, float) for name in SIZES])
 
@@ -80,26 +78,22 @@ def decode(requirement: Requirement, points: Array) -> tuple[Array, Sizes]:
 
     Returns the points to which there are parts in stock and walls, and their sizes.
     """
-    teeth, outer, discs, free = (
-        requirement.ratio + 1,
-        requirement.diameter / 2.0,
-        requirement.discs or 1,
-        requirement.custom,
-    )
+    teeth, discs, free = requirement.ratio + 1, requirement.discs or 1, requirement.custom
     u = points.T
-    pins = _ring_pins(requirement)
-    if not pins:
+    rings = _rings(requirement)
+    if not rings:
         return points[:0], np.rec.fromarrays([np.empty(0)] * len(SIZES), dtype=SIZES_DTYPE)
-    chosen = _choose(u[1], len(pins))
-    pin = np.array([size for size, _ in pins])[chosen]
-    most = outer - np.array([wall for _, wall in pins])[chosen] - pin
+    chosen = _choose(u[1], len(rings))
+    pin, outer, wall, widest = np.array(rings)[chosen].T
+    most = outer - wall - pin
     steps = np.floor(np.maximum(u[0] - 0.5, 0.0) * 10.0)  # the largest circle, or a preferred number below (R40, ISO 3)
     preferred = 10.0 ** ((np.floor(40.0 * np.log10(most)) - steps + 1.0) / 40.0)
     circle = _round_down(np.where(steps > 0.0, np.minimum(preferred, most), most))
     eccentricity = _round_down(_between(u[2], SHORT_WIDTHS) * circle / teeth)
     gap = _gap(requirement)
     width = np.exp(np.interp(u[3], (0.0, 1.0), np.log(WIDTHS))) * circle
-    face = (_reach(pin, width, chosen, pins, free) - (discs - 1) * gap) / discs
+    stack = width if free else _reach_of_pins(pin, width)
+    face = (_round_down(stack) - (discs - 1) * gap) / discs
     root = circle - eccentricity - pin - requirement.usual_clearance
     bore, cam, cam_dynamic, cam_static, fits = _cam_bearings(u[4], root, face, free)
     limit = np.minimum(0.85 * bore, cam) - eccentricity
@@ -107,15 +101,15 @@ def decode(requirement: Requirement, points: Array) -> tuple[Array, Sizes]:
     count, middle, band = OUTPUT_PINS[_choose(u[6], len(OUTPUT_PINS))], 0.5 * (bore + root), root - bore - 0.03 * circle
     largest = np.minimum(0.5 * band, middle * np.sin(np.pi / count) - 0.01 * circle)
     stud = _round_down(_between(u[7], (0.4, 1.0)) * largest - eccentricity)
-    disc = DISC_SHARE * outer
+    disc = DISC_SHARE * requirement.diameter / 2.0
     core, needle_dynamic, disc_thickness, carries = _cores(
         u[8], stud, face, discs * face + (discs - 1) * gap, disc, free
     )
     valid = fits & turns & carries & (face > 0.1 * gap) & (root - bore > 0.0) & (pin < root) & (pin > eccentricity)
-    columns = [circle, pin, eccentricity, face, bore, cam_dynamic, cam_static, shaft, bearing, shaft_dynamic]
+    columns = [outer, circle, pin, eccentricity, face, bore, cam_dynamic, cam_static, shaft, bearing, shaft_dynamic]
     columns += [shaft_static, count.astype(float), _round_down(middle), stud, core, needle_dynamic, disc_thickness]
     sizes = np.rec.fromarrays(columns, dtype=SIZES_DTYPE)
-    valid &= (stud > 0.0) & (shaft > 0.0)
+    valid &= (stud > 0.0) & (shaft > 0.0) & (stack <= widest)
     return points[valid], sizes[valid]
 
 
@@ -137,33 +131,46 @@ def _gap(requirement: Requirement) -> float:
 
 
 @lru_cache(maxsize=64)
-def _ring_pins_of(ratio: int, outer: float, custom: bool, material: str) -> tuple[tuple[float, float], ...]:
-    """List radii of ring pins, and the thinnest wall outside of them with room for the covers' screws [m].
+def _rings_of(ratio: int, outer: float, custom: bool, material: str) -> tuple[tuple[float, float, float, float], ...]:
+    """List rings whose covers stay within an outer radius [m].
 
-    The covers are larger than the ring where there is no such room: then the wall is the thinnest.
+    Each has the radius of its pins, its own outer radius, the thinnest wall outside of the pins, and its largest width
+    [m]: screws go through the wall, as far as some in stock are long enough, or outside of a smaller ring.
     """
     room = math.sin(math.pi / (ratio + 1))
     low, high = (share * room / (1.0 + share * room) * outer for share in PIN_ROOM)
     sizes = np.geomspace(low, high, 24) if custom else (0.5 * size for size in stock.pin_diameters())
     fitting = [float(round(size, 9)) for size in sizes if 0.8 * low <= size <= high]
-    listed, walls = [], [share * outer for share in WALL_SHARES]
-    for size in fitting[:: max(len(fitting) // 24, 1)]:
-        covered = (wall for wall in walls if _is_covered(ratio, outer, size, wall, material, custom))
-        listed.append((size, next(covered, walls[0])))
-    return tuple(listed)
+    rings = []
+    for pin in fitting[:: max(len(fitting) // 24, 1)]:
+        inner = outer
+        for _ in range(3):  # a fixed point: the screws depend on the radius
+            inner -= max(_cover_radius(ratio, inner, pin, WALL_SHARES[0] * inner, 1.0, material, custom) - outer, 0.0)
+        rings.append((pin, float(_round_down(np.array(inner))), WALL_SHARES[0] * inner, math.inf))
+        widest = 0.0
+        for wall in (share * outer for share in WALL_SHARES):
+            circle = outer - wall - pin
+            for width in (share * circle for share in (WIDTHS[1], 0.6, 0.3, WIDTHS[0])):
+                if width > widest and _cover_radius(ratio, outer, pin, wall, width, material, custom) == outer:
+                    widest = width
+                    rings.append((pin, outer, wall, width))
+                    break
+    return tuple(rings)
 
 
-def _is_covered(ratio: int, outer: float, pin: float, wall: float, material: str, custom: bool) -> bool:
-    """Return whether covers with screws fit within the outer radius of a ring [m]."""
+def _cover_radius(
+    ratio: int, outer: float, pin: float, wall: float, width: float, material: str, custom: bool
+) -> float:
+    """Return the outer radius of the covers of a ring [m]."""
     circle = outer - wall - pin
     ring = {"teeth": ratio + 1, "pin_radius": pin, "pin_circle_radius": circle}
     housing = {"outer_radius": outer, **({} if custom else clamping(wall))}
-    tables = {"ring": ring, "gear": {"face_width": 0.3 * circle}, "housing": housing, "material": {"name": material}}
-    return covers_fit(Reducer(PRESETS["pin"].but(**tables)))
+    tables = {"ring": ring, "gear": {"face_width": width}, "housing": housing, "material": {"name": material}}
+    return cover_radius(Reducer(PRESETS["pin"].but(**tables)))
 
 
-def _ring_pins(requirement: Requirement) -> tuple[tuple[float, float], ...]:
-    return _ring_pins_of(requirement.ratio, requirement.diameter / 2.0, requirement.custom, requirement.made_of)
+def _rings(requirement: Requirement) -> tuple[tuple[float, float, float, float], ...]:
+    return _rings_of(requirement.ratio, requirement.diameter / 2.0, requirement.custom, requirement.made_of)
 
 
 def clamping(wall: float) -> dict[str, object]:
@@ -172,17 +179,14 @@ def clamping(wall: float) -> dict[str, object]:
     return {"support": "bolts", "bolt_radius": round(0.5 * screw.head, 9)} if screw else {"support": "rim"}
 
 
-def _reach(pin: Array, width: Array, chosen: Integers, pins: Iterable[tuple[float, float]], free: bool) -> Array:
-    """Return widths that pins fill as they are sold, nearest to some widths [m]."""
-    if free:
-        return _round_down(width)
+def _reach_of_pins(pin: Array, width: Array) -> Array:
+    """Return widths that pins of some radii fill as they are sold, nearest to some widths [m]."""
     reach = np.empty_like(width)
-    for number, (size, _) in enumerate(pins):
-        rows = np.flatnonzero(chosen == number)
-        if rows.size:
-            grid = np.geomspace(width[rows].min(), width[rows].max() * (1.0 + 1e-9), 48)
-            sold = np.array([stock.reach_of_pins(2.0 * size, float(_round_down(item))) for item in grid])
-            reach[rows] = sold[np.abs(np.log(width[rows, None] / grid)).argmin(axis=1)]
+    for size in np.unique(pin).tolist():
+        rows = np.flatnonzero(pin == size)
+        grid = np.geomspace(width[rows].min(), width[rows].max() * (1.0 + 1e-9), 48)
+        sold = np.array([stock.reach_of_pins(2.0 * size, float(_round_down(item))) for item in grid])
+        reach[rows] = sold[np.abs(np.log(width[rows, None] / grid)).argmin(axis=1)]
     return reach
 
 
@@ -281,7 +285,7 @@ def build_drive(requirement: Requirement, sizes: Sizes, torque: float) -> Reduce
     try:
         design = PRESETS["pin"].but(**_tables(requirement, sizes, torque))
         reducer = _with_shaft_length(Reducer(override(design, requirement.changes)))
-        if _fails(sound_checks(reducer)) or not has_casing(reducer):
+        if _fails(sound_checks(reducer)) or 2.0 * casing(reducer).outer > requirement.diameter + ROUNDING:
             return None
     except CycloidError:
         return None
@@ -295,10 +299,10 @@ def _fails(checks: Iterable[Check]) -> bool:
 def _tables(requirement: Requirement, sizes: Sizes, torque: float) -> dict[str, Any]:
     """Return the tables of the design of a candidate."""
     size = dict(zip(SIZES, map(float, sizes), strict=True))
-    limits, outer, discs = PROCESSES[requirement.process], requirement.diameter / 2.0, requirement.discs or 1
+    limits, discs = PROCESSES[requirement.process], requirement.discs or 1
     at_pin, file = requirement.clearance_at(2.0 * size["pin"]), _round_to_file
     needles = size["needle_dynamic"] > 0.0
-    wall = outer - size["circle"] - size["pin"]
+    wall = size["outer"] - size["circle"] - size["pin"]
     return {
         "name": "new",
         "structure": "springs",
@@ -333,7 +337,7 @@ def _tables(requirement: Requirement, sizes: Sizes, torque: float) -> dict[str, 
             "length": file(0.3 * size["circle"]),
             "mounting": "straddle",
         },
-        "housing": {"outer_radius": outer, **({} if requirement.custom else clamping(wall))},
+        "housing": {"outer_radius": file(size["outer"]), **({} if requirement.custom else clamping(wall))},
         "clearance": dict.fromkeys(("pin_gear", "pin_socket", "pin_sleeve", "tooth"), at_pin)
         | {"cam": requirement.clearance_at(2.0 * size["bore"]), "output": requirement.clearance_at(2.0 * size["stud"])},
         "tolerance": tolerances(requirement, discs, at_pin),

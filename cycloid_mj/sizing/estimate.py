@@ -166,7 +166,7 @@ def _bearings(requirement: Requirement, sizes: Sizes, loads: _Loads) -> dict[str
     shaft, far_end = loads.cam * far / (near + far), loads.cam * near / (near + far)
     if discs > 1:
         shaft = far_end = loads.cam * (stack - sizes.face) / (near + far)
-    room = np.minimum(sizes.circle + sizes.pin, requirement.diameter / 2.0)
+    room = sizes.circle + sizes.pin
     hubs = stock.thin_ball_bearings()
     wall = max(RULES.min_wall, RULES.wall_share * requirement.diameter / 2.0)
     rim = sizes.circle_out + (1.0 + RIM) * sizes.stud - wall
@@ -257,6 +257,6 @@ def _length(requirement: Requirement, sizes: Sizes) -> Array:
 def _mass(requirement: Requirement, sizes: Sizes, design: Design) -> Array:
     """Estimate the mass by its regression on the volumes of ring, disc, cam, and covers."""
     radius, inner, stack = requirement.diameter / 2.0, sizes.circle - sizes.pin, _stack(requirement, sizes)
-    rings = (radius**2 - inner**2) * stack, (inner**2 - sizes.bore**2) * stack, sizes.bore**2 * stack
+    rings = (sizes.outer**2 - inner**2) * stack, (inner**2 - sizes.bore**2) * stack, sizes.bore**2 * stack
     covers = radius**2 * (_length(requirement, sizes) - stack)
     return np.asarray(design.material_of("housing").density * math.pi * (MASS @ np.stack([*rings, covers])))

@@ -1,5 +1,6 @@
 """Reasons for the values of a new drive, for the comments of its file."""
 
+import math
 from collections.abc import Iterator
 
 from cycloid_mj.design import Design, stock
@@ -50,7 +51,11 @@ def reasons_of(requirement: Requirement, reducer: Reducer, weakest: RatedItem) -
     yield "shaft.length", "space for a bearing" + (", and for the counterweight" if gear.discs == 1 else "")
     yield "shaft.counterweight_radius", "three quarters of the space within the pins"
     yield "shaft.mounting", "a bearing on either side of the discs"
-    yield "housing.outer_radius", "required"
+    inside = 2.0 * design.housing.outer_radius < requirement.diameter - 1e-6
+    yield (
+        "housing.outer_radius",
+        "covers with screws outside of it have the required size" if inside else "required",
+    )
     yield "drive.torque", "required torque divided by the ratio"
     yield "drive.speed", "required, or usual for the process"
     yield "drive.power", f"{POWER_RESERVE:g} times the power of torque and speed"
@@ -77,7 +82,11 @@ def _process_reasons(requirement: Requirement, design: Design) -> Iterator[tuple
         reasons["material.name"] = "required"
     clearance = reasons.pop("clearance.pin_gear")
     if requirement.tightened:
-        clearance = "the largest that the backlash allows"
+        clearance = (
+            "the finest of the process, as the usual ones leave less torque"
+            if requirement.backlash == math.inf
+            else "the largest found that the backlash allows"
+        )
     elif requirement.clearance:
         clearance = "required"
     elif requirement.fit:

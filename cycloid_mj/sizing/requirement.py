@@ -305,6 +305,11 @@ class Requirement:
         return self.clearance_at(PIN_SIZE * self.diameter)
 
     @property
+    def has_usual_clearances(self) -> bool:
+        """Whether neither a clearance nor a fit is required."""
+        return not (self.clearance or self.fit)
+
+    @property
     def tighter_clearances(self) -> Iterator[float]:
         """The clearances below the usual one that the process allows [m], the largest first.
 

@@ -3,13 +3,16 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.spatial.distance import cdist
 
 from cycloid_mj.base.array import Array, Integers, Mask
 from cycloid_mj.base.errors import CycloidError
+from cycloid_mj.explore.sampling import sample_design, tolerance_zones
+from cycloid_mj.life.as_built import SETTINGS as SAMPLES
+from cycloid_mj.life.as_built import Parts, find_critical_sample
 from cycloid_mj.life.figures import drive_length, drive_mass
 from cycloid_mj.life.item import RatedItem, Rating
 from cycloid_mj.life.items import rate
@@ -40,7 +43,7 @@ class SearchSettings:
         Error of an estimate at this distance in the cube from the nearest rated candidate, and beyond: candidates that
         could be better by it are rated (confidence bounds, Srinivas et al., arXiv:0912.3995).
     poses
-        Crank angles of a rating: margins differ by 0.5 % from those of the data sheet.
+        Crank angles of a rating: capacities differ by 3 % from those of the data sheet.
     """
 
     start: int = 2048
@@ -54,13 +57,16 @@ class SearchSettings:
     ratings: int = 24
     margin: float = 0.08
     reach: float = 0.1
-    poses: int = 7
+    poses: int = 61
 
 
 SETTINGS = SearchSettings()
 
 NO_LIMIT, UNSOUND = 1e9, 0.3
 """Torque limit of what has none [N m], and the factor of estimates next to a candidate that cannot be built."""
+
+CALIBRATION = 0.5
+"""Torque of the first ratings over the estimates, which are for perfect parts."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +80,7 @@ class Rated:
     capacity: float
     weakest: RatedItem
 
-    @property
+    @cached_property
     def mass(self) -> float:
         """Mass of the drive [kg], from the solids of all parts; infinite if a part does not fit."""
         try:
@@ -98,15 +104,32 @@ class Rated:
         return self.mass if key == "mass" else self.figures.get(key, NO_LIMIT)
 
 
+def load_drive(reducer: Reducer, torque: float) -> Reducer:
+    """Return a drive whose nominal torque is an output torque [N m], and its power in proportion."""
+    drive, needed = reducer.design.drive, torque / reducer.design.reduction
+    return reducer.but(drive={"torque": needed, "power": drive.power * needed / drive.torque})
+
+
 def rate_drive(
-    requirement: Requirement, reducer: Reducer, torque: float, estimated: tuple[str, ...] = (), poses: int = POSES
+    requirement: Requirement,
+    reducer: Reducer,
+    torque: float,
+    estimated: tuple[str, ...] = (),
+    poses: int = POSES,
+    sample: int | None = None,
 ) -> Rated | None:
-    """Rate a drive at a torque [N m] under the conditions of a requirement; None if it has no equilibrium."""
-    drive = reducer.design.drive
-    needed = torque / reducer.design.reduction
-    loaded = reducer.but(drive={"torque": needed, "power": drive.power * needed / drive.torque})
+    """Rate a drive within its tolerances at a torque [N m] under the conditions of a requirement.
+
+    As `cycloid-mj rate` does, by the samples at the percentile of the largest forces, or by a `sample` with a number.
+    None if it has no equilibrium, or all samples jam.
+    """
+    loaded = load_drive(reducer, torque)
+    design, zones = loaded.design, tolerance_zones(loaded)
+    parts: Parts = "toleranced" if zones and sample is None else "perfect"
     try:
-        rating = rate(loaded.design, requirement.duty_at(torque), requirement.life, poses=poses)
+        if zones and sample is not None:
+            design = sample_design(loaded, zones, SAMPLES.seed, sample)
+        rating = rate(design, requirement.duty_at(torque), requirement.life, poses=poses, parts=parts)
         length = 1e-3 * drive_length(loaded)
     except CycloidError:
         return None
@@ -117,11 +140,19 @@ def rate_drive(
     return Rated(loaded, torque, rating, {**limits, "other": other, "length": length}, limits[weakest], items[weakest])
 
 
-def rate_candidate(requirement: Requirement, sizes: Sizes, torque: float, estimated: tuple[str, ...]) -> Rated | None:
-    """Rate a candidate at a torque [N m] near its capacity, or at less without equilibrium; None if it has none."""
+def rate_candidate(
+    requirement: Requirement, sizes: Sizes, torque: float, estimated: tuple[str, ...], sample: int | None
+) -> Rated | None:
+    """Rate a `sample` of a candidate at a torque [N m] near its capacity, or at less without equilibrium.
+
+    None if it cannot be built, or has no equilibrium at either torque.
+    """
     reducer = build_drive(requirement, sizes, torque)
-    shares = (1.0, UNSOUND) if reducer else ()
-    tries = (rate_drive(requirement, reducer, share * torque, estimated, SETTINGS.poses) for share in shares if reducer)
+    if not reducer:
+        return None
+    tries = (
+        rate_drive(requirement, reducer, share * torque, estimated, SETTINGS.poses, sample) for share in (1.0, UNSOUND)
+    )
     return next((rated for rated in tries if rated), None)
 
 
@@ -135,12 +166,17 @@ Accept = Callable[[Rated], bool]
 
 @dataclass(frozen=True, eq=False)
 class Archive:
-    """Elites of a kind of drive: points of the cube, sizes, a sample, and factors of the estimates by item."""
+    """Elites of a kind of drive: points of the cube, sizes, a drive, and factors of the estimates by item.
+
+    All candidates are rated with the errors of the same `sample` within the tolerances, by its number: capacities
+    differ by up to 10 % from those by the samples at the percentile of the loads of each.
+    """
 
     points: Array
     sizes: Sizes
-    sample: Reducer
+    drive: Reducer
     factors: Mapping[str, float]
+    sample: int | None
 
 
 @dataclass(eq=False)
@@ -178,8 +214,8 @@ class Pool:
     def capacities_under(self, changed: Requirement) -> Array:
         """Compute the capacities of the rated candidates under changed conditions, in proportion to estimates [N m]."""
         rated = {row: one for row, one in self.rated.items() if one and one.length <= changed.length}
-        sizes, sample = self.sizes[[*rated]].view(np.recarray), self.archive.sample
-        before, after = (scaled_estimate(wanted, sizes, sample, {}) for wanted in (self.requirement, changed))
+        sizes, drive = self.sizes[[*rated]].view(np.recarray), self.archive.drive
+        before, after = (scaled_estimate(wanted, sizes, drive, {}) for wanted in (self.requirement, changed))
         limits = {
             key: np.array([one.figure(key) for one in rated.values()]) * after[key] / np.maximum(before[key], 1e-9)
             for key in after
@@ -238,7 +274,10 @@ class Pool:
                 ratings -= 1
                 index = int(np.argmin(np.where(feasible, value, np.inf)))
                 limit = max(float(torque[index]), 1e-6)
-                self.rated[index] = rate_candidate(self.requirement, self.sizes[index], limit, tuple(self.guess))
+                keys = tuple(self.guess)
+                self.rated[index] = rate_candidate(
+                    self.requirement, self.sizes[index], limit, keys, self.archive.sample
+                )
             elif not known:
                 return None
             elif ratings and known[0] not in extended and known[1] <= give_up:
@@ -264,7 +303,7 @@ class Pool:
         _, first = np.unique(np.concatenate([self.sizes, sizes]), return_index=True)
         new = first[first >= len(self.sizes)] - len(self.sizes)
         points, sizes = points[new], sizes[new].view(np.recarray)
-        guess = scaled_estimate(self.requirement, sizes, self.archive.sample, self.archive.factors)
+        guess = scaled_estimate(self.requirement, sizes, self.archive.drive, self.archive.factors)
         self.points = np.concatenate([self.points, points])
         self.sizes = np.concatenate([self.sizes, sizes]).view(np.recarray)
         self.guess = {key: np.concatenate([values, guess[key]]) for key, values in self.guess.items()}
@@ -291,13 +330,13 @@ def pool_of(requirement: Requirement) -> Pool | None:
     archive = archive_of(requirement.kind)
     if not archive:
         return None
-    guess = scaled_estimate(requirement, archive.sizes, archive.sample, archive.factors)
+    guess = scaled_estimate(requirement, archive.sizes, archive.drive, archive.factors)
     return Pool(requirement, archive, archive.points, archive.sizes, guess)
 
 
-def scaled_estimate(requirement: Requirement, sizes: Sizes, sample: Reducer, factors: Mapping[str, float]) -> Estimate:
+def scaled_estimate(requirement: Requirement, sizes: Sizes, drive: Reducer, factors: Mapping[str, float]) -> Estimate:
     """Estimate candidates under the conditions of a requirement, each figure times its factor."""
-    design = sample.but(**conditions(requirement)).design
+    design = drive.but(**conditions(requirement)).design
     return {key: factors.get(key, 1.0) * guess for key, guess in estimate(requirement, sizes, design).items()}
 
 
@@ -308,26 +347,27 @@ def archive_of(kind: Requirement) -> Archive | None:
     So that the elites serve all conditions, an archive each has the lightest candidates by all items, without the limit
     of temperature, and by strength alone. Halfway, ratings of some elites calibrate the estimates item by item.
     """
-    sample = first_drive(kind)
-    if not sample:
+    drive = first_drive(kind)
+    if not drive:
         return None
     random, factors = np.random.default_rng(0), dict[str, float]()
+    sample: int | None = None
     points, sizes = decode(kind, _sequence(SETTINGS.start))
     for generation in range(SETTINGS.generations + 1):
-        guess = scaled_estimate(kind, sizes, sample, factors)
+        guess = scaled_estimate(kind, sizes, drive, factors)
         elites = _elites(guess)
         points, sizes = points[elites], sizes[elites].view(np.recarray)
         if generation == SETTINGS.generations:
             break
         if generation == SETTINGS.generations // 2:
-            factors = _calibrate(kind, sizes, {key: values[elites] for key, values in guess.items()})
+            factors, sample = _calibrate(kind, sizes, {key: values[elites] for key, values in guess.items()})
         parents, others = random.integers(len(points), size=(2, SETTINGS.children))
         along = SETTINGS.line * random.standard_normal((SETTINGS.children, 1))
         about = SETTINGS.scatter * random.standard_normal((SETTINGS.children, DIMENSIONS))
         children = points[parents] + about + along * (points[others] - points[parents])
         born, bred = decode(kind, np.clip(children, 0.0, 1.0 - 1e-9))
         points, sizes = np.concatenate([points, born]), np.concatenate([sizes, bred]).view(np.recarray)
-    return Archive(points, sizes, sample, factors)
+    return Archive(points, sizes, drive, factors, sample)
 
 
 def _elites(guess: Estimate) -> Integers:
@@ -343,18 +383,27 @@ def _elites(guess: Estimate) -> Integers:
     return np.unique(np.concatenate(chosen))
 
 
-def _calibrate(kind: Requirement, sizes: Sizes, guess: Estimate) -> dict[str, float]:
-    """Return the median ratio of ratings to estimates by item, of some candidates of the upper three quarters."""
+def _calibrate(kind: Requirement, sizes: Sizes, guess: Estimate) -> tuple[dict[str, float], int | None]:
+    """Return the median ratio of ratings to estimates by item, of some candidates of the upper three quarters.
+
+    The second item is the number of the sample that is rated, the critical one of the middle candidate.
+    """
     torque = capacity(guess)
     order = np.argsort(torque)[len(torque) // 4 :]
     rows = order[np.linspace(0, len(order) - 1, SETTINGS.calibrations).astype(int)].tolist()
-    rated = {row: rate_candidate(kind, sizes[row], float(torque[row]), tuple(guess)) for row in rows}
+    middle = rows[len(rows) // 2]
+    reducer = build_drive(kind, sizes[middle], CALIBRATION * float(torque[middle]))
+    sample = find_critical_sample(reducer) if reducer else 0
+    rated = {
+        row: rate_candidate(kind, sizes[row], CALIBRATION * float(torque[row]), tuple(guess), sample) for row in rows
+    }
     known = {row: one for row, one in rated.items() if one}
-    return {
+    factors = {
         key: float(np.exp(np.median([_log_ratio(one.figure(key), values[row]) for row, one in known.items()])))
         for key, values in guess.items()
         if known
     }
+    return factors, sample
 
 
 def _log_ratio(true: Array | float, guess: Array) -> Array:

@@ -16,35 +16,41 @@ from cycloid_mj.cli import main
 from cycloid_mj.design import PRESETS, Design, load, loads, stock
 from cycloid_mj.design.file import dump
 from cycloid_mj.design.fits import clearances
+from cycloid_mj.explore.tolerances import tolerance
 from cycloid_mj.life.checks import life_checks
-from cycloid_mj.life.datasheet import datasheet, momentary_torque
+from cycloid_mj.life.datasheet import datasheet
 from cycloid_mj.life.figures import drive_length
-from cycloid_mj.life.rated import rated_torque
+from cycloid_mj.life.items import rate
+from cycloid_mj.life.rated import weakest_torque
 from cycloid_mj.parts.export import bill, casing
 from cycloid_mj.reducer import Reducer
 from cycloid_mj.sizing.answer import Answer, FeasibleChange, SizedDrive, best_ratio, length_parts, solve
 from cycloid_mj.sizing.drives import size_drive
 from cycloid_mj.sizing.requirement import Requirement, required
+from cycloid_mj.sizing.search import first_drive
 from cycloid_mj.statics.sheet import sheet
 
-SMALL = Requirement(20, 0.06, 10.0)
+SMALL = Requirement(20, 0.06, 3.0)
 TOO_MUCH = Requirement(15, 0.06, 30.0, process="printed")
 
 
-def require_held(drive: SizedDrive, asked: Requirement, told: float = 0.02) -> None:
-    """Fail unless a drive is sound, and its own data sheet would rate it for what was asked, and nearly as is told."""
+def require_held(drive: SizedDrive, asked: Requirement) -> None:
+    """Fail unless a drive meets a requirement by the checks and the rating of its own file, within its tolerances."""
     design = drive.design
+    reducer = Reducer(design)
     assert design.lobes == asked.ratio
-    assert 2.0 * design.housing.outer_radius == pytest.approx(asked.diameter)
+    assert 2.0 * casing(reducer).outer <= asked.diameter + 1e-5
     assert design.service.life == asked.life
     assert all(item.passed for item in check(design) if item.severity == "error")
-    assert all(item.passed for item in life_checks(Reducer(design)))
-    rated, _ = rated_torque(Reducer(design), asked.speed, asked.life)
-    momentary, _ = momentary_torque(Reducer(design))
-    assert rated >= asked.torque
-    assert momentary >= 2.0 * asked.torque
-    assert drive.figures["rated_torque_nm"] == pytest.approx(min(rated, momentary), rel=told)
-    assert drive.figures["momentary_torque_nm"] == pytest.approx(momentary, rel=0.05)  # of fewer angles
+    assert all(item.passed for item in life_checks(reducer))
+    rating = rate(design, parts="toleranced")  # as `cycloid-mj rate` does
+    decisive = [item for item in rating.items.values() if item.decisive]
+    assert min(item.margin(asked.life) for item in decisive) >= 1.0
+    rated, _ = weakest_torque(decisive, design.rated_torque, asked.life)
+    assert drive.figures["rated_torque_nm"] == pytest.approx(rated, rel=1e-3)
+    assert drive.figures["rated_torque_nm"] >= asked.torque
+    assert drive.figures["momentary_torque_nm"] >= 2.0 * asked.torque
+    assert drive.figures["yield_percent"] >= 99.0
 
 
 def solved(asked: Requirement) -> Reducer:
@@ -78,13 +84,13 @@ def small() -> Answer:
 def test_the_drives_hold_what_is_asked_and_differ(small: Answer) -> None:
     require_kept(small)
     lightest, *others = small.drives
-    (stiffest,) = (drive for drive in others if drive.title == "stiffest")
-    (lasting,) = (drive for drive in others if "longest life" in drive.why)
-    assert lightest.figures["mass_kg"] < min(drive.figures["mass_kg"] for drive in others)
-    assert stiffest.figures["stiffness_nm_per_arcmin"] > 1.05 * lightest.figures["stiffness_nm_per_arcmin"]
-    for key, best in (("stiffness_nm_per_arcmin", stiffest), ("life_h", lasting)):
-        assert best.figures[key] == max(drive.figures[key] for drive in small.drives)
-    assert len({drive.design.but(name="same") for drive in small.drives}) == len(small.drives) > 1
+    assert all(lightest.figures["mass_kg"] < drive.figures["mass_kg"] for drive in others)
+    for drive in others:
+        keys = {"stiffest": "stiffness_nm_per_arcmin", "longest life": "life_h"}
+        best = [key for title, key in keys.items() if title in (drive.title, drive.why) or title in drive.why]
+        assert best
+        assert all(drive.figures[key] == max(one.figures[key] for one in small.drives) for key in best)
+    assert len({drive.design.but(name="same") for drive in small.drives}) == len(small.drives)
 
 
 @pytest.mark.slow
@@ -95,6 +101,15 @@ def test_its_data_sheet_says_the_same(small: Answer) -> None:
     assert sheet["momentary_torque_nm"] >= 2.0 * SMALL.torque
     assert sheet["weakest"]["key"]
     assert sheet["rated_torque_nm"] == pytest.approx(small.drives[0].figures["rated_torque_nm"], rel=0.02)
+
+
+@pytest.mark.slow
+def test_the_drive_of_the_readme_meets_its_requirement_within_its_tolerances() -> None:
+    """Perfect parts were rated: within the tolerances of its file, a drive for 1.5 N m was rated for 0.71 N m."""
+    asked = required(ratio=15, diameter_mm=100.0, torque_nm=1.5, process="printed", speed_rpm=200.0, life_h=500.0)
+    lightest = size_drive(asked).drives[0]
+    require_held(lightest, asked)
+    assert tolerance(lightest.design, 512).good.mean() >= 0.99
 
 
 @pytest.mark.slow
@@ -140,7 +155,7 @@ def test_length_and_backlash_are_kept() -> None:
 def test_where_play_lets_the_usual_teeth_snap_over_others_are_found() -> None:
     asked = Requirement(112, 0.153, 3.96, process="printed")
     for drive in size_drive(asked).drives:
-        require_held(drive, asked, told=0.06)  # some crank angles snap over before others
+        require_held(drive, asked)
     small = size_drive(Requirement(17, 0.0302, 0.343, process="printed"))
     assert small.most > 0.05
     require_kept(small)
@@ -304,10 +319,12 @@ def test_the_lightest_is_the_lightest() -> None:
     assert min(masses) == masses[0]
 
 
-@pytest.mark.slow
-def test_the_covers_stay_within_the_diameter_where_the_wall_can_take_their_screws() -> None:
-    found = solved(Requirement(60, 0.07, 0.5))
-    assert casing(found).outer == found.design.housing.outer_radius
+@pytest.mark.parametrize("asked", [Requirement(15, 0.07, 1.0, process="printed"), SMALL], ids=str)
+def test_the_covers_stay_within_the_diameter(asked: Requirement) -> None:
+    """Printed covers with inserts had 85 mm where 70 mm were required, as no screw fits in the wall of a ring of 70."""
+    drive = first_drive(asked)
+    assert drive
+    assert 2.0 * casing(drive).outer <= asked.diameter + 1e-5
 
 
 @pytest.mark.slow

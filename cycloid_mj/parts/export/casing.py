@@ -197,7 +197,7 @@ def casing(reducer: Reducer, motor: Motor = "auto", cover_material: str = "auto"
     radius, half, output = design.housing.outer_radius, design.gear.stack_width / 2.0, design.output
     wall = least_wall(reducer)
     screws = _screws(reducer, wall)
-    outer = screws.circle + counterbore(screws.bolt) + wall if screws.outside else radius
+    outer = _cover_radius(screws, radius, wall)
     rim = output.pin_circle_radius + (1.0 + RIM) * output.pin_radius
     prisms, straddles = crank_stretches(reducer), design.shaft.mounting == "straddle"
     far, near = bearing_seats(reducer, prisms)
@@ -311,12 +311,20 @@ def casing_or_none(reducer: Reducer, motor: Motor = "auto", cover_material: str 
         return None, str(error)
 
 
-def covers_fit(reducer: Reducer) -> bool:
-    """Return whether the screws of the covers fit within the outer radius of the housing."""
-    try:
-        return not _screws(reducer, least_wall(reducer)).outside
-    except DesignError:
-        return False
+def cover_radius(reducer: Reducer) -> float:
+    """Return the outer radius of the covers [m], that of the housing where their screws fit in its wall.
+
+    Raises
+    ------
+    DesignError
+        No screws in stock are long enough.
+    """
+    wall = least_wall(reducer)
+    return _cover_radius(_screws(reducer, wall), reducer.design.housing.outer_radius, wall)
+
+
+def _cover_radius(screws: Screws, radius: float, wall: float) -> float:
+    return screws.circle + counterbore(screws.bolt) + wall if screws.outside else radius
 
 
 def seat_radius(reducer: Reducer, width: float) -> float:
