@@ -19,7 +19,6 @@ from cycloid_mj.life.checks import life_checks
 from cycloid_mj.life.rated import is_momentary, weakest_torque
 from cycloid_mj.parts.export.casing import casing
 from cycloid_mj.reducer import Reducer, once
-from cycloid_mj.sizing.process import PROCESSES
 from cycloid_mj.sizing.reasons import reasons_of
 from cycloid_mj.sizing.requirement import Requirement
 from cycloid_mj.sizing.search import Pool, Rated, pool_of, rate_drive
@@ -222,7 +221,7 @@ def _trials(requirement: Requirement, give_up: float = 0.0) -> Iterator[_Trial]:
                 backlash = tolerance_study(fixed, strongest.reducer).get("backlash_p95_arcmin", math.inf)
             variants += [] if fixed.tightened else _finer(fixed, backlash)
             if not variants and not fixed.tightened and requirement.has_usual_clearances:
-                variants.append(fixed.but(clearance=PROCESSES[fixed.process].finest, tightened=True))
+                variants.append(fixed.finest)
 
 
 def is_feasible(requirement: Requirement) -> bool:

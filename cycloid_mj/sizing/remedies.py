@@ -62,11 +62,11 @@ def _single(requirement: Requirement, most: float, pools: Sequence[Pool]) -> Ite
 def _capacity(requirement: Requirement) -> float:
     """Return a torque that some drive is rated for [N m]: at least the required one if it is found, else the largest.
 
-    Where the backlash is limited, it is the required torque of a drive that meets both limits, or 0.
+    It has the finest clearances of the process, unless others are required. Where the backlash is limited, it is the required torque of a drive that meets both limits, or 0.
     """
     if requirement.backlash < math.inf:
         return requirement.torque if is_feasible(requirement) else 0.0
-    pools = [pool_of(requirement.but(discs=discs)) for discs in requirement.numbers_of_discs]
+    pools = [pool_of(requirement.finest.but(discs=discs)) for discs in requirement.numbers_of_discs]
     give_up = HOPELESS * requirement.torque
     largest = [pool.largest(requirement.length, requirement.torque, give_up=give_up) for pool in pools if pool]
     return max((one.capacity for one in largest if one), default=0.0)

@@ -310,6 +310,11 @@ class Requirement:
         return not (self.clearance or self.fit)
 
     @property
+    def finest(self) -> Self:
+        """The requirement with the finest clearances of its process, unless a clearance or a fit is required."""
+        return self.but(clearance=PROCESSES[self.process].finest, tightened=True) if self.has_usual_clearances else self
+
+    @property
     def tighter_clearances(self) -> Iterator[float]:
         """The clearances below the usual one that the process allows [m], the largest first.
 
