@@ -62,7 +62,8 @@ def _single(requirement: Requirement, most: float, pools: Sequence[Pool]) -> Ite
 def _capacity(requirement: Requirement) -> float:
     """Return a torque that some drive is rated for [N m]: at least the required one if it is found, else the largest.
 
-    It has the finest clearances of the process, unless others are required. Where the backlash is limited, it is the required torque of a drive that meets both limits, or 0.
+    Clearances are the finest of the process, unless others are required. Where the backlash is limited, the result is
+    the required torque of a drive that meets both limits, or 0.
     """
     if requirement.backlash < math.inf:
         return requirement.torque if is_feasible(requirement) else 0.0
