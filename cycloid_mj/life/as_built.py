@@ -68,7 +68,7 @@ def has_tolerances(design: Design) -> bool:
 def find_critical_sample(reducer: Reducer) -> int | None:
     """Return the number of the sample at the percentile of the largest tooth force, of those that have a balance.
 
-    None if the design has no tolerances, or no sample has a balance.
+    None if the design has no tolerances; 0, the first sample, if none has a balance.
     """
     zones = tolerance_zones(reducer)
     if not zones:
@@ -76,7 +76,7 @@ def find_critical_sample(reducer: Reducer) -> int | None:
     samples = draw_samples(reducer, zones, SETTINGS.seed, Batch(0, SETTINGS.samples))
     force = compute_sampled(reducer, samples, ["tooth_force_n"], SETTINGS.loaded_angles)["tooth_force_n"]
     count = int(np.isfinite(force).sum())  # the others are sorted last
-    return int(np.argsort(force, kind="stable")[_rank(count)]) if count else None
+    return int(np.argsort(force, kind="stable")[_rank(count)]) if count else 0
 
 
 def _rank(count: int) -> int:
