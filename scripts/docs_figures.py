@@ -260,7 +260,7 @@ def drive_of_the_tutorial() -> dict[str, Value]:
     """Collect the figures of the drive that the tutorial's first command writes."""
     from cycloid_mj.sizing import new
 
-    return dict(new(20, 60.0, 10.0).drives[0].figures)
+    return dict(new(20, 60.0, 4.0).drives[0].figures)
 
 
 def loops_of_the_printed_drive() -> dict[str, Value]:
