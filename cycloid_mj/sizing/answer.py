@@ -14,7 +14,7 @@ from cycloid_mj.base.notebook_display import Presented
 from cycloid_mj.base.units import MILLIMETRES
 from cycloid_mj.design import Design
 from cycloid_mj.figures import figure
-from cycloid_mj.life.as_built import has_tolerances, rated_samples
+from cycloid_mj.life.as_built import has_tolerances, select_rated_samples
 from cycloid_mj.life.checks import life_checks
 from cycloid_mj.life.rated import is_momentary, weakest_torque
 from cycloid_mj.parts.export.casing import casing
@@ -257,7 +257,7 @@ def tolerance_study(requirement: Requirement, reducer: Reducer) -> Figures:
         backlash = figure("backlash_arcmin").value(reducer)
         return {"yield_percent": 100.0 if backlash <= requirement.backlash else 0.0, "backlash_arcmin": backlash}
     try:
-        samples = rated_samples(reducer)
+        samples = select_rated_samples(reducer)
     except CycloidError:
         return {"yield_percent": 0.0}
     jams, backlashes = samples.jams, samples.backlash
