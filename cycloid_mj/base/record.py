@@ -267,7 +267,7 @@ def _check_columns(samples: int, columns: Mapping[str, Array], units: Mapping[st
             )
     if surplus := [name for name in units if name not in columns]:
         raise LogError(
-            f"the argument `units` has the key {surplus[0]!r}, which is not a column: "
+            f"the argument `units` has the key {surplus[0]!r}, which is not a column. Remove or rename this key: "
             f"{_unknown_column(surplus[0], list(columns))}"
         )
 
@@ -278,7 +278,7 @@ def _topics(topics: Mapping[str, Sequence[str]], columns: Mapping[str, Array]) -
     listed = [name for names in names_by_topic.values() for name in names]
     if unknown := [name for name in listed if name not in columns]:
         raise LogError(
-            f"the argument `topics` lists {unknown[0]!r}, which is not a column: "
+            f"the argument `topics` lists {unknown[0]!r}, which is not a column. Remove or rename it: "
             f"{_unknown_column(unknown[0], list(columns))}"
         )
     if len(set(listed)) < len(listed):

@@ -298,7 +298,7 @@ def _hysteresis_parameters(loops: Sequence[MeasuredLoop]) -> tuple[Parameter, ..
         Parameter(
             "hysteresis",
             "N m",
-            "friction at the output that builds up gradually, as of loaded seats and of plastics",
+            "friction at the output that builds up gradually, as in loaded seats and plastics",
             0.1 * max_torque,
             0.02 * max_torque,
             0.0,

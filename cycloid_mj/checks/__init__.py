@@ -103,6 +103,4 @@ def require_sound(reducer: Reducer) -> None:
     """Raise DesignError with a line for each failed check of `soundness`; warnings do not count."""
     failed = Checks(soundness(reducer)).failures
     if failed:
-        raise DesignError(
-            f"the design {reducer.design.name!r} cannot be built. Correct the values below:", map(str, failed)
-        )
+        raise DesignError(f"the design {reducer.design.name!r} cannot be built:", map(str, failed))

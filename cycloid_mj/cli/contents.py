@@ -60,12 +60,14 @@ GROUPS: Mapping[str, Mapping[str, Listed]] = {
         "figures": Listed("List all figures that commands print, limit and vary, by key.", "figures:figures"),
         "rate": Listed("Rate life, fatigue, wear and heat, the weakest item first.", "rate:rate"),
         "thermal": Listed("Compute temperatures, warm-up and thermal limits of a drive.", "thermal:thermal"),
-        "wear": Listed("Wear a drive over its hours, and compute its accuracy life.", "wear:wear"),
-        "datasheet": Listed("Write a data sheet in the style of makers: PDF and HTML.", "datasheet:datasheet"),
+        "wear": Listed("Compute the wear of a drive over its running hours, and its accuracy life.", "wear:wear"),
+        "datasheet": Listed("Write a manufacturer-style data sheet as PDF and HTML.", "datasheet:datasheet"),
     },
     "Analyse": {
-        "measure": Listed("Measure one figure by simulation, with its error and its closed form.", "measure:commands"),
-        "protocol": Listed("Evaluate standard test figures of the model and of a bench.", "protocol:protocol"),
+        "measure": Listed(
+            "Measure one figure by simulation, with its numerical error and closed form.", "measure:commands"
+        ),
+        "protocol": Listed("Evaluate standard test figures of the model and of measurements.", "protocol:protocol"),
         "stress": Listed("Compute the stress of the parts by finite elements.", "stress:stress"),
         "compare": Listed("Compare designs in simulations without load and under load.", "compare:compare"),
         "validate": Listed("Compare the simulation with closed forms and published cases.", "validate:validate"),

@@ -40,7 +40,7 @@ def datasheet(
     life_h: LifeFlag = None,
     delivery: Annotated[Sheets, FLAT] = SHEETS,
 ) -> int:
-    """Write a data sheet in the style of makers: PDF and HTML.
+    """Write a manufacturer-style data sheet as PDF and HTML.
 
     Rated torque for a required life (service.life_h), computed with the checks of `rate`; momentary torque, lost
     motion, stiffness, efficiency, backlash, mass, inertia, curves and a dimensioned drawing. All values are computed

@@ -46,7 +46,7 @@ from cycloid_mj.reducer import Reducer
 if TYPE_CHECKING:
     from cycloid_mj.measure import Measurement
 
-ABOUT = "Measure one figure by simulation, with its error and its closed form."
+ABOUT = "Measure one figure by simulation, with its numerical error and closed form."
 EXAMPLES = """Examples:
   cycloid-mj measure te --design pin
   cycloid-mj measure backlash --design nonpin --set clearance.tooth_um=5

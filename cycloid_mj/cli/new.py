@@ -69,8 +69,8 @@ DutyFlag = Annotated[
     str,
     Parameter(
         metavar="SHARE|FILE",
-        help="Share of the time under load, 0.001 to 1, or CSV file of a duty cycle as of `cycloid-mj rate`, whose "
-        "largest torque becomes --torque-nm. Default: 1; 0.25 for printed drives.",
+        help="Share of the time under load, 0.001 to 1, or CSV file of a duty cycle (as for `cycloid-mj rate --duty`), "
+        "whose largest torque becomes --torque-nm. Default: 1; 0.25 for printed drives.",
     ),
 ]
 CoolingFlag = Annotated[
@@ -193,7 +193,7 @@ def new(
     of its tolerance study turn freely within the backlash. The lightest drive with its covers is NAME.toml, with a
     reason for each value; the stiffest and the longest-lived are NAME-stiffest.toml and NAME-longest-life.toml. If no
     drive meets the requirements, the maximum torque and verified alternatives are printed, and the exit code is 1.
-    Changes by --set hold for every drive that the search tries. Printed drives are for 500 h at 300 rpm and 25 % of
+    Changes by --set apply to every drive that the search tries. Printed drives are for 500 h at 300 rpm and 25 % of
     the time unless set otherwise.
 
     A new size has one stage, one central crank, pins (or lobes) in the ring, and one lobe fewer on the disc. For an

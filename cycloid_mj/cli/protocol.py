@@ -73,7 +73,7 @@ AnglesFlag = Annotated[
 EXAMPLES = """Examples:
   cycloid-mj protocol --design pin
   cycloid-mj protocol --design printed --rated-nm 24 --loop stiffness_loop.csv --html
-  cycloid-mj protocol --design my.toml --loop at_0.csv --loop at_60.csv --te te.csv --running run.csv --out told"""
+  cycloid-mj protocol --design my.toml --loop at_0.csv --loop at_60.csv --te te.csv --running run.csv --out tests"""
 
 
 def protocol(
@@ -88,11 +88,11 @@ def protocol(
     angles: AnglesFlag = 6,
     delivery: Annotated[Delivery, FLAT] = DELIVERY,
 ) -> int:
-    """Evaluate standard test figures of the model and of a bench.
+    """Evaluate standard test figures of the model and of measurements.
 
     Lost motion at 3 % of the rated torque, hysteresis loss, torsional stiffness in three intervals, transmission
-    error, no-load starting, running and back-driving torque, each by the definition of makers and standards, which is
-    printed next to it. Loops of the model and of the bench are evaluated by the same functions; figures without a
+    error, no-load starting, running and back-driving torque, by the definitions of manufacturers and standards, which
+    is printed next to it. Loops of the model and of the bench are evaluated by the same functions; figures without a
     bench file are those of the model only. docs/protocol.md describes the measurements.
     """
     from cycloid_mj.bench import read_loop, read_te

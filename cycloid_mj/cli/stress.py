@@ -215,7 +215,7 @@ def stress(
         if log or part or figure or solid or angle_deg is not None:
             raise UsageError(
                 "--springs always covers all parts of the designs and cannot be combined with --log, --part, --figure, "
-                "--solid and --angle-deg: remove those flags"
+                "--solid or --angle-deg: remove those flags"
             )
         from cycloid_mj.stress.mounts import read_mounts
 
@@ -255,7 +255,10 @@ def _springs(reducers: Sequence[Reducer], load: float | None, mounts: "Mounts | 
     sprung = []
     for design in designs:
         if not delivery.quiet:
-            tell(f"{design.name}: simulating without friction, then computing stresses of its parts at 12 crank angles")
+            tell(
+                f"{design.name}: simulating without friction, then computing the compliance of its parts by finite "
+                "elements at 12 crank angles"
+            )
         torque = load if load is not None else design.load.torque or round(design.rated_torque, 9)
         sprung.append(part_springs(Reducer(design.but(load={"torque": torque})), mounts))
     outcome = Outcome(

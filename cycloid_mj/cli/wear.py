@@ -44,7 +44,7 @@ def wear(
     duty: DutyFlag = None,
     delivery: Annotated[Delivery, FLAT] = DELIVERY,
 ) -> int:
-    """Wear a drive over its hours, and compute its accuracy life.
+    """Compute the wear of a drive over its running hours, and its accuracy life.
 
     Every point of flanks, pins, holes and plain bearings is worn by Archard's law: coefficient times pressure times
     sliding distance over a turn. After each step, statics is solved again with the worn parts. New surfaces run in: the

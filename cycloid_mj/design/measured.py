@@ -177,7 +177,9 @@ def _lines(path: Path) -> Iterator[tuple[int, list[str]]]:
     lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), 1)]
     lines = [(number, line) for number, line in lines if line and not line.startswith("#")]
     if len(lines) < 2:
-        raise DesignError(f"{path} has no measurements: write a header and one row per measured point")
+        raise DesignError(
+            f"{path} has no measurements: write a header, such as {','.join(ANGLES)}, and one row per measured point"
+        )
     if len(lines) > MAX_ROWS + 1:
         raise DesignError(f"{path} has {len(lines):,} rows: reduce them to at most {MAX_ROWS:,}")
     for number, line in lines:

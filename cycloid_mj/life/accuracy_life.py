@@ -165,7 +165,7 @@ class WearLife(Presented):
         """The assumptions, a sentence each."""
         return (
             "Archard: the depth of each point is k times its pressure times sliding distance; the drive turns half of "
-            "the time each way, and parts of a kind wear alike",
+            "the time each way, and parts of the same kind wear equally",
             "statics is solved again after each step with the worn flanks, pins, holes and cams; curvatures, "
             "stiffnesses and friction remain those of new parts; rolling bearings do not wear",
             f"run-in: k begins at {RUN_IN.factor:g} times its steady value and falls while the run-in depth is worn "

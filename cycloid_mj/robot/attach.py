@@ -42,8 +42,8 @@ def attach_reducer(spec: Any, joint: str, reduced: ReducedJoint) -> None:
         )
     if any(each.name == reducer_name(joint) for each in spec.tuples):
         raise UsageError(
-            f"the joint {joint!r} already has a reducer, and only one is allowed: choose another joint, or attach to "
-            "the original model"
+            f"the joint {joint!r} already has a reducer, and only one is allowed: choose another joint, or attach the "
+            "reducer to the original model"
         )
     before = [(list(key.qpos), list(key.qvel)) for key in spec.keys]
     if reduced.level == "rigid":

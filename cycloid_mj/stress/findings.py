@@ -17,23 +17,27 @@ MAX_CHANGE = 0.03
 """Largest relative change of a maximum with a finer grid for which it counts as converged."""
 
 ASSUMPTIONS = (
-    "the turn is the last one of the run: where it begins the gear has turned on by one lobe, and the output with it; "
-    "stress that goes with the output pins may step there",
-    "linear elasticity; the shaft, and the output's disc and pins as one body, in 3-D; gear, ring and pin 1 in plane "
-    "stress over the face width, or in 3-D if requested, with their forces even over it; of several discs each is a "
-    "part, ring and pin 1 are as wide as all of them, and on shaft and output each disc's forces act in its plane",
-    "loads quasi-static: the logged contact forces of each instant, gravity, and inertia; no stress waves",
-    "each force acts on an elliptical patch of Hertz's half width, at most 60 deg of the thinner cylinder: so wide is "
-    "the cam in its bore (as in a roller bearing's loaded half); its contact stress is that of the most loaded roller",
-    "the force of one lobe of the internal gear, a sum of up to three contact lines, acts as one",
-    "the free parts, gear and pin 1, have the acceleration of their forces (d'Alembert)",
-    "the housing is fixed at the circles that its bolts clamp, or all round outside (housing.support); the output disc "
-    "at a hub of the shaft's radius; the shaft in two bearings that press and do not pull (shaft.mounting)",
-    "fillets are not in the grids: their stress is the nominal one, of beam theory, times the notch factor of a "
-    "shoulder by DIN 743-2; output rollers hand their force on to the core pins over 60 deg to each side",
-    "bulk stress is the largest von Mises stress beyond a distance d from every narrow contact and sharp inner corner, "
-    "where it stands on a plateau: the first d at which it falls by less than 5 % to the next, 1.41 d. Contact stress "
-    "is the largest below a narrow contact by Hertz, whose strip is long; conformal contacts belong to the bulk",
+    "the crank turn is the last of the run; between its beginning and end, disc and output turn on by one lobe, so "
+    "stress caused by the output pins may jump there",
+    "linear elasticity; the shaft, and the output disc with its pins as one body, in 3-D; disc, ring and pin 1 in "
+    "plane stress over the face width, or in 3-D if requested, with forces uniform over the width; each of several "
+    "discs is a part of its own, ring and pin 1 are as wide as all discs, and on shaft and output the forces of "
+    "each disc act in its plane",
+    "quasi-static loads: the logged contact forces at each time, gravity and inertia; no stress waves",
+    "each force acts on an elliptical patch of the Hertz half-width, at most 60 deg of the thinner cylinder; the "
+    "force of the cam acts on 60 deg of its bore (as in the loaded half of a roller bearing), with the contact "
+    "stress of the most loaded roller",
+    "the force of one lobe of the internal gear, a sum of up to three contact lines, acts as a single force",
+    "the free parts (disc and pin 1) accelerate under their forces (d'Alembert)",
+    "the housing is fixed at the circles that its bolts clamp, or all around its outside (housing.support); the "
+    "output disc at a hub with the radius of the shaft; the shaft in two bearings that transmit pressure only "
+    "(shaft.mounting)",
+    "fillets are not meshed: their stress is the nominal stress of beam theory times the notch factor of a shoulder"
+    " by DIN 743-2; output rollers distribute their force on the core pins over 60 deg to each side",
+    "bulk stress is the largest von Mises stress beyond a distance d from all narrow contacts and sharp inner "
+    "corners, where it is on a plateau: the smallest d from which it falls by less than 5 % to the next distance, "
+    "1.41 d. Contact stress is the largest stress below a narrow contact by Hertz theory of a long strip; conformal"
+    " contacts belong to the bulk",
 )
 
 

@@ -453,7 +453,7 @@ def test_a_run_without_design_is_refused():
     run = ideal(designed())
     with pytest.raises(LogError, match=r"lacks the attached file design.toml"):
         analyze(replace(run, attachments={}))
-    with pytest.raises(LogError, match="is not text"):
+    with pytest.raises(LogError, match="is not UTF-8 text"):
         analyze(replace(run, attachments={"design.toml": b"\xff\xfe"}))
     with pytest.raises(DesignError, match=r"the run's design\.toml"):
         analyze(replace(run, attachments={"design.toml": b"[ring]\nteeth = 1\n"}))

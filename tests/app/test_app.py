@@ -728,7 +728,7 @@ def test_only_the_last_finished_jobs_are_kept() -> None:
         stopped.append(jobs.start("studies", "", lambda told: {}))
         jobs.stop(stopped[-1].number)
     assert jobs.get(first.number) is first
-    with pytest.raises(UsageError, match="no longer available"):
+    with pytest.raises(UsageError, match="no longer stored"):
         jobs.get(stopped[0].number)
     assert jobs.get(stopped[-1].number).state == "stopped"
     worker.go.set()

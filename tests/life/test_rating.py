@@ -567,8 +567,8 @@ def test_stress_ranges_of_a_study_take_the_place_of_beam_formulas(tmp_path: Path
     [
         ("nothing", "is not a result"),
         ("[]", "is not a result"),
-        ('{"designs": [{"design": "other", "load_nm": 3}]}', "it has other"),
-        ('{"designs": [{"design": "pin", "load_nm": 0, "parts": []}]}', "without load"),
+        ('{"designs": [{"design": "other", "load_nm": 3}]}', "only for: other"),
+        ('{"designs": [{"design": "pin", "load_nm": 0, "parts": []}]}', "without a load"),
         ('{"designs": [{"design": "pin", "load_nm": 3, "parts": [{"part": "gear"}]}]}', "no stress ranges"),
     ],
 )

@@ -32,5 +32,5 @@ def test_flanges_carry_less_than_the_discs_because_opposed_forces_cancel_in_part
 
 
 def test_samples_of_an_rv_reducer_are_not_rated() -> None:
-    with pytest.raises(UsageError, match="rate perfect parts"):
+    with pytest.raises(UsageError, match="use `--parts perfect`"):
         rate(RV80E, parts="toleranced")

@@ -470,9 +470,15 @@ def edits() -> dict[str, tuple[Callable[[str, dict], dict | None], str]]:
         "units": (on("channel", lambda f: f | {"metadata": {"units": "{"}}), "malformed schema of /reducer"),
         "no unit": (on("channel", lambda f: f | {"metadata": {"units": "{}"}}), "malformed schema of /reducer"),
         "list": (on("channel", lambda f: f | {"metadata": {"units": "[1]"}}), "malformed schema of /reducer"),
-        "encoding": (on("channel", lambda f: f | {"message_encoding": "json"}), "not a flat message of doubles"),
+        "encoding": (
+            on("channel", lambda f: f | {"message_encoding": "json"}),
+            "does not consist of the time followed by 64-bit numbers",
+        ),
         "schema": (on("schema", lambda f: f | {"data": b"\xff\xff"}), "malformed schema of /reducer"),
-        "types": (on("schema", lambda f: f | {"data": int_schema}), "not a flat message of doubles"),
+        "types": (
+            on("schema", lambda f: f | {"data": int_schema}),
+            "does not consist of the time followed by 64-bit numbers",
+        ),
         "twice": (
             lambda kind, f: (
                 f | {"metadata": units}
@@ -505,7 +511,7 @@ def test_files_that_are_no_logs(log, truth, tmp_path):
     with LogWriter(tmp_path / "nothing.mcap", GROUPS):
         pass
     expected = {
-        "runn.mcap": r"no log .*runn\.mcap: nearest in that folder: .*nothing\.mcap",
+        "runn.mcap": r"runn\.mcap does not exist: nearest in that folder: .*nothing\.mcap",
         "no/run.mcap": "there is no folder .*no either",
         "empty.mcap": "is empty",
         "text.mcap": "is not an MCAP file",
@@ -573,7 +579,7 @@ def test_full_disk_keeps_the_chunks_before(truth, tmp_path):
     path = tmp_path / "run.mcap"
     with (
         disk_of(12_000),
-        pytest.raises(LogError, match=r"run\.mcap: File too large; its first (\d+) samples") as caught,
+        pytest.raises(LogError, match=r"run\.mcap: File too large\. Its first (\d+) samples") as caught,
         LogWriter(path, GROUPS, chunk_size=10 * ROW) as log,
     ):
         write_samples(log, truth)
@@ -632,7 +638,7 @@ def test_close_says_why_a_run_ended(truth, tmp_path):
         ({"/a": [("x", "1")], "/b": [("x", "1")]}, "'x' occurs in /b and in /a"),
         ({"/a": [("x", "1"), ("x", "N")]}, "'x' occurs in /a and in /a"),
         ({"/a": [("time", "s")]}, "'time'"),
-        ({"/a": [("gearAngle", "rad")]}, "snake_case"),
+        ({"/a": [("gearAngle", "rad")]}, "lower-case letters"),
         ({"reducer": [("x", "1")]}, "topic 'reducer'"),
         ({"/Pins": [("x", "1")]}, "topic '/Pins'"),
     ],
@@ -646,14 +652,14 @@ def test_names_that_a_log_refuses(groups, message, tmp_path):
 @pytest.mark.parametrize(
     ("time", "shapes", "message"),
     [
-        ([1.0, 2.0], {"/a": (2, 1)}, r"topics \['/a'\]; log .* requires \['/a', '/b'\]"),
-        ([1.0, 2.0], {"/a": (2, 1), "/b": (2, 3)}, r"/b have shape \(2, 3\); expected \(2, 2\)"),
-        ([1.0, 2.0], {"/a": (1, 1), "/b": (2, 2)}, r"/a have shape \(1, 1\); expected \(2, 1\)"),
+        ([1.0, 2.0], {"/a": (2, 1)}, r"topics \['/a'\], but log .* needs \['/a', '/b'\]"),
+        ([1.0, 2.0], {"/a": (2, 1), "/b": (2, 3)}, r"/b have shape \(2, 3\): pass an array of shape \(2, 2\)"),
+        ([1.0, 2.0], {"/a": (1, 1), "/b": (2, 2)}, r"/a have shape \(1, 1\): pass an array of shape \(2, 1\)"),
         ([[1.0, 2.0]], {"/a": (2, 1), "/b": (2, 2)}, r"shape \(1, 2\)"),
-        ([1.0, 1.0], {"/a": (2, 1), "/b": (2, 2)}, "increasing"),
-        ([0.5, 1.0], {"/a": (2, 1), "/b": (2, 2)}, "after 0.5 s"),
-        ([-1.0, 1.0], {"/a": (2, 1), "/b": (2, 2)}, "not negative"),
-        ([1.0, np.nan], {"/a": (2, 1), "/b": (2, 2)}, "must be finite"),
+        ([1.0, 1.0], {"/a": (2, 1), "/b": (2, 2)}, "increase strictly"),
+        ([0.5, 1.0], {"/a": (2, 1), "/b": (2, 2)}, "cannot follow 0.5 s"),
+        ([-1.0, 1.0], {"/a": (2, 1), "/b": (2, 2)}, "at least 0 s"),
+        ([1.0, np.nan], {"/a": (2, 1), "/b": (2, 2)}, "finite times"),
     ],
 )
 def test_samples_that_a_log_refuses_leave_it_unharmed(time, shapes, message, tmp_path):

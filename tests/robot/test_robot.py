@@ -830,7 +830,7 @@ def test_a_spoiled_reducer_is_refused(few: ReducedJoint, change: dict) -> None:
     given = few.as_json()
     ReducedJoint.from_json(given)
     given["joint"] = given["joint"] | change
-    with pytest.raises(UsageError, match="the file does not describe a"):
+    with pytest.raises(UsageError, match=r"the file does not describe a|the reducer file is not valid"):
         ReducedJoint.from_json(given)
 
 

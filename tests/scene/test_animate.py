@@ -240,7 +240,7 @@ def test_nonpin_film_has_no_pins(nonpin_run):
 
 def test_width_of_a_film(pin_run):
     for width in (10, 10_000):
-        with pytest.raises(UsageError, match="200 to 4000 px"):
+        with pytest.raises(UsageError, match="200 to 4000 pixels"):
             film(take(pin_run, frames=1), width)
 
 
@@ -343,7 +343,7 @@ def test_runs_that_cannot_be_replayed(pin_run, modelled):
     with pytest.raises(LogError, match=r"lacks the attached file model\.xml"):
         replay_model(pin_run)
     for content in (b"<mujoco><nonsense/></mujoco>", b"\xff\xfe"):
-        with pytest.raises(LogError, match=r"cannot load model\.xml of"):
+        with pytest.raises(LogError, match=r"cannot load the model\.xml attached to"):
             replay_model(made_run(PIN, 2, attachments={"model.xml": content}))
     other = made_run(PIN, 2, attachments={"model.xml": b"<mujoco><worldbody/></mujoco>"})
     model = replay_model(other)

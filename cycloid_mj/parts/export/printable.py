@@ -60,8 +60,8 @@ def coupon_words() -> str:
     """Return instructions for using the fit of the coupon in an export."""
     sizes = ", ".join(f"{number} {1e6 * clearance:g}" for number, clearance in enumerate(COUPON.clearances, start=1))
     return (
-        "coupon: print coupon_block and coupon_pin; the first socket in which the pin turns, by its marks, tells "
-        f"--offset-um: {sizes}"
+        "coupon: print coupon_block and coupon_pin; the number of marks at the first socket in which the pin turns "
+        f"determines --offset-um: {sizes}"
     )
 
 
