@@ -99,7 +99,7 @@ def test_failed_equilibrium_is_no_jam_if_parts_without_clearance_balance() -> No
     for springs, told in (
         (
             rubbing,
-            r"residual is 0.25 of the load \(allowed: .*\)\. Friction is not the cause: .* up to 110% of the friction",
+            r"residual is 0.25 of the load \(allowed: .*\)\. Friction is not the cause, .* up to 110% of the friction",
         ),
         (smooth, r"residual is 0.25 of the load .*; check the clearances"),
     ):

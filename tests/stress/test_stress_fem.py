@@ -497,7 +497,7 @@ def read_back(written: StressMap) -> tuple[int, Array, Array]:
 def test_a_singular_support_is_refused() -> None:
     grid = part_grid(PIN, "ring", COARSE)
     for held in (grid.fixed_nodes[:1], np.zeros(0, np.int64)):
-        with pytest.raises(CycloidError, match="support of the ring is singular"):
+        with pytest.raises(CycloidError, match="ring can still move as a rigid body"):
             elastic.assemble_body(replace(grid, fixed_nodes=held), STEEL, loose=())
 
 
